@@ -1,0 +1,141 @@
+"""The command `trecsim`, and the one place where errors become a line.
+
+Commands are registered by name only; their module is imported when one is called, so that
+``trecsim --help`` needs neither NumPy nor the rest of the package.
+"""
+
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+from importlib.metadata import version
+
+from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
+
+from trecsim.errors import Error
+
+app = App(
+    name="trecsim",
+    help="Live 3D trajectories of all the people a set of fixed, calibrated cameras sees.",
+    version=lambda: f"trecsim {version('mc3d-trecsim')}",
+    help_epilogue="Exit codes: 0 done, 2 the input is wrong, 1 anything else.",
+    default_parameter=Parameter(negative=()),
+    suppress_keyboard_interrupt=False,
+)
+
+_COMMANDS = {
+    "demo": "Show the main job on a simulated room: no camera, no download.",
+    "run": "Run a whole site: recordings in, people in 3D out.",
+    "estimate": "Find people's 2D poses in videos.",
+    "track": "Reconstruct everybody's 3D trajectory from 2D poses.",
+    "export": "Turn recorded tracks into another format.",
+    "doctor": "Check whether this machine has what trecsim needs.",
+    "sample": "Fetch a real multi-camera recording to try things on.",
+}
+_GROUPS = {
+    "rig": (
+        "Look at camera calibrations and convert them.",
+        {
+            "show": "Show the cameras of a rig: a table, and a picture over the floor.",
+            "convert": "Write a rig in another format.",
+        },
+    ),
+    "site": (
+        "Check site files, and help editors to complete them.",
+        {
+            "check": "Check a site file and everything it names.",
+            "schema": "Print the JSON schema of site files.",
+        },
+    ),
+    "models": (
+        "Manage the files of pose models.",
+        {
+            "list": "List the known models and whether they are here.",
+            "pull": "Fetch a model and check it.",
+            "path": "Print where a model lies.",
+        },
+    ),
+}
+
+
+def _register() -> None:
+    for name, text in _COMMANDS.items():
+        app.command(f"trecsim.cli.{name}:{name}", name=name, help=text)
+    for group, (about, commands) in _GROUPS.items():
+        sub = App(name=group, help=about)
+        for name, text in commands.items():
+            function = f"{name}_" if name == "list" else name
+            sub.command(f"trecsim.cli.{group}:{function}", name=name, help=text)
+        app.command(sub)
+
+
+_register()
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run one command; end the process with the exit code that scripts rely on.
+
+    Parameters
+    ----------
+    arguments
+        What stands after ``trecsim``; None takes it from the command line.
+
+    Raises
+    ------
+    SystemExit
+        Always, with 0 (done), 2 (the user's input is wrong) or 1 (anything else).
+    """
+    raise SystemExit(_run(sys.argv[1:] if arguments is None else list(arguments)))
+
+
+def _run(arguments: list[str]) -> int:
+    try:
+        app(arguments, exit_on_error=False, print_error=False, result_action="return_none")
+        sys.stdout.flush()
+    except CycloptsError as error:
+        return _tell(_argument_fault(error), 2)
+    except Error as error:
+        return _tell(str(error), error.exit_code)
+    except KeyboardInterrupt as error:  # a command that kept something says so in the text
+        return _tell(str(error) or "stopped by Ctrl-C", 1)
+    except BrokenPipeError:  # the reader of stdout went away, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except Exception as error:  # the boundary: nobody on site should read a traceback
+        if os.environ.get("TRECSIM_DEBUG"):
+            raise
+        return _tell(_report(error), 1)
+    return 0
+
+
+def _tell(message: str, exit_code: int) -> int:
+    print(f"trecsim: {message}", file=sys.stderr)
+    return exit_code
+
+
+def _argument_fault(error: CycloptsError) -> str:
+    chain = error.command_chain or ()
+    if isinstance(error, UnknownCommandError):  # its own text would import every command
+        known = _GROUPS[chain[0]][1] if chain else [*_COMMANDS, *_GROUPS]
+        text = _unknown_command((error.unused_tokens or ["?"])[0], known)
+    else:
+        text = _one_line(str(error))
+    return f"{text} See: {' '.join(['trecsim', *chain, '--help'])}"
+
+
+def _unknown_command(name: str, known: Iterable[str]) -> str:
+    near = get_close_matches(name, known, n=1)
+    if near:
+        return f"there is no command {name!r}; did you mean {near[0]!r}?"
+    return f"there is no command {name!r}; there are: {', '.join(sorted(known))}."
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _report(error: Exception) -> str:
+    return (
+        f"a fault in trecsim itself: {type(error).__name__}: {_one_line(str(error))}; set "
+        "TRECSIM_DEBUG=1 to see where, and report it with that output"
+    )

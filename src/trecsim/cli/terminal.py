@@ -1,0 +1,99 @@
+"""What commands say: results to stdout, everything else to stderr."""
+
+import json
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, is_dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+
+class ProgressBar:
+    """How far a long piece of work has come; may be handed to a library as its `progress`."""
+
+    def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
+        self._bar = bar
+        self._task = task
+
+    def advance(self, n: int = 1) -> None:
+        """Add `n` finished steps."""
+        if self._bar is not None and self._task is not None:
+            self._bar.advance(self._task, n)
+
+    def __call__(self, done: int, total: int | None) -> None:
+        """Set the finished steps and, once it is known, how many there are."""
+        if self._bar is not None and self._task is not None:
+            self._bar.update(self._task, completed=done, total=total)
+
+
+@contextmanager
+def progress_bar(
+    description: str, total: int | None = None, *, quiet: bool = False
+) -> Iterator[ProgressBar]:
+    """Show a bar on stderr while the block runs.
+
+    Parameters
+    ----------
+    description
+        What is being done, a few words.
+    total
+        Number of steps; None while it is unknown.
+    quiet
+        Show nothing; so it is too when stderr is not a terminal.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield ProgressBar()
+        return
+    # Imported here: a third of the time that `trecsim --help` may take.
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        yield ProgressBar(bar, bar.add_task(description, total=total))
+
+
+def note(text: str) -> None:
+    """Say something on stderr that is neither the result nor an error."""
+    print(f"trecsim: {text}", file=sys.stderr)
+
+
+def finish(summary: Mapping[str, Any], as_json: bool, text: str) -> None:
+    """Print the result of a command on stdout.
+
+    Parameters
+    ----------
+    summary
+        The result as names and values; numbers that are not finite become null.
+    as_json
+        Print `summary` as one JSON object instead of `text`.
+    text
+        The result as a person reads it.
+    """
+    print(json.dumps(plain(summary), allow_nan=False) if as_json else text)
+
+
+def plain(value: Any) -> Any:
+    """Turn a result into what JSON can hold: arrays to lists, paths to text, NaN to null."""
+    if hasattr(value, "tolist"):  # arrays and their scalars, without importing NumPy
+        return plain(value.tolist())
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if is_dataclass(value) and not isinstance(value, type):
+        return plain(asdict(value))
+    if isinstance(value, (list, tuple, set, frozenset)):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    return str(value)

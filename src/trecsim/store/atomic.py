@@ -1,0 +1,121 @@
+"""Files that appear whole or not at all."""
+
+import errno
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import IO, Any, Literal, cast, overload
+
+from trecsim.errors import Error, InputError, SetupError
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_NOT_THERE = {errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP}
+_FORBIDDEN = {errno.EACCES, errno.EPERM, errno.EROFS}
+
+
+@overload
+def atomic_write(path: Path, mode: Literal["w"] = "w") -> AbstractContextManager[IO[str]]: ...
+@overload
+def atomic_write(path: Path, mode: Literal["wb"]) -> AbstractContextManager[IO[bytes]]: ...
+def atomic_write(
+    path: Path, mode: Literal["w", "wb"] = "w"
+) -> AbstractContextManager[IO[str]] | AbstractContextManager[IO[bytes]]:
+    """Open a file that takes its name only when it is complete.
+
+    The content goes to a hidden file in the same directory, which replaces `path` when the block
+    ends without an error. Whatever else happens (an error, Ctrl-C, no space, loss of power), the
+    old content of `path`, or its absence, stays.
+
+    Parameters
+    ----------
+    path
+        The file to write. A link is followed; a device or pipe is written to directly.
+    mode
+        Text (UTF-8, lines end with a newline character) or bytes.
+
+    Raises
+    ------
+    InputError
+        When `path` cannot be a file: its directory is missing, it is a directory itself, or
+        writing there is not allowed.
+    SetupError
+        When the disk has no room or does not work.
+
+    Examples
+    --------
+    >>> folder = getfixture("tmp_path")
+    >>> with atomic_write(folder / "answer.txt") as file:
+    ...     _ = file.write("42")
+    ...     (folder / "answer.txt").exists()
+    False
+    >>> (folder / "answer.txt").read_text()
+    '42'
+    """
+    return cast(AbstractContextManager[IO[str]], _atomic_write(path, mode))
+
+
+@contextmanager
+def _atomic_write(path: Path, mode: str) -> Iterator[IO[Any]]:
+    with disk_faults(path):
+        target = path.resolve()
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if target.exists() and not target.is_file():  # /dev/stdout, a named pipe
+            with _open(target, mode) as file:
+                yield file
+            return
+        temporary = target.with_name(f".{target.name[:80]}.{secrets.token_hex(4)}.tmp")
+        try:
+            with _open(temporary, mode.replace("w", "x")) as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
+
+
+def _open(path: Path, mode: str) -> IO[Any]:
+    return path.open(mode) if "b" in mode else path.open(mode, encoding="utf-8", newline="\n")
+
+
+@contextmanager
+def disk_faults(path: Path) -> Iterator[None]:
+    """Turn the system's errors while writing `path` into errors for the person on site.
+
+    Raises
+    ------
+    InputError
+        When the place itself is wrong.
+    SetupError
+        When the disk has no room or does not work.
+    """
+    try:
+        yield
+    except OSError as error:
+        told = _explain(path, error)
+        if told is None:  # an error of something else that happened to run inside the block
+            raise
+        raise told from error
+
+
+def _explain(path: Path, error: OSError) -> Error | None:
+    if error.errno in _NO_ROOM:
+        return SetupError(
+            f"cannot write {path}: the disk is full or the size of files is limited "
+            f"({error.strerror}); free some space or write to another disk"
+        )
+    if error.errno == errno.EIO:
+        return SetupError(f"cannot write {path}: the disk reports an error ({error.strerror})")
+    if error.errno == errno.EISDIR:
+        return InputError(f"cannot write {path}: it is a directory; give the name of a file")
+    if error.errno in _NOT_THERE:
+        return InputError(
+            f"cannot write {path}: the directory {path.parent} does not exist or the name is "
+            f"not valid ({error.strerror}); make the directory first"
+        )
+    if error.errno in _FORBIDDEN:
+        return InputError(f"cannot write {path}: {error.strerror}; choose another place")
+    return None
