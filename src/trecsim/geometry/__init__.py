@@ -1,0 +1,1 @@
+"""Camera model, rig, projection and its derivative, distortion, triangulation."""
