@@ -25,9 +25,9 @@ MODELS: tuple[str, ...] = get_args(DistortionModel)
 COEFFICIENTS: dict[str, tuple[int, ...]] = {"none": (0,), "brown": (4, 5, 8), "fisheye": (4,)}
 """How many coefficients each model takes; four of Brown's mean k3 = 0."""
 
-WIDEST = 50.0  # normalised radius (88.9 degrees off the axis) up to which inverses are tabulated
-TABLE_LENGTH = 1024
-NEWTON_STEPS = 12
+WIDEST = 50.0  # normalised radius: 88.9 degrees off the axis, nothing there has a pinhole image
+TABLE_LENGTH = 2048  # starts good to 1e-6, so that one or two steps are enough
+NEWTON_STEPS = 6  # what is not found by then lies beyond the fold
 TOLERANCE = 1e-12  # of a normalised coordinate: a billionth of a pixel
 
 
@@ -106,7 +106,7 @@ class Brown:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius_max", self._monotone_radius())
-        radius = np.linspace(0.0, min(self.radius_max, WIDEST), TABLE_LENGTH)
+        radius = np.tan(np.linspace(0.0, np.arctan(self.radius_max), TABLE_LENGTH))
         object.__setattr__(self, "_table", (radius * self._radial(radius**2)[0], radius))
 
     def distort(self, xy: Points) -> Points:
@@ -130,7 +130,7 @@ class Brown:
 
         Newton's method from the inverse of the radial part alone, which a table gives.
         """
-        x_d, y_d = np.ascontiguousarray(xy[..., 0]), np.ascontiguousarray(xy[..., 1])
+        x_d, y_d = xy[..., 0].copy(), xy[..., 1].copy()
         with np.errstate(all="ignore"):
             radius = np.hypot(x_d, y_d)
             scale = np.where(radius > 0, np.interp(radius, *self._table) / radius, 1.0)
@@ -180,7 +180,8 @@ class Brown:
         low = np.polynomial.Polynomial([1, self.k4, self.k5, self.k6])
         s = np.polynomial.Polynomial([0, 1])
         growth = top * low + 2 * s * (top.deriv() * low - top * low.deriv())
-        return float(np.sqrt(min(_first_positive_root(growth), _first_positive_root(low))))
+        pole = 0.999 * _first_root(low, WIDEST**2)  # short of it: numbers must stay finite
+        return float(np.sqrt(_first_root(growth, pole)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,8 +203,8 @@ class Fisheye:
 
     def __post_init__(self) -> None:
         growth = [1, 3 * self.k1, 5 * self.k2, 7 * self.k3, 9 * self.k4]
-        bend_back = _first_positive_root(np.polynomial.Polynomial(growth))
-        angle_max = min(float(np.sqrt(bend_back)), np.arctan(WIDEST))
+        widest = float(np.arctan(WIDEST)) ** 2
+        angle_max = float(np.sqrt(_first_root(np.polynomial.Polynomial(growth), widest)))
         object.__setattr__(self, "_angle_max", angle_max)
         object.__setattr__(self, "radius_max", float(np.tan(angle_max)))
         angle = np.linspace(0.0, angle_max, TABLE_LENGTH)
@@ -269,11 +270,12 @@ def _nan_where(mask: Array, *parts: Array) -> Sequence[Array]:
     return [np.where(mask, np.nan, part) for part in parts]
 
 
-def _first_positive_root(polynomial: "np.polynomial.Polynomial") -> float:
-    """Return the smallest positive real root, or infinity."""
-    coefficients = np.trim_zeros(polynomial.coef, "b")
-    if len(coefficients) < 2:
-        return np.inf
-    roots = np.polynomial.polynomial.polyroots(coefficients)
-    real = roots.real[(np.abs(roots.imag) < 1e-9 * (1 + np.abs(roots.real))) & (roots.real > 0)]
-    return float(real.min()) if real.size else np.inf
+def _first_root(polynomial: "np.polynomial.Polynomial", up_to: float) -> float:
+    """Return the smallest root in (0, `up_to`], or `up_to` if there is none."""
+    scaled = np.array([float(c) * up_to**power for power, c in enumerate(polynomial.coef)])
+    while len(scaled) > 1 and abs(scaled[-1]) < 1e-9:  # too small to bend anything back
+        scaled = scaled[:-1]
+    roots = np.polynomial.polynomial.polyroots(scaled) if len(scaled) > 1 else np.empty(0)
+    real = roots.real[np.abs(roots.imag) < 1e-9]
+    inside = real[(real > 0) & (real < 1)]
+    return up_to * float(inside.min(initial=1.0))
