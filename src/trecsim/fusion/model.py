@@ -1,0 +1,81 @@
+"""What stays the same while people are tracked: cameras, body, settings, as the kernels want it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from trecsim.fusion import body
+from trecsim.fusion.settings import FusionSettings
+from trecsim.geometry import Rig
+from trecsim.skeleton import Skeleton
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """Constants of one tracking run.
+
+    Attributes
+    ----------
+    rig, skeleton, settings
+        What the run was started with.
+    P, focal_px
+        Projections for undistorted pixels and mean focal lengths, per camera.
+    size_px
+        Image sizes (width, height), per camera.
+    mirror
+        Index of each joint's left-right counterpart.
+    sigma_m
+        Noise of a good key point at the person's distance, per joint.
+    stiffness
+        Weight of the smoothing prior, per joint.
+    limbs, limb_m
+        Limbs of known usual length, and that length.
+    torso
+        The joints that stand for the whole person.
+    """
+
+    rig: Rig
+    skeleton: Skeleton
+    settings: FusionSettings
+    P: Float64[np.ndarray, "cam 3 4"]
+    focal_px: Float64[np.ndarray, " cam"]
+    size_px: Float64[np.ndarray, "cam 2"]
+    mirror: Int64[np.ndarray, " joint"]
+    sigma_m: Float64[np.ndarray, " joint"]
+    stiffness: Float64[np.ndarray, " joint"]
+    limbs: Int64[np.ndarray, "limb 2"]
+    limb_m: Float64[np.ndarray, " limb"]
+    torso: Int64[np.ndarray, " joint_of_torso"]
+
+    @property
+    def log_inlier(self) -> float:
+        """Log of the inliers' prior share times the area over which outliers spread."""
+        s = self.settings
+        return math.log((1.0 - s.outlier_share) * s.outlier_area_m2)
+
+    @property
+    def log_flip(self) -> float:
+        """Log prior odds that a detection has left and right exchanged."""
+        return math.log(self.settings.flip_share / (1.0 - self.settings.flip_share))
+
+
+def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
+    """Derive the constants of a run."""
+    limbs, limb_m = body.usual_limbs(skeleton)
+    torso = [i for i, name in enumerate(skeleton.joints) if name.endswith(("shoulder", "hip"))]
+    return Model(
+        rig=rig,
+        skeleton=skeleton,
+        settings=settings,
+        P=np.ascontiguousarray(rig.P, np.float64),
+        focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
+        size_px=np.array([c.size_px for c in rig], np.float64),
+        mirror=np.array(skeleton.mirror, np.int64),
+        sigma_m=body.key_point_sigma_m(skeleton, settings),
+        stiffness=body.stiffness(skeleton, settings),
+        limbs=np.array(limbs, np.int64).reshape(-1, 2),
+        limb_m=limb_m,
+        torso=np.array(torso or range(len(skeleton.joints)), np.int64),
+    )

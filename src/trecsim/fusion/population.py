@@ -1,0 +1,80 @@
+"""Everybody who is tracked, as arrays: the state of the fusion."""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+
+@dataclass(slots=True, eq=False)
+class Population:
+    """The tracked people; the first axis of every array is the track.
+
+    Attributes
+    ----------
+    R, z
+        Square-root information of each joint's live control points.
+    id
+        Identity, never reused for somebody else.
+    born_s
+        When the track began [s].
+    confirmed
+        Whether it is reported.
+    together_s
+        For how long two cameras have supported it [s].
+    two_s
+        When two cameras last supported it [s].
+    camera_s
+        When each camera last supported the person [s].
+    joint_s
+        When each camera last supported each joint [s].
+    """
+
+    R: Float64[np.ndarray, "track joint n n"]
+    z: Float64[np.ndarray, "track joint n"]
+    id: Int64[np.ndarray, " track"]
+    born_s: Float64[np.ndarray, " track"]
+    confirmed: Bool[np.ndarray, " track"]
+    together_s: Float64[np.ndarray, " track"]
+    two_s: Float64[np.ndarray, " track"]
+    camera_s: Float64[np.ndarray, "track cam"]
+    joint_s: Float64[np.ndarray, "track joint cam"]
+
+    @classmethod
+    def nobody(cls, n_joint: int, live: int, n_cam: int) -> "Population":
+        """Return an empty population."""
+        n = 3 * live
+        return cls(
+            R=np.empty((0, n_joint, n, n)),
+            z=np.empty((0, n_joint, n)),
+            id=np.empty(0, np.int64),
+            born_s=np.empty(0),
+            confirmed=np.empty(0, bool),
+            together_s=np.empty(0),
+            two_s=np.empty(0),
+            camera_s=np.empty((0, n_cam)),
+            joint_s=np.empty((0, n_joint, n_cam)),
+        )
+
+    def __len__(self) -> int:
+        """Return the number of tracks."""
+        return len(self.id)
+
+    def keep(self, which: Bool[np.ndarray, " track"]) -> "Population":
+        """Return only the tracks that `which` marks."""
+        if which.all():
+            return self
+        return Population(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
+
+    def joined(self, other: "Population") -> "Population":
+        """Return both populations as one."""
+        return Population(
+            **{
+                f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)])
+                for f in fields(self)
+            }
+        )
+
+    def renamed(self, id: Int64[np.ndarray, " track"]) -> "Population":
+        """Return the same people under other identities."""
+        return replace(self, id=id)

@@ -1,0 +1,335 @@
+"""The one object with state: frame sets in, people in 3D out."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from trecsim.fusion import birth, kernels, lifecycle
+from trecsim.fusion.association import Association, associate
+from trecsim.fusion.images import Images, prepare
+from trecsim.fusion.lifecycle import Lost
+from trecsim.fusion.model import build
+from trecsim.fusion.population import Population
+from trecsim.fusion.settings import FusionSettings
+from trecsim.fusion.spline import ORDER, KnotGrid
+from trecsim.geometry import Rig
+from trecsim.skeleton import COCO17, Skeleton
+from trecsim.types import FrameSet, Poses2D, Snapshot
+
+# Leftover detections of different cameras this close in time may begin a person together [s].
+_PAIR_S = 0.1
+_CLOSE_S = 0.25
+
+
+class Tracker:
+    """Follow any number of people with any number of cameras.
+
+    Parameters
+    ----------
+    rig
+        The cameras.
+    settings
+        See `FusionSettings`.
+    skeleton
+        The joints that the 2D poses have.
+    lag_s
+        How far behind the newest image `step` reports [s]; what comes later smooths it.
+
+    Examples
+    --------
+    ::
+
+        tracker = Tracker(rig)
+        for frame_set in frame_sets(read_poses(path), rig):
+            snapshot = tracker.step(frame_set)
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        settings: FusionSettings | None = None,
+        *,
+        skeleton: Skeleton = COCO17,
+        lag_s: float = 0.0,
+    ) -> None:
+        self._model = build(rig, skeleton, settings or FusionSettings())
+        s = self._model.settings
+        self._lag_s = lag_s
+        self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
+        self._grid: KnotGrid | None = None
+        self._people = self._nobody()
+        self._last_image_s = np.full(len(rig), -np.inf)
+        self._t_s = -np.inf
+        self._leftover: list[Poses2D] = []
+        self._lost: list[Lost] = []
+        self._close_since: dict[tuple[int, int], float] = {}
+        self._next_id = 0
+
+    def step(self, frame_set: FrameSet) -> Snapshot:
+        """Take in one frame set and return where everybody is, at its time minus the lag."""
+        views = self._usable(frame_set)
+        if not views:
+            return self._snapshot(max(self._t_s, frame_set.t_s))
+        elapsed_s = max(0.0, frame_set.t_s - self._t_s) if np.isfinite(self._t_s) else 0.0
+        self._t_s = max(self._t_s, frame_set.t_s)
+        grid = self._advance(self._t_s)
+        n_joint = len(self._model.skeleton.joints)
+        images = prepare(views, self._model.rig, n_joint, grid, self._model.settings)
+        association = self._update(images, elapsed_s)
+        self._begin(views, images, association)
+        lifecycle.confirm(self._people, self._model, self._t_s)
+        self._end(association)
+        return self._snapshot(self._t_s)
+
+    def _nobody(self) -> Population:
+        n_joint = len(self._model.skeleton.joints)
+        return Population.nobody(n_joint, self._live, len(self._model.rig))
+
+    def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
+        """Return the views that bring something new and are not too late."""
+        views = []
+        for view in frame_set.views:
+            cam = self._model.rig.index(view.camera)
+            too_late = self._grid is not None and view.t_s < self._grid.start_s
+            if too_late or view.t_s == self._last_image_s[cam]:
+                continue
+            views.append(view)
+        return views
+
+    def _advance(self, t_s: float) -> KnotGrid:
+        """Move the knot grid on to `t_s`; every joint gets new control points as needed."""
+        s = self._model.settings
+        if self._grid is None or self._grid.steps_to(t_s) * s.knot_s > max(s.death_s, 2.0):
+            # Nobody can be followed over so long a gap; begin anew, identities go on.
+            self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
+            self._people = self._nobody()
+            return self._grid
+        for _ in range(self._grid.steps_to(t_s)):
+            self._extend(t_s)
+        self._grid = self._grid.moved_to(t_s)
+        return self._grid
+
+    def _extend(self, t_s: float) -> None:
+        """Append one control point to every joint, carried by its own and the body's velocity."""
+        people, s = self._people, self._model.settings
+        if not len(people):
+            return
+        c = self._control_points().reshape(len(people), -1, self._live, 3)
+        own = c[:, :, -1] - c[:, :, -2]
+        supported = lifecycle.support(people, t_s - s.knot_s) > 0
+        torso = np.zeros(supported.shape)
+        torso[:, self._model.torso] = np.where(supported[:, self._model.torso], 1.0, 0.05)
+        drift = (own * torso[..., None]).sum(axis=1) / torso.sum(axis=1)[:, None]
+        memory_s = np.where(supported, s.velocity_memory_s, s.drag_memory_s)
+        kernels.extend_all(
+            people.R, people.z, self._model.stiffness, np.exp(-s.knot_s / memory_s), drift
+        )
+
+    def _update(self, images: Images, elapsed_s: float) -> Association:
+        """Associate and fit everybody who is already there."""
+        xyz = self._predict(images)
+        prior = self._covariance(self._t_s)
+        association = associate(self._model, images, xyz, prior)
+        inlier = self._fit(self._people, images, association, xyz, prior)
+        lifecycle.note_support(self._people, images, association, inlier, self._t_s, elapsed_s)
+        self._last_image_s[images.cam] = images.t_s
+        return association
+
+    def _fit(
+        self,
+        people: Population,
+        images: Images,
+        association: Association,
+        xyz_m: Float64[np.ndarray, "view track joint 3"],
+        prior_m2: Float64[np.ndarray, "track joint 3 3"],
+    ) -> Float64[np.ndarray, "track view joint"]:
+        """Fit `people` to their detections and return the joints' responsibilities."""
+        m, s = self._model, self._model.settings
+        since = images.t_s - self._last_image_s[images.cam]
+        worth = association.responsibility * np.clip(since / s.error_memory_s, 0.05, 1.0)
+        inlier = np.zeros((len(people), len(images), len(m.skeleton.joints)))
+        kernels.fit_all(
+            people.R, people.z, xyz_m, prior_m2, images.cam, m.P, m.focal_px,
+            images.span, images.weights, images.xy_px, images.score,
+            association.match, association.flip, worth,
+            m.mirror, m.sigma_m, s.floor_px, s.good_score, m.log_inlier, s.outlier_share, inlier,
+        )  # fmt: skip
+        return inlier
+
+    def _begin(self, views: Sequence[Poses2D], images: Images, association: Association) -> None:
+        """Let people begin where leftover detections of two or more cameras meet."""
+        fresh = {view.camera for view in views}
+        kept = [
+            view
+            for view in self._leftover
+            if view.camera not in fresh and abs(view.t_s - self._t_s) <= _PAIR_S
+        ]
+        free = association.leftover(len(images.xy_px))
+        self._leftover = kept + _only(views, images, free)
+        if len({view.camera for view in self._leftover if len(view.score)}) < 2:
+            return
+        grid = self._grid
+        assert grid is not None
+        pool = self._pool(grid)
+        used: list[int] = []
+        for candidate in birth.candidates(self._model, pool, np.arange(len(pool.xy_px))):
+            self._add(candidate, pool)
+            used.extend(candidate.member.values())
+        if used:
+            free = np.setdiff1d(np.arange(len(pool.xy_px)), used)
+            self._leftover = _only(self._leftover, pool, free)
+
+    def _pool(self, grid: KnotGrid) -> Images:
+        n_joint = len(self._model.skeleton.joints)
+        offset = np.cumsum([0, *(len(view.score) for view in self._leftover)])
+        places = [grid.locate(view.t_s) for view in self._leftover]
+        return Images(
+            cam=np.array([self._model.rig.index(v.camera) for v in self._leftover], np.int64),
+            t_s=np.array([view.t_s for view in self._leftover]),
+            offset=offset,
+            xy_px=np.concatenate([v.xy_px for v in self._leftover]).reshape(-1, n_joint, 2),
+            score=np.concatenate([v.score for v in self._leftover]).reshape(-1, n_joint),
+            span=np.array([span for span, _ in places], np.int64),
+            weights=np.array([w for _, w in places]).reshape(-1, 4),
+        )
+
+    def _add(self, candidate: birth.Candidate, pool: Images) -> None:
+        """Add somebody new, or somebody who is back."""
+        torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso].mean(axis=0)
+        back = lifecycle.recall(self._lost, torso, self._t_s, self._model.settings.recall_s)
+        if back is None:
+            identity = self._next_id
+            self._next_id += 1
+        else:
+            identity = back.id
+            self._lost.remove(back)
+        person = birth.newborn(candidate, identity, self._t_s, self._live, self._model)
+        person.confirmed[:] = back is not None
+        match = np.full((1, len(pool)), -1, np.int64)
+        flip = np.zeros((1, len(pool)), np.int64)
+        for view, detection in candidate.member.items():
+            match[0, view], flip[0, view] = detection, candidate.flip[view]
+        association = Association(match, flip, np.ones(match.shape))
+        xyz, prior = self._at_images(person, pool), self._covariance_of(person, self._t_s)
+        inlier = self._fit(person, pool, association, xyz, prior)
+        lifecycle.note_support(person, pool, association, inlier, self._t_s, 0.0)
+        self._people = self._people.joined(person)
+
+    def _end(self, association: Association) -> None:
+        """Drop duplicates and those whom nobody sees any more."""
+        people = self._people
+        if not len(people):
+            return
+        xyz = self._evaluate(people, self._control_points(), self._t_s)
+        alive = np.ones(len(people), bool)
+        known = len(association.match)
+        pairs = lifecycle.close_pairs(people.keep(np.arange(len(people)) < known), self._model,
+                                      association, xyz[:known])  # fmt: skip
+        close = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
+        self._close_since = {p: self._close_since.get(p, self._t_s) for p in close}
+        for pair, younger in close.items():
+            if self._t_s - self._close_since[pair] >= _CLOSE_S:
+                alive[younger] = False
+        expected = lifecycle.expected_cameras(self._model, xyz)
+        gone = ~lifecycle.survivors(people, self._model, expected, self._t_s)
+        self._remember(people, xyz, gone & alive & people.confirmed & (expected > 0))
+        self._people = people.keep(alive & ~gone)
+
+    def _remember(
+        self,
+        people: Population,
+        xyz_m: Float64[np.ndarray, "track joint 3"],
+        who: np.ndarray,
+    ) -> None:
+        """Keep in mind people who were dropped in view, as they may come back."""
+        recall_s = self._model.settings.recall_s
+        self._lost = [one for one in self._lost if self._t_s - one.t_s <= recall_s]
+        seen_s = people.camera_s.max(axis=1, initial=-np.inf)
+        for k in np.flatnonzero(who):
+            then = max(seen_s[k], self._t_s - self._model.settings.window_s + 0.1)
+            one = people.keep(np.arange(len(people)) == k)
+            c = self._solve(one)
+            at = [
+                self._evaluate(one, c, t)[0, self._model.torso].mean(axis=0)
+                for t in (then - 0.1, then)
+            ]
+            self._lost.append(Lost(int(people.id[k]), then, at[1], (at[1] - at[0]) / 0.1))
+
+    def _snapshot(self, now_s: float) -> Snapshot:
+        t_s = now_s - self._lag_s
+        people = self._people.keep(self._people.confirmed & (self._people.born_s <= t_s + 1e-9))
+        if self._grid is None or not len(people):
+            people = self._nobody()
+        n_joint = len(self._model.skeleton.joints)
+        if not len(people):
+            return Snapshot(
+                t_s,
+                people.id,
+                np.empty((0, n_joint, 3)),
+                np.empty((0, n_joint, 3, 3)),
+                np.empty((0, n_joint), np.int64),
+            )
+        return Snapshot(
+            t_s=t_s,
+            id=people.id,
+            xyz_m=self._evaluate(people, self._solve(people), t_s),
+            cov_m2=self._covariance_of(people, t_s),
+            support=lifecycle.support(people, t_s),
+        )
+
+    def _solve(self, people: Population) -> Float64[np.ndarray, "track joint n"]:
+        c = np.empty(people.z.shape)
+        kernels.solve_all(people.R, people.z, c)
+        return c
+
+    def _control_points(self) -> Float64[np.ndarray, "track joint n"]:
+        return self._solve(self._people)
+
+    def _evaluate(
+        self, people: Population, c: Float64[np.ndarray, "track joint n"], t_s: float
+    ) -> Float64[np.ndarray, "track joint 3"]:
+        assert self._grid is not None
+        span, weights = self._grid.locate(t_s)
+        xyz = np.empty((len(people), c.shape[1], 3))
+        kernels.evaluate_all(c, span, weights, xyz)
+        return xyz
+
+    def _predict(self, images: Images) -> Float64[np.ndarray, "view track joint 3"]:
+        return self._at_images(self._people, images)
+
+    def _at_images(
+        self, people: Population, images: Images
+    ) -> Float64[np.ndarray, "view track joint 3"]:
+        c = self._solve(people)
+        xyz = np.empty((len(images), len(people), c.shape[1], 3))
+        for v in range(len(images)):
+            kernels.evaluate_all(c, images.span[v], images.weights[v], xyz[v])
+        return xyz
+
+    def _covariance(self, t_s: float) -> Float64[np.ndarray, "track joint 3 3"]:
+        return self._covariance_of(self._people, t_s)
+
+    def _covariance_of(
+        self, people: Population, t_s: float
+    ) -> Float64[np.ndarray, "track joint 3 3"]:
+        assert self._grid is not None
+        span, weights = self._grid.locate(t_s)
+        cov = np.empty((len(people), people.R.shape[1], 3, 3))
+        kernels.covariance_all(people.R, span, weights, cov)
+        return cov
+
+
+def _only(
+    views: Sequence[Poses2D], images: Images, which: Int64[np.ndarray, " person"]
+) -> list[Poses2D]:
+    """Return views with only the detections `which`, undistorted as in `images`."""
+    out = []
+    for v, view in enumerate(views):
+        here = which[(which >= images.offset[v]) & (which < images.offset[v + 1])]
+        out.append(
+            Poses2D(
+                view.camera, view.t_s, images.xy_px[here], images.score[here], np.ones(len(here))
+            )
+        )
+    return out
