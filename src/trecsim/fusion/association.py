@@ -141,14 +141,19 @@ def score(
 ) -> tuple[Float64[np.ndarray, "track person"], Int64[np.ndarray, "track person"]]:
     """Return log ratio to clutter and mirror state of one image's detections for every track."""
     first, last = images.offset[view], images.offset[view + 1]
-    s = model.settings
     cam = images.cam[view]
     ratio = np.empty((len(xyz_m), last - first))
     flip = np.empty((len(xyz_m), last - first), np.int64)
     kernels.score_view(
-        model.P[cam], model.focal_px[cam], xyz_m, cov_m2,
-        images.xy_px[first:last], images.score[first:last], model.mirror, model.sigma_m,
-        s.floor_px, s.good_score, model.log_inlier, s.outlier_share, model.log_flip, _REACH_M,
-        ratio, flip,
-    )  # fmt: skip
+        model.P[cam],
+        model.focal_px[cam],
+        xyz_m,
+        cov_m2,
+        images.xy_px[first:last],
+        images.score[first:last],
+        model.noise,
+        _REACH_M,
+        ratio,
+        flip,
+    )
     return ratio, flip

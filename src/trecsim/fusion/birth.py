@@ -57,23 +57,19 @@ def rays(
     return origin, direction / np.linalg.norm(direction, axis=-1, keepdims=True)
 
 
-def candidates(
-    model: Model, images: Images, leftover: Int64[np.ndarray, " person"]
-) -> Iterator[Candidate]:
-    """Find new people among the leftover detections, best first.
+def candidates(model: Model, images: Images) -> Iterator[Candidate]:
+    """Find new people, best first.
 
     Parameters
     ----------
     model
         Constants of the run.
     images
-        The images they come from.
-    leftover
-        Indices of the detections that belong to nobody.
+        Detections that belong to nobody.
     """
+    leftover = np.arange(len(images.xy_px))
     if len(leftover) > _MOST:
-        best = np.argsort(-images.score[leftover].sum(axis=1), kind="stable")[:_MOST]
-        leftover = np.sort(leftover[best])
+        leftover = np.sort(np.argsort(-images.score.sum(axis=1), kind="stable")[:_MOST])
     view_of = images.view_of[leftover]
     cam = images.cam[view_of]
     if len(np.unique(cam)) < 2:
@@ -111,9 +107,8 @@ def _pairs(
     pair = np.full((len(leftover), len(leftover)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
     kernels.pair_scores(
-        cam, origin, ray, factor, model.mirror, model.limbs, model.limb_m, model.sigma_m,
-        s.outlier_share, model.log_flip, pair, flip,
-    )  # fmt: skip
+        cam, origin, ray, factor, model.limbs, model.limb_m, model.noise, pair, flip
+    )
     return pair, flip, origin, ray
 
 
@@ -128,7 +123,7 @@ def _meet(
     """Return the points halfway between the rays of two detections; NaN where they miss."""
     xyz = np.full((ray.shape[1], 3), np.nan)
     for j in range(ray.shape[1]):
-        m = model.mirror[j] if flipped else j
+        m = model.noise.mirror[j] if flipped else j
         point = np.empty(3)
         gap = kernels.ray_midpoint(origin[i], ray[i, j], origin[k], ray[k, m], point)
         if gap < 0.25:
@@ -184,9 +179,7 @@ def completed(
     return xyz
 
 
-def newborn(
-    candidate: Candidate, id: int, t_s: float, live: int, model: Model
-) -> Population:
+def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) -> Population:
     """Return a population of one, resting where the candidate is, to be fitted to its images."""
     person = Population.nobody(len(candidate.xyz_m), live, len(model.rig))
     n_joint, n_cam = len(candidate.xyz_m), len(model.rig)

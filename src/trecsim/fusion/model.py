@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.fusion import body
+from trecsim.fusion.kernels import Noise
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
@@ -24,10 +25,8 @@ class Model:
         Projections for undistorted pixels and mean focal lengths, per camera.
     size_px
         Image sizes (width, height), per camera.
-    mirror
-        Index of each joint's left-right counterpart.
-    sigma_m
-        Noise of a good key point at the person's distance, per joint.
+    noise
+        What the kernels assume of the detector.
     stiffness
         Weight of the smoothing prior, per joint.
     limbs, limb_m
@@ -42,23 +41,11 @@ class Model:
     P: Float64[np.ndarray, "cam 3 4"]
     focal_px: Float64[np.ndarray, " cam"]
     size_px: Float64[np.ndarray, "cam 2"]
-    mirror: Int64[np.ndarray, " joint"]
-    sigma_m: Float64[np.ndarray, " joint"]
+    noise: Noise
     stiffness: Float64[np.ndarray, " joint"]
     limbs: Int64[np.ndarray, "limb 2"]
     limb_m: Float64[np.ndarray, " limb"]
     torso: Int64[np.ndarray, " joint_of_torso"]
-
-    @property
-    def log_inlier(self) -> float:
-        """Log of the inliers' prior share times the area over which outliers spread."""
-        s = self.settings
-        return math.log((1.0 - s.outlier_share) * s.outlier_area_m2)
-
-    @property
-    def log_flip(self) -> float:
-        """Log prior odds that a detection has left and right exchanged."""
-        return math.log(self.settings.flip_share / (1.0 - self.settings.flip_share))
 
 
 def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
@@ -72,10 +59,21 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         P=np.ascontiguousarray(rig.P, np.float64),
         focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
         size_px=np.array([c.size_px for c in rig], np.float64),
-        mirror=np.array(skeleton.mirror, np.int64),
-        sigma_m=body.key_point_sigma_m(skeleton, settings),
+        noise=_noise(skeleton, settings),
         stiffness=body.stiffness(skeleton, settings),
         limbs=np.array(limbs, np.int64).reshape(-1, 2),
         limb_m=limb_m,
         torso=np.array(torso or range(len(skeleton.joints)), np.int64),
+    )
+
+
+def _noise(skeleton: Skeleton, s: FusionSettings) -> Noise:
+    return Noise(
+        sigma_m=body.key_point_sigma_m(skeleton, s),
+        mirror=np.array(skeleton.mirror, np.int64),
+        floor_px=float(s.floor_px),
+        good_score=float(s.good_score),
+        log_inlier=math.log((1.0 - s.outlier_share) * s.outlier_area_m2),
+        outlier_share=float(s.outlier_share),
+        log_flip=math.log(s.flip_share / (1.0 - s.flip_share)),
     )

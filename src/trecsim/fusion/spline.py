@@ -30,14 +30,17 @@ def basis(u: float) -> Float64[np.ndarray, "4"]:
     array([1., 4., 1., 0.])
     """
     v = 1.0 - u
-    return np.array(
-        [
-            v * v * v,
-            3.0 * u * u * u - 6.0 * u * u + 4.0,
-            3.0 * v * v * v - 6.0 * v * v + 4.0,
-            u * u * u,
-        ]
-    ) / 6.0
+    return (
+        np.array(
+            [
+                v * v * v,
+                3.0 * u * u * u - 6.0 * u * u + 4.0,
+                3.0 * v * v * v - 6.0 * v * v + 4.0,
+                u * u * u,
+            ]
+        )
+        / 6.0
+    )
 
 
 @dataclass(frozen=True, slots=True)

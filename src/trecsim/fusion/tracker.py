@@ -1,9 +1,7 @@
 """The one object with state: frame sets in, people in 3D out."""
 
-from collections.abc import Sequence
-
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64
 
 from trecsim.fusion import birth, kernels, lifecycle
 from trecsim.fusion.association import Association, associate
@@ -61,7 +59,7 @@ class Tracker:
         self._people = self._nobody()
         self._last_image_s = np.full(len(rig), -np.inf)
         self._t_s = -np.inf
-        self._leftover: list[Poses2D] = []
+        self._leftover = Images.nothing(len(skeleton.joints))
         self._lost: list[Lost] = []
         self._close_since: dict[tuple[int, int], float] = {}
         self._next_id = 0
@@ -73,14 +71,19 @@ class Tracker:
             return self._snapshot(max(self._t_s, frame_set.t_s))
         elapsed_s = max(0.0, frame_set.t_s - self._t_s) if np.isfinite(self._t_s) else 0.0
         self._t_s = max(self._t_s, frame_set.t_s)
-        grid = self._advance(self._t_s)
+        self._advance(self._t_s)
         n_joint = len(self._model.skeleton.joints)
-        images = prepare(views, self._model.rig, n_joint, grid, self._model.settings)
+        images = prepare(views, self._model.rig, n_joint, self._model.settings)
         association = self._update(images, elapsed_s)
-        self._begin(views, images, association)
+        self._begin(images, association)
         lifecycle.confirm(self._people, self._model, self._t_s)
         self._end(association)
         return self._snapshot(self._t_s)
+
+    @property
+    def _knots(self) -> KnotGrid:
+        assert self._grid is not None, "the first frame set sets the grid"
+        return self._grid
 
     def _nobody(self) -> Population:
         n_joint = len(self._model.skeleton.joints)
@@ -97,18 +100,17 @@ class Tracker:
             views.append(view)
         return views
 
-    def _advance(self, t_s: float) -> KnotGrid:
+    def _advance(self, t_s: float) -> None:
         """Move the knot grid on to `t_s`; every joint gets new control points as needed."""
         s = self._model.settings
         if self._grid is None or self._grid.steps_to(t_s) * s.knot_s > max(s.death_s, 2.0):
             # Nobody can be followed over so long a gap; begin anew, identities go on.
             self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
             self._people = self._nobody()
-            return self._grid
+            return
         for _ in range(self._grid.steps_to(t_s)):
             self._extend(t_s)
         self._grid = self._grid.moved_to(t_s)
-        return self._grid
 
     def _extend(self, t_s: float) -> None:
         """Append one control point to every joint, carried by its own and the body's velocity."""
@@ -149,50 +151,26 @@ class Tracker:
         since = images.t_s - self._last_image_s[images.cam]
         worth = association.responsibility * np.clip(since / s.error_memory_s, 0.05, 1.0)
         inlier = np.zeros((len(people), len(images), len(m.skeleton.joints)))
+        span, weights = images.placed(self._knots)
         kernels.fit_all(
-            people.R, people.z, xyz_m, prior_m2, images.cam, m.P, m.focal_px,
-            images.span, images.weights, images.xy_px, images.score,
-            association.match, association.flip, worth,
-            m.mirror, m.sigma_m, s.floor_px, s.good_score, m.log_inlier, s.outlier_share, inlier,
+            people.R, people.z, xyz_m, prior_m2, images.cam, m.P, m.focal_px, span, weights,
+            images.xy_px, images.score, association.match, association.flip, worth, m.noise, inlier,
         )  # fmt: skip
         return inlier
 
-    def _begin(self, views: Sequence[Poses2D], images: Images, association: Association) -> None:
+    def _begin(self, images: Images, association: Association) -> None:
         """Let people begin where leftover detections of two or more cameras meet."""
-        fresh = {view.camera for view in views}
-        kept = [
-            view
-            for view in self._leftover
-            if view.camera not in fresh and abs(view.t_s - self._t_s) <= _PAIR_S
-        ]
-        free = association.leftover(len(images.xy_px))
-        self._leftover = kept + _only(views, images, free)
-        if len({view.camera for view in self._leftover if len(view.score)}) < 2:
-            return
-        grid = self._grid
-        assert grid is not None
-        pool = self._pool(grid)
+        old = self._leftover
+        old = old.images(~np.isin(old.cam, images.cam) & (self._t_s - old.t_s <= _PAIR_S))
+        fresh = images.detections(association.leftover(len(images.xy_px)))
+        self._leftover = old.joined(fresh.images(np.diff(fresh.offset) > 0))
         used: list[int] = []
-        for candidate in birth.candidates(self._model, pool, np.arange(len(pool.xy_px))):
-            self._add(candidate, pool)
+        for candidate in birth.candidates(self._model, self._leftover):
+            self._add(candidate, self._leftover)
             used.extend(candidate.member.values())
         if used:
-            free = np.setdiff1d(np.arange(len(pool.xy_px)), used)
-            self._leftover = _only(self._leftover, pool, free)
-
-    def _pool(self, grid: KnotGrid) -> Images:
-        n_joint = len(self._model.skeleton.joints)
-        offset = np.cumsum([0, *(len(view.score) for view in self._leftover)])
-        places = [grid.locate(view.t_s) for view in self._leftover]
-        return Images(
-            cam=np.array([self._model.rig.index(v.camera) for v in self._leftover], np.int64),
-            t_s=np.array([view.t_s for view in self._leftover]),
-            offset=offset,
-            xy_px=np.concatenate([v.xy_px for v in self._leftover]).reshape(-1, n_joint, 2),
-            score=np.concatenate([v.score for v in self._leftover]).reshape(-1, n_joint),
-            span=np.array([span for span, _ in places], np.int64),
-            weights=np.array([w for _, w in places]).reshape(-1, 4),
-        )
+            free = np.setdiff1d(np.arange(len(self._leftover.xy_px)), used)
+            self._leftover = self._leftover.detections(free)
 
     def _add(self, candidate: birth.Candidate, pool: Images) -> None:
         """Add somebody new, or somebody who is back."""
@@ -240,7 +218,7 @@ class Tracker:
         self,
         people: Population,
         xyz_m: Float64[np.ndarray, "track joint 3"],
-        who: np.ndarray,
+        who: Bool[np.ndarray, " track"],
     ) -> None:
         """Keep in mind people who were dropped in view, as they may come back."""
         recall_s = self._model.settings.recall_s
@@ -289,8 +267,7 @@ class Tracker:
     def _evaluate(
         self, people: Population, c: Float64[np.ndarray, "track joint n"], t_s: float
     ) -> Float64[np.ndarray, "track joint 3"]:
-        assert self._grid is not None
-        span, weights = self._grid.locate(t_s)
+        span, weights = self._knots.locate(t_s)
         xyz = np.empty((len(people), c.shape[1], 3))
         kernels.evaluate_all(c, span, weights, xyz)
         return xyz
@@ -303,8 +280,8 @@ class Tracker:
     ) -> Float64[np.ndarray, "view track joint 3"]:
         c = self._solve(people)
         xyz = np.empty((len(images), len(people), c.shape[1], 3))
-        for v in range(len(images)):
-            kernels.evaluate_all(c, images.span[v], images.weights[v], xyz[v])
+        for v, (span, weights) in enumerate(zip(*images.placed(self._knots), strict=True)):
+            kernels.evaluate_all(c, span, weights, xyz[v])
         return xyz
 
     def _covariance(self, t_s: float) -> Float64[np.ndarray, "track joint 3 3"]:
@@ -313,23 +290,7 @@ class Tracker:
     def _covariance_of(
         self, people: Population, t_s: float
     ) -> Float64[np.ndarray, "track joint 3 3"]:
-        assert self._grid is not None
-        span, weights = self._grid.locate(t_s)
+        span, weights = self._knots.locate(t_s)
         cov = np.empty((len(people), people.R.shape[1], 3, 3))
         kernels.covariance_all(people.R, span, weights, cov)
         return cov
-
-
-def _only(
-    views: Sequence[Poses2D], images: Images, which: Int64[np.ndarray, " person"]
-) -> list[Poses2D]:
-    """Return views with only the detections `which`, undistorted as in `images`."""
-    out = []
-    for v, view in enumerate(views):
-        here = which[(which >= images.offset[v]) & (which < images.offset[v + 1])]
-        out.append(
-            Poses2D(
-                view.camera, view.t_s, images.xy_px[here], images.score[here], np.ones(len(here))
-            )
-        )
-    return out

@@ -1,0 +1,206 @@
+"""Square-root information of trajectories: folding, moving on, solving.
+
+A trajectory of one joint is the solution of a least-squares problem in its live control points
+``c``: minimise ``|R c - z|^2`` with ``R`` upper triangular, the square root of the information.
+Observations and motion are rows that Givens rotations fold into it. Because the columns run from
+old to new, cutting off the first rows and columns marginalises the oldest control point exactly,
+and the information can never lose its positive definiteness.
+"""
+
+import math
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+BLOCK = 3
+REACH = 4 * BLOCK
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def fold_row(R, z, row, y):
+    """Fold the equation ``row @ c = y`` into ``R c = z``, in place; `row` is destroyed.
+
+    Notes
+    -----
+    Givens rotations, left to right. B-splines couple four neighbouring control points, so the
+    factor is banded and a rotation touches at most twelve columns.
+    """
+    n = R.shape[0]
+    for i in range(n):
+        a = row[i]
+        if a == 0.0:
+            continue
+        d = R[i, i]
+        h = math.sqrt(d * d + a * a)
+        c, s = d / h, a / h
+        R[i, i] = h
+        stop = min(n, (i // BLOCK) * BLOCK + REACH)
+        for k in range(i + 1, stop):
+            r = R[i, k]
+            R[i, k] = c * r + s * row[k]
+            row[k] = c * row[k] - s * r
+        r = z[i]
+        z[i] = c * r + s * y
+        y = c * y - s * r
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def extend(R, z, stiffness, memory, drift_m, work):
+    """Marginalise the oldest control point of one joint and append a new one, in place.
+
+    Parameters
+    ----------
+    R, z
+        Square-root information of the joint, (n, n) and (n,).
+    stiffness
+        Weight of the smoothing prior, ``1 / sqrt(q knot^3)`` [1/m] (thesis eq. 49-56, second
+        differences of control points).
+    memory
+        How much of its own velocity the joint keeps over one knot, 0 to 1.
+    drift_m
+        How far the body moves in one knot, (3,) [m]; the rest of the velocity.
+    work
+        Scratch, (n,).
+    """
+    n = R.shape[0]
+    for i in range(n - BLOCK):
+        for k in range(n - BLOCK):
+            R[i, k] = R[i + BLOCK, k + BLOCK]
+        z[i] = z[i + BLOCK]
+    for i in range(n):
+        for k in range(n - BLOCK, n):
+            R[i, k] = 0.0
+            R[k, i] = 0.0
+    for a in range(BLOCK):
+        z[n - BLOCK + a] = 0.0
+    for a in range(BLOCK):
+        work[:] = 0.0
+        work[n - 9 + a] = memory * stiffness
+        work[n - 6 + a] = -(1.0 + memory) * stiffness
+        work[n - 3 + a] = stiffness
+        fold_row(R, z, work, (1.0 - memory) * drift_m[a] * stiffness)
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
+    """Set up a joint that rests at `xyz_m`, with wide uncertainty, in place.
+
+    `step_sigma_m` is the standard deviation of the way between two control points [m].
+    """
+    n = R.shape[0]
+    R[:] = 0.0
+    z[:] = 0.0
+    for a in range(BLOCK):
+        work[:] = 0.0
+        work[a] = 1.0 / position_sigma_m
+        fold_row(R, z, work, xyz_m[a] / position_sigma_m)
+        work[:] = 0.0
+        work[a] = -1.0 / step_sigma_m
+        work[BLOCK + a] = 1.0 / step_sigma_m
+        fold_row(R, z, work, 0.0)
+    for p in range(n // BLOCK - 2):
+        for a in range(BLOCK):
+            work[:] = 0.0
+            work[BLOCK * p + a] = stiffness
+            work[BLOCK * (p + 1) + a] = -2.0 * stiffness
+            work[BLOCK * (p + 2) + a] = stiffness
+            fold_row(R, z, work, 0.0)
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def control_points(R, z, c):
+    """Solve ``R c = z`` by back substitution into `c` (n,)."""
+    n = R.shape[0]
+    for i in range(n - 1, -1, -1):
+        s = z[i]
+        stop = min(n, (i // BLOCK) * BLOCK + REACH)
+        for k in range(i + 1, stop):
+            s -= R[i, k] * c[k]
+        c[i] = s / R[i, i]
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def curve_covariance(R, span, weights, y, cov_m2):
+    """Write the covariance of the curve's point at ``span, weights`` to `cov_m2` (3, 3).
+
+    Notes
+    -----
+    With ``B`` the row of basis weights, ``cov = B (R^T R)^-1 B^T = |R^-T B^T|^2``; control points
+    older than the span drop out of it. `y` is scratch, (n, 3).
+    """
+    n = R.shape[0]
+    first = BLOCK * span
+    for i in range(first, n):
+        m = i // BLOCK - span
+        start_k = max(first, (i // BLOCK - 3) * BLOCK)
+        for a in range(BLOCK):
+            s = weights[m] if (m < 4 and i % BLOCK == a) else 0.0
+            for k in range(start_k, i):
+                s -= R[k, i] * y[k, a]
+            y[i, a] = s / R[i, i]
+    for a in range(BLOCK):
+        for b in range(BLOCK):
+            s = 0.0
+            for i in range(first, n):
+                s += y[i, a] * y[i, b]
+            cov_m2[a, b] = s
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def extend_all(R, z, stiffness, memory, drift_m):
+    """Move every track and joint on by one control point, in place.
+
+    `stiffness` is per joint, `memory` per track and joint, `drift_m` per track (track, 3).
+    """
+    work = np.empty(R.shape[2])
+    for k in range(R.shape[0]):
+        for j in range(R.shape[1]):
+            extend(R[k, j], z[k, j], stiffness[j], memory[k, j], drift_m[k], work)
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def start_all(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness):
+    """Set up all joints of one new track, in place; see `start`."""
+    work = np.empty(R.shape[1])
+    for j in range(R.shape[0]):
+        start(R[j], z[j], xyz_m[j], position_sigma_m[j], step_sigma_m, stiffness[j], work)
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def solve_all(R, z, c):
+    """Write the control points of every track and joint to `c` (track, joint, n)."""
+    for k in range(R.shape[0]):
+        for j in range(R.shape[1]):
+            control_points(R[k, j], z[k, j], c[k, j])
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def evaluate_all(c, span, weights, xyz_m):
+    """Write the curves' points at ``span, weights`` to `xyz_m` (track, joint, 3)."""
+    for k in range(c.shape[0]):
+        for j in range(c.shape[1]):
+            for a in range(BLOCK):
+                s = 0.0
+                for m in range(4):
+                    s += weights[m] * c[k, j, BLOCK * (span + m) + a]
+                xyz_m[k, j, a] = s
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def covariance_all(R, span, weights, cov_m2):
+    """Write the curves' covariances at ``span, weights`` to `cov_m2` (track, joint, 3, 3)."""
+    y = np.empty((R.shape[2], BLOCK))
+    for k in range(R.shape[0]):
+        for j in range(R.shape[1]):
+            curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
