@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from trecsim.errors import InputError, SetupError
-from trecsim.store.atomic import atomic_write
+from trecsim.store.atomic import atomic_write, partial_path
 
 
 def names(folder: Path) -> list[str]:
@@ -28,11 +28,16 @@ def test_an_error_in_the_block_keeps_the_old_file(
 ) -> None:
     path = tmp_path / "a.bin"
     path.write_bytes(b"old")
-    with pytest.raises(fault), atomic_write(path, "wb") as file:
-        file.write(b"half")
-        raise fault
+    with pytest.raises(fault):
+        _write_half(path, fault)
     assert path.read_bytes() == b"old"
     assert names(tmp_path) == ["a.bin"]
+
+
+def _write_half(path: Path, fault: type[BaseException]) -> None:
+    with atomic_write(path, "wb") as file:
+        file.write(b"half")
+        raise fault
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO])
@@ -87,3 +92,11 @@ def test_text_is_utf8_with_plain_line_ends(tmp_path: Path) -> None:
     with atomic_write(tmp_path / "a.txt") as file:
         file.write("Türe\n")
     assert (tmp_path / "a.txt").read_bytes() == b"T\xc3\xbcre\n"
+
+
+def test_what_took_long_to_make_is_kept_under_another_name(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    with pytest.raises(KeyboardInterrupt), atomic_write(path, keep_partial=True) as file:
+        raise KeyboardInterrupt(file.write("half"))
+    assert names(tmp_path) == ["a.txt.partial"]
+    assert partial_path(path).read_text() == "half"

@@ -16,11 +16,15 @@ _FORBIDDEN = {errno.EACCES, errno.EPERM, errno.EROFS}
 
 
 @overload
-def atomic_write(path: Path, mode: Literal["w"] = "w") -> AbstractContextManager[IO[str]]: ...
-@overload
-def atomic_write(path: Path, mode: Literal["wb"]) -> AbstractContextManager[IO[bytes]]: ...
 def atomic_write(
-    path: Path, mode: Literal["w", "wb"] = "w"
+    path: Path, mode: Literal["w"] = "w", *, keep_partial: bool = False
+) -> AbstractContextManager[IO[str]]: ...
+@overload
+def atomic_write(
+    path: Path, mode: Literal["wb"], *, keep_partial: bool = False
+) -> AbstractContextManager[IO[bytes]]: ...
+def atomic_write(
+    path: Path, mode: Literal["w", "wb"] = "w", *, keep_partial: bool = False
 ) -> AbstractContextManager[IO[str]] | AbstractContextManager[IO[bytes]]:
     """Open a file that takes its name only when it is complete.
 
@@ -34,6 +38,9 @@ def atomic_write(
         The file to write. A link is followed; a device or pipe is written to directly.
     mode
         Text (UTF-8, lines end with a newline character) or bytes.
+    keep_partial
+        After an error leave what was written at :func:`partial_path` instead of nothing; for
+        results that took long to make.
 
     Raises
     ------
@@ -53,11 +60,11 @@ def atomic_write(
     >>> (folder / "answer.txt").read_text()
     '42'
     """
-    return cast(AbstractContextManager[IO[str]], _atomic_write(path, mode))
+    return cast(AbstractContextManager[IO[str]], _atomic_write(path, mode, keep_partial))
 
 
 @contextmanager
-def _atomic_write(path: Path, mode: str) -> Iterator[IO[Any]]:
+def _atomic_write(path: Path, mode: str, keep_partial: bool) -> Iterator[IO[Any]]:
     with disk_faults(path):
         target = path.resolve()
         if target.is_dir():
@@ -73,8 +80,43 @@ def _atomic_write(path: Path, mode: str) -> Iterator[IO[Any]]:
                 file.flush()
                 os.fsync(file.fileno())
             temporary.replace(target)
+            _sync_directory(target.parent)
         finally:
+            if keep_partial and temporary.exists():
+                temporary.replace(partial_path(target))
             temporary.unlink(missing_ok=True)
+
+
+def _sync_directory(folder: Path) -> None:
+    if hasattr(os, "O_DIRECTORY"):  # elsewhere directories cannot be opened
+        handle = os.open(folder, os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def partial_path(path: Path) -> Path:
+    """Return where the unfinished content of `path` is left after an error."""
+    return path.with_name(path.name + ".partial")
+
+
+@contextmanager
+def opened_for_reading(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file the user named.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read.
+    """
+    try:
+        file = path.open("rb")
+    except (OSError, ValueError) as error:  # ValueError: a name with a null character
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise InputError(f"cannot read {path}: {reason}") from None
+    with file:
+        yield file
 
 
 def _open(path: Path, mode: str) -> IO[Any]:

@@ -1,0 +1,181 @@
+"""Recorded tracks in any format that is known; the suffix of the file decides."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from trecsim.errors import InputError
+from trecsim.skeleton import COCO17
+from trecsim.store.tracks_csv import csv_writer, read_csv
+from trecsim.store.tracks_parquet import (
+    TracksInfo,
+    parquet_writer,
+    parts_of,
+    read_info,
+    read_parquet,
+    tables_of,
+    write_parquet,
+)
+from trecsim.types import Snapshot
+
+SUFFIXES = (".csv", ".parquet")
+
+
+class TracksWriter(Protocol):
+    """Takes snapshots in order of time."""
+
+    def write(self, snapshot: Snapshot) -> None:
+        """Add one moment."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class TracksExtent:
+    """How much there is in a recording.
+
+    Attributes
+    ----------
+    moments
+        Times at which somebody was there.
+    people
+        Different identities.
+    rows
+        Moments times people there times joints.
+    first_s, last_s
+        The first and last time [s]; NaN when nobody was ever there.
+    """
+
+    moments: int
+    people: int
+    rows: int
+    first_s: float
+    last_s: float
+
+
+def tracks_writer(
+    path: Path, info: TracksInfo | None = None
+) -> AbstractContextManager[TracksWriter]:
+    """Open a file of tracks for writing as long as a block runs.
+
+    What was written when the block ends with an error or Ctrl-C is kept beside it: a CSV file as
+    ``NAME.partial``, the parts of a Parquet file in ``NAME.parts/``.
+
+    Parameters
+    ----------
+    path
+        ``*.csv`` or ``*.parquet``.
+    info
+        What a Parquet file shall say about itself; a CSV file has no room for it.
+
+    Raises
+    ------
+    InputError
+        When the suffix is not known or the place cannot be written to.
+    SetupError
+        When the disk has no room.
+    """
+    info = info or TracksInfo()
+    if _suffix(path) == ".csv":
+        return csv_writer(path, info.skeleton)
+    return parquet_writer(path, info)
+
+
+def read_tracks(path: Path) -> Iterator[Snapshot]:
+    """Read recorded tracks one moment at a time; moments without anybody are not recorded.
+
+    Parameters
+    ----------
+    path
+        A CSV or Parquet file, a directory that `trecsim run` wrote, or the parts of a recording
+        that has not ended.
+
+    Raises
+    ------
+    InputError
+        When it is not there or not right.
+    """
+    path = _file_of(path)
+    return read_csv(path, COCO17) if _suffix(path) == ".csv" else read_parquet(path)
+
+
+def export_tracks(
+    path: Path, out: Path, progress: Callable[[int, int | None], None] | None = None
+) -> TracksExtent:
+    """Write recorded tracks in the format that the suffix of `out` names.
+
+    The facts stay the same to the last digit, back and forth; what a Parquet file says about
+    itself beyond them (:class:`TracksInfo`) goes into another Parquet file only.
+
+    Parameters
+    ----------
+    path
+        What :func:`read_tracks` reads.
+    out
+        ``*.csv`` or ``*.parquet``.
+    progress
+        Told the number of moments done.
+
+    Raises
+    ------
+    InputError
+        When one of the two is wrong.
+    SetupError
+        When the disk has no room.
+    """
+    path = _file_of(path)
+    suffix = _suffix(out)
+    info = TracksInfo() if _suffix(path) == ".csv" else read_info(path)
+    extent = _Extent(progress)
+    snapshots = extent.watch(read_tracks(path))
+    if suffix == ".csv":
+        with csv_writer(out, info.skeleton) as writer:
+            for snapshot in snapshots:
+                writer.write(snapshot)
+    else:
+        write_parquet(out, tables_of(snapshots, info.skeleton), info)
+    return extent.total()
+
+
+class _Extent:
+    def __init__(self, progress: Callable[[int, int | None], None] | None) -> None:
+        self._progress = progress
+        self._people: set[int] = set()
+        self._moments = self._rows = 0
+        self._first_s = self._last_s = math.nan
+
+    def watch(self, snapshots: Iterable[Snapshot]) -> Iterator[Snapshot]:
+        for snapshot in snapshots:
+            self._first_s = snapshot.t_s if self._moments == 0 else self._first_s
+            self._last_s = snapshot.t_s
+            self._moments += 1
+            self._rows += snapshot.support.size
+            self._people.update(snapshot.id.tolist())
+            if self._progress is not None:
+                self._progress(self._moments, None)
+            yield snapshot
+
+    def total(self) -> TracksExtent:
+        return TracksExtent(
+            self._moments, len(self._people), self._rows, self._first_s, self._last_s
+        )
+
+
+def _file_of(path: Path) -> Path:
+    recording = path / "tracks.parquet"
+    if recording.exists() or parts_of(recording).is_dir():
+        return recording
+    if not path.exists() and not parts_of(path).is_dir():
+        raise InputError(f"there are no tracks at {path}")
+    return path
+
+
+def _suffix(path: Path) -> str:
+    suffix = path.suffix.lower()
+    if suffix in SUFFIXES:
+        return suffix
+    if path.is_dir():
+        return ".parquet"
+    raise InputError(f"{path}: tracks end with one of {', '.join(SUFFIXES)}, not with {suffix!r}")
