@@ -1,0 +1,86 @@
+"""Slow and obvious twins of the fusion's kernels, for tests to hold the two together."""
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+from scipy.stats import multivariate_normal
+
+
+def log_ratio(e, C, m_per_px, outlier_share, outlier_area_m2):
+    """Compare a key point's mixture density with clutter's, in metres; also the responsibility."""
+    inlier = multivariate_normal(np.zeros(2), C * m_per_px**2).pdf(e * m_per_px)
+    clutter = 1.0 / outlier_area_m2
+    density = (1 - outlier_share) * inlier + outlier_share * clutter
+    return np.log(density / clutter), (1 - outlier_share) * inlier / density
+
+
+def project(P, x):
+    h = P @ np.append(x, 1.0)
+    return h[:2] / h[2]
+
+
+def jacobian(P, x, step=1e-6):
+    return np.stack(
+        [(project(P, x + d) - project(P, x - d)) / (2 * step) for d in step * np.eye(3)], axis=1
+    )
+
+
+def depth(P, x):
+    return P[2] @ np.append(x, 1.0)
+
+
+def factor(score, good_score):
+    return min(max(1.0, (good_score / score) ** 1.7), 6.0)
+
+
+def score_pair(P, focal_px, xyz_m, cov_m2, xy_px, score, noise, outlier_area_m2, flipped):
+    """Sum the log ratios of all joints of one detection under one person."""
+    total = noise.log_flip if flipped else 0.0
+    for j in range(len(xyz_m)):
+        m = noise.mirror[j] if flipped else j
+        w = depth(P, xyz_m[j])
+        if np.isnan(xy_px[m, 0]) or not w > 0.05:
+            continue
+        J = jacobian(P, xyz_m[j])
+        sigma = noise.sigma_m[j] * focal_px / w * factor(score[m], noise.good_score)
+        C = J @ cov_m2[j] @ J.T + (sigma**2 + noise.floor_px**2) * np.eye(2)
+        e = xy_px[m] - project(P, xyz_m[j])
+        total += log_ratio(e, C, w / focal_px, noise.outlier_share, outlier_area_m2)[0]
+    return total
+
+
+def assign(gain):
+    """Assign by SciPy, with one private empty column per row."""
+    n_row, n_column = gain.shape
+    padded = np.concatenate([np.maximum(gain, 0.0), np.zeros((n_row, n_row))], axis=1)
+    row, column = linear_sum_assignment(padded, maximize=True)
+    best = np.full(n_row, -1)
+    for r, c in zip(row, column, strict=True):
+        if c < n_column and gain[r, c] > 0:
+            best[r] = c
+    return best
+
+
+def basis_rows(times, origin_s, knot_s, n_point):
+    """Evaluate all cubic B-splines of a uniform grid by SciPy, (time, control point)."""
+    from scipy.interpolate import BSpline
+
+    knots = origin_s + knot_s * np.arange(-3, n_point + 1)
+    return BSpline.design_matrix(np.asarray(times), knots, 3).toarray()
+
+
+def smoothing_rows(n_point, stiffness, memory, drift):
+    """Return rows and right-hand sides of the motion prior for one axis, start excluded."""
+    rows, rhs = [], []
+    for p in range(n_point - 2):
+        row = np.zeros(n_point)
+        row[p : p + 3] = memory, -(1 + memory), 1.0
+        rows.append(stiffness * row)
+        rhs.append(stiffness * (1 - memory) * drift)
+    return np.array(rows), np.array(rhs)
+
+
+def midpoint(p, u, q, v):
+    """Minimise the distance between two rays by least squares."""
+    (s, t), *_ = np.linalg.lstsq(np.stack([u, -v], axis=1), q - p, rcond=None)
+    a, b = p + s * u, q + t * v
+    return (a + b) / 2, np.linalg.norm(a - b)
