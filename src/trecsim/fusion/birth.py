@@ -192,6 +192,7 @@ def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) 
     person.two_s = np.array([t_s])
     person.camera_s = np.full((1, n_cam), -np.inf)
     person.joint_s = np.full((1, n_joint, n_cam), -np.inf)
+    person.mirrored_s = np.zeros(1)
     kernels.start_all(
         person.R[0],
         person.z[0],

@@ -20,7 +20,8 @@ _INLIER = 0.5
 _MIN_INLIERS = 3
 _TENTATIVE_S = 0.25
 _OUT_OF_VIEW_SHARE = 0.5
-_APART_SHARE = 0.6
+# Who has been read mirrored for so long is mirrored [s].
+_MIRROR_S = 0.2
 
 
 def note_support(
@@ -42,6 +43,25 @@ def note_support(
     two = cameras_now(people, t_s) >= 2
     people.two_s[two] = t_s
     people.together_s[two] += elapsed_s
+
+
+def mend_mirrored(
+    people: Population, association: Association, model: Model, elapsed_s: float
+) -> None:
+    """Exchange left and right, in place, of people whom most cameras read the other way round.
+
+    Notes
+    -----
+    Whoever began with both cameras seeing the back for the front has a mirrored body, and every
+    later detection is read mirrored to fit it. One camera that errs now and then is outvoted.
+    """
+    seen = (association.match >= 0).sum(axis=1)
+    vote = (2 * association.flip.sum(axis=1) - seen) / np.maximum(seen, 1)
+    people.mirrored_s += vote * elapsed_s
+    np.clip(people.mirrored_s, 0.0, None, out=people.mirrored_s)
+    for k in np.flatnonzero(people.mirrored_s > _MIRROR_S):
+        people.mirror(int(k), model.noise.mirror)
+        people.mirrored_s[k] = 0.0
 
 
 def cameras_now(people: Population, t_s: float) -> Int64[np.ndarray, " track"]:

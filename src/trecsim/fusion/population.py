@@ -1,6 +1,6 @@
 """Everybody who is tracked, as arrays: the state of the fusion."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -28,6 +28,8 @@ class Population:
         When each camera last supported the person [s].
     joint_s
         When each camera last supported each joint [s].
+    mirrored_s
+        For how long most cameras have read the person with left and right exchanged [s].
     """
 
     R: Float64[np.ndarray, "track joint n n"]
@@ -39,6 +41,7 @@ class Population:
     two_s: Float64[np.ndarray, " track"]
     camera_s: Float64[np.ndarray, "track cam"]
     joint_s: Float64[np.ndarray, "track joint cam"]
+    mirrored_s: Float64[np.ndarray, " track"]
 
     @classmethod
     def nobody(cls, n_joint: int, live: int, n_cam: int) -> "Population":
@@ -54,6 +57,7 @@ class Population:
             two_s=np.empty(0),
             camera_s=np.empty((0, n_cam)),
             joint_s=np.empty((0, n_joint, n_cam)),
+            mirrored_s=np.empty(0),
         )
 
     def __len__(self) -> int:
@@ -75,6 +79,7 @@ class Population:
             }
         )
 
-    def renamed(self, id: Int64[np.ndarray, " track"]) -> "Population":
-        """Return the same people under other identities."""
-        return replace(self, id=id)
+    def mirror(self, k: int, mirror: Int64[np.ndarray, " joint"]) -> None:
+        """Exchange left and right of track `k`, in place."""
+        for values in (self.R, self.z, self.joint_s):
+            values[k] = values[k][mirror]

@@ -135,6 +135,7 @@ class Tracker:
         association = associate(self._model, images, xyz, prior)
         inlier = self._fit(self._people, images, association, xyz, prior)
         lifecycle.note_support(self._people, images, association, inlier, self._t_s, elapsed_s)
+        lifecycle.mend_mirrored(self._people, association, self._model, elapsed_s)
         self._last_image_s[images.cam] = images.t_s
         return association
 
