@@ -1,0 +1,108 @@
+"""Rigs in files: read in many formats, written in some, always metres and z up inside.
+
+What a file cannot say (its unit, where the floor is, the size of its images) the user may; what
+is doubtful without being wrong is a remark. Remarks are Python warnings of class `RigWarning`,
+unless the caller hands in a function that takes each as one line of text, as the commands do.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from trecsim.calibration.floor import Floor
+from trecsim.calibration.formats import FORMATS, Format, format_called, open_rig
+from trecsim.calibration.found import RigWarning, Wishes, warn
+from trecsim.errors import CalibrationError
+from trecsim.geometry.rig import Rig
+
+__all__ = ["FORMATS", "Floor", "Format", "RigWarning", "read_rig", "write_rig"]
+
+
+def read_rig(
+    path: Path,
+    *,
+    format: str | None = None,
+    unit_m: float | None = None,
+    floor: Floor | None = None,
+    size_px: tuple[int, int] | None = None,
+    remark: Callable[[str], None] = warn,
+) -> Rig:
+    """Read a rig from a file, or from the only one in a directory.
+
+    Parameters
+    ----------
+    path
+        The file or directory; a trecsim rig file or any format in `FORMATS`.
+    format
+        Name of the format; None recognises it by the content.
+    unit_m
+        Length of the file's unit [m]; None takes what the format says, or guesses and remarks.
+    floor
+        The way from the file's frame to the floor; None keeps the frame, and remarks if it
+        cannot be the room's.
+    size_px
+        Image (width, height) of all cameras [px], for a format that does not tell it.
+    remark
+        Is called with each remark; the default issues `RigWarning`.
+
+    Raises
+    ------
+    CalibrationError
+        There is no such rig, or something in it is wrong: every fault in one message.
+    """
+    found, document = open_rig(Path(path), format)
+    return found.read(document, Wishes(unit_m, floor, size_px, remark))
+
+
+def write_rig(
+    rig: Rig,
+    path: Path,
+    *,
+    format: str | None = None,
+    unit_m: float = 1.0,
+    remark: Callable[[str], None] = warn,
+) -> None:
+    """Write a rig to a file (EasyMocap: into a directory), whole or not at all.
+
+    Parameters
+    ----------
+    rig
+        The rig.
+    path
+        Where to.
+    format
+        Name of the format; None takes it from the name of the file: ``Calib*.toml`` is
+        Pose2Sim's, other ``.toml`` trecsim's own, ``.yml`` MC-Calib's, no suffix EasyMocap's.
+    unit_m
+        Length of the file's unit [m]; trecsim's own is always in metres.
+    remark
+        Is called with what the format cannot hold; the default issues `RigWarning`.
+
+    Raises
+    ------
+    CalibrationError
+        The format cannot hold the rig.
+    """
+    path = Path(path)
+    chosen = format_called(format or _format_of_name(path))
+    if chosen.write is None:
+        writable = ", ".join(entry.name for entry in FORMATS if entry.write)
+        raise CalibrationError(
+            f"trecsim reads {chosen.about}, but does not write it; it writes: {writable}"
+        )
+    Wishes(unit_m)  # refuses what cannot be a unit
+    for text in chosen.write(rig, path, unit_m):
+        remark(text)
+
+
+def _format_of_name(path: Path) -> str:
+    suffix = path.suffix.lower()
+    if suffix == ".toml":
+        return "pose2sim" if path.name.lower().startswith("calib") else "trecsim"
+    if suffix in (".yml", ".yaml"):
+        return "mc-calib"
+    if suffix == "":
+        return "easymocap"
+    raise CalibrationError(
+        f"cannot tell from the name {path.name!r} in which format to write the rig; give it a "
+        "name that ends in .toml (trecsim) or .yml (MC-Calib), or name the format"
+    )
