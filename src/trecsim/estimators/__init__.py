@@ -1,0 +1,104 @@
+"""2D pose models behind one Protocol, found by entry point.
+
+An estimator is anything that is called with a frame and returns the people in it. A package adds
+one by an entry point in the group ``trecsim.estimators``: a function
+``load(argument: str, **settings) -> Estimator2D``.
+"""
+
+from difflib import get_close_matches
+from importlib.metadata import entry_points
+from typing import Protocol, runtime_checkable
+
+from trecsim.errors import ConfigError, SetupError
+from trecsim.skeleton import SKELETONS
+from trecsim.types import Frame, Poses2D
+
+GROUP = "trecsim.estimators"
+
+
+@runtime_checkable
+class Estimator2D(Protocol):
+    """Finds people's key points in one image.
+
+    Attributes
+    ----------
+    skeleton
+        Name of the skeleton it reports, a key of `trecsim.skeleton.SKELETONS`.
+
+    Notes
+    -----
+    The result depends on the frame alone. Scores run from 0 to 1 and rise with certainty; they are
+    the model's own, not calibrated between models, so each estimator drops by itself what its
+    model is known to score too low to be true. Key points it drops are NaN with score 0; a person
+    without any is left out.
+
+    Two more attributes are used where an estimator has them: `ScalesImages`, and ``workers``, the
+    number of threads that may call it at the same time (1 where it is absent).
+    """
+
+    skeleton: str
+
+    def __call__(self, frame: Frame) -> Poses2D:
+        """Find the people; key points are pixels of `frame`'s image."""
+        ...
+
+
+@runtime_checkable
+class ScalesImages(Protocol):
+    """Says at which size it looks at images, so that they need not be larger than that."""
+
+    def input_size(self, size_px: tuple[int, int]) -> tuple[int, int]:
+        """Return the (width, height) to which an image of `size_px` is scaled."""
+        ...
+
+
+def names() -> list[str]:
+    """Return the names of the installed estimators."""
+    return sorted({point.name for point in entry_points(group=GROUP)})
+
+
+def load(spec: str, **settings: object) -> Estimator2D:
+    """Return the estimator that `spec` names, ready to work.
+
+    Parameters
+    ----------
+    spec
+        Its name, or ``name:argument``: ``movenet``, ``onnx:model.onnx``, ``rtmlib:rtmo-m``.
+    settings
+        The estimator's own.
+
+    Raises
+    ------
+    ConfigError
+        When no estimator has that name, or a setting is wrong.
+    SetupError
+        When something it needs is not installed or not here.
+    """
+    name, _, argument = spec.partition(":")
+    found = {point.name: point for point in entry_points(group=GROUP)}
+    if name not in found:
+        near = get_close_matches(name, found, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else ""
+        known = ", ".join(sorted(found)) or "none"
+        raise ConfigError(f"no estimator called {name!r} is installed; known: {known}{hint}")
+    try:
+        factory = found[name].load()
+    except (ImportError, AttributeError) as error:
+        raise SetupError(
+            f"estimator {name!r} ({found[name].value}) is installed but does not load: {error}"
+        ) from error
+    return _checked(spec, factory(argument, **settings))
+
+
+def _checked(spec: str, estimator: object) -> Estimator2D:
+    if not (isinstance(estimator, Estimator2D) and callable(estimator)):
+        raise SetupError(
+            f"estimator {spec!r} is no estimator: it must be callable and have `skeleton`, "
+            f"got {type(estimator).__name__}"
+        )
+    if estimator.skeleton not in SKELETONS:
+        raise SetupError(
+            f"estimator {spec!r} reports the skeleton {estimator.skeleton!r}; known: "
+            f"{', '.join(sorted(SKELETONS))}"
+        )
+    return estimator
