@@ -64,8 +64,8 @@ class Entry:
 
     def missing(self, key: str, wanted: str) -> None:
         """Note that a field is missing, and which given one may have been meant."""
-        near = get_close_matches(key, map(str, self.fields), n=1)
-        hint = f"; it has {near[0]!r}" if near else ""
+        near = nearest(key, map(str, self.fields))
+        hint = f"; it has {near!r}" if near else ""
         self.fault(f"{key} is missing, expected {wanted}{hint}")
 
     def numbers(self, key: str, shape: tuple[int, ...]) -> Float64[np.ndarray, "..."]:
@@ -128,8 +128,8 @@ class Entry:
         known = tuple(known)
         for key in self.fields:
             if key not in known:
-                near = get_close_matches(key, known, n=1)
-                meant = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+                near = nearest(key, known)
+                meant = f"did you mean {near!r}?" if near else f"known: {', '.join(known)}"
                 self.fault(f"unknown key {short(key)}; {meant}")
 
     def _array(self, key: str, wanted: str) -> Float64[np.ndarray, "..."] | None:
@@ -143,6 +143,13 @@ class Entry:
             self.fault(f"{key} must be finite, found {short(self.fields[key])}")
             return None
         return array
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that was most likely meant, capitals aside."""
+    by_letters = {entry.lower(): entry for entry in known}
+    near = get_close_matches(name.lower()[:100], by_letters, n=1)
+    return by_letters[near[0]] if near else None
 
 
 def as_numbers(value: object) -> Float64[np.ndarray, "..."] | None:

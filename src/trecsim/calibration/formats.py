@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from trecsim.calibration import (
     trecsim_toml,
 )
 from trecsim.calibration.document import Document, Syntax, read_document
+from trecsim.calibration.fields import nearest
 from trecsim.calibration.found import Wishes
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
@@ -120,8 +120,8 @@ def format_called(name: str) -> Format:
     """
     known = {entry.name: entry for entry in FORMATS}
     if name not in known:
-        near = get_close_matches(name, known, n=1)
-        meant = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
+        near = nearest(name, known)
+        meant = f"did you mean {near!r}?" if near else f"known: {', '.join(known)}"
         raise CalibrationError(f"there is no rig format called {name!r}; {meant}")
     return known[name]
 
