@@ -1,0 +1,215 @@
+"""Decode video files with PyAV: the one module that knows it (import it only when needed)."""
+
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import av
+import numpy as np
+from av.sidedata.sidedata import Type as SideDataType
+from av.video.reformatter import VideoReformatter
+from jaxtyping import UInt8
+
+from trecsim.errors import InputError
+from trecsim.sources.orientation import Orientation, from_display_matrix
+
+MAX_IMAGE_PX = 2**26  # 8192 x 8192, 200 MB as RGB
+MAX_FPS = 1000.0  # beyond, it is the clock of the container and not a rate
+# Recordings only: a playlist or a script would make the decoder open other files and addresses.
+CONTAINERS = (
+    "mov,matroska,avi,mpegts,mpeg,mpegvideo,h264,hevc,obu,ivf,m4v,mjpeg,flv,ogg,asf,mxf,dv,nut,"
+    "yuv4mpegpipe,rm,wtv,vc1"
+)
+_OPTIONS = {
+    "format_whitelist": CONTAINERS,
+    "protocol_whitelist": "file",
+    "max_pixels": str(MAX_IMAGE_PX),
+}
+
+
+@dataclass(slots=True)
+class OpenVideo:
+    """A container that is being read.
+
+    Attributes
+    ----------
+    path
+        The file.
+    container, stream
+        PyAV's handles.
+    damaged
+        Packets and images that could not be decoded so far.
+    """
+
+    path: Path
+    container: Any
+    stream: Any
+    damaged: int = field(default=0)
+
+    @property
+    def fps(self) -> float | None:
+        """Mean frame rate [1/s]; the nominal one if the container tells no duration."""
+        rates = [self.stream.average_rate, self.stream.guessed_rate]
+        if self.stream.duration is None and self.container.duration is None:
+            rates.reverse()
+        known = [float(rate) for rate in rates if rate and 0 < rate <= MAX_FPS]
+        return known[0] if known else None
+
+    @property
+    def frame_count(self) -> int | None:
+        """Number of images, if the container tells it."""
+        return self.stream.frames or None
+
+    @property
+    def duration_s(self) -> float | None:
+        """Length of the video [s], if the container tells it."""
+        if self.stream.duration is not None:
+            return float(self.stream.duration * self.stream.time_base)
+        if self.container.duration is not None and len(self.container.streams) == 1:
+            return float(Fraction(self.container.duration, av.time_base))
+        return None
+
+    @property
+    def keeps_no_time(self) -> bool:
+        """Whether what passes for time stamps only counts images in the order of coding."""
+        reordered = bool(self.stream.codec_context.has_b_frames)
+        return reordered and self.container.format.name == "avi"
+
+    def pictures(self) -> Iterator[Any]:
+        """Yield what can be decoded, in the order of showing; count the rest in `damaged`."""
+        packets = self.container.demux(self.stream)
+        while True:
+            try:
+                packet = next(packets, None)
+                if packet is None:
+                    return
+                decoded = packet.decode()
+            except av.FFmpegError:
+                self.damaged += 1
+                continue  # after an error of the container itself, `packets` is at its end
+            for picture in decoded:
+                if picture.is_corrupt:
+                    self.damaged += 1
+                else:
+                    yield picture
+
+
+@contextmanager
+def opened(path: Path, threads: int | None) -> Iterator[OpenVideo]:
+    """Open a video file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    threads
+        For decoding; as many as there are processors if None.
+
+    Raises
+    ------
+    InputError
+        When it is missing, empty, no video, or cannot be decoded here.
+    """
+    if not path.is_file():
+        found = "it is a folder" if path.is_dir() else "no such file"
+        raise InputError(f"cannot read video {path}: {found}")
+    if path.stat().st_size == 0:
+        raise InputError(f"cannot read video {path}: the file is empty")
+    try:
+        container = av.open(f"file:{path}", options=_OPTIONS, metadata_errors="ignore")
+    except av.FFmpegError as error:
+        raise InputError(_unreadable(path, error)) from error
+    with container:
+        yield OpenVideo(path, container, _video_stream(path, container, threads))
+
+
+def _unreadable(path: Path, error: Exception) -> str:
+    if isinstance(error, OSError):
+        return f"cannot read video {path}: {error.strerror}"
+    return (
+        f"cannot read video {path}: it is no video (expected mp4, mov, mkv, avi, ts or the like), "
+        "or it is damaged, or its recording was cut off before the file was complete"
+    )
+
+
+def _video_stream(path: Path, container: Any, threads: int | None) -> Any:
+    streams = [
+        stream
+        for stream in container.streams.video
+        if not stream.disposition & av.stream.Disposition.attached_pic
+    ]
+    if not streams:
+        kinds = ", ".join(sorted({stream.type for stream in container.streams})) or "nothing"
+        raise InputError(f"cannot read video {path}: there is no video in it, only {kinds}")
+    context = streams[0].codec_context
+    if context is None:
+        raise InputError(
+            f"cannot read video {path}: its coding is not known here; convert it, for example to "
+            "H.264"
+        )
+    check_size(path, context.width, context.height)
+    context.options = {"max_pixels": str(MAX_IMAGE_PX)}
+    context.thread_count = threads or 0
+    context.thread_type = "AUTO"
+    return streams[0]
+
+
+def check_size(path: Path, width: int, height: int) -> None:
+    """Refuse images that would not fit into memory.
+
+    Raises
+    ------
+    InputError
+        When there are more than `MAX_IMAGE_PX` pixels.
+    """
+    if width * height > MAX_IMAGE_PX:
+        raise InputError(
+            f"cannot read video {path}: its images are said to be {width} x {height} px, the "
+            f"most that is read are {MAX_IMAGE_PX} px"
+        )
+
+
+def time_s(picture: Any) -> float | None:
+    """Return when `picture` is to be shown [s], if the container tells it."""
+    return None if picture.pts is None else float(picture.pts * picture.time_base)
+
+
+def orientation(picture: Any) -> Orientation:
+    """Return how `picture` has to be turned."""
+    for data in picture.side_data:
+        if data.type == SideDataType.DISPLAYMATRIX:
+            return from_display_matrix(np.array(struct.unpack("=9i", bytes(data)[:36]), np.int32))
+    return Orientation()
+
+
+class RgbConverter:
+    """Turns decoded pictures into upright RGB images of one size.
+
+    Parameters
+    ----------
+    size_px
+        Width and height of the upright image.
+    turn
+        How the coded picture has to be turned.
+    """
+
+    def __init__(self, size_px: tuple[int, int], turn: Orientation) -> None:
+        self._width, self._height = turn.size(size_px)
+        self._turn = turn
+        self._reformatter = VideoReformatter()
+
+    def __call__(self, picture: Any) -> UInt8[np.ndarray, "h w 3"]:
+        """Return the image; averages over areas where it makes it smaller."""
+        scaled = self._reformatter.reformat(
+            picture,
+            width=self._width,
+            height=self._height,
+            format="rgb24",
+            interpolation="AREA",
+            threads=1,
+        )
+        return self._turn.upright(scaled.to_ndarray())

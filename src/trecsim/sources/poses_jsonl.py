@@ -1,0 +1,364 @@
+"""Read and write 2D poses as ``*.poses.jsonl``: a header, then one camera image a line."""
+
+import errno
+import json
+import logging
+import math
+import os
+from array import array
+from collections.abc import Collection, Iterator
+from contextlib import suppress
+from itertools import chain
+from pathlib import Path
+from reprlib import repr as brief
+from types import TracebackType
+from typing import IO, Any, Self
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.errors import InputError
+from trecsim.skeleton import SKELETONS, Skeleton
+from trecsim.sources import strict_json
+from trecsim.sources.faults import FaultError, sound, unknown_camera
+from trecsim.store.atomic import disk_faults, opened_for_reading, partial_path
+from trecsim.types import Poses2D
+
+logger = logging.getLogger(__name__)
+
+FORMAT = "trecsim.poses2d/1"
+MAX_LINE_BYTES = 4 * 2**20  # about ten thousand people in one image
+MAX_COORDINATE_PX = 1e6
+MAX_ABS_TIME_S = 1e11
+# Regressed scores leave the unit interval by a little, and that is harmless: they are clipped.
+# What lies further out has another meaning (percents, logits, a visibility flag).
+SCORE_RANGE = (-0.1, 1.5)
+_MISSING = (math.nan, math.nan, 0.0)
+
+
+def read_poses_jsonl(
+    path: Path, *, rig_cameras: Collection[str] | None = None
+) -> Iterator[Poses2D]:
+    """Yield the images of one ``*.poses.jsonl`` file, in the order of the file.
+
+    A last line that was cut while it was being written is left out with a warning; any other
+    fault ends the reading. Scores a little outside 0 to 1 are clipped.
+
+    Parameters
+    ----------
+    path
+        The file.
+    rig_cameras
+        Names that may occur; all, if None.
+
+    Raises
+    ------
+    InputError
+        With up to ten faults and their lines: header, JSON, key point counts, numbers, unknown
+        cameras, a camera whose time does not advance.
+    """
+    with opened_for_reading(path) as file:
+        lines = _whole_lines(file, path)
+        _, header = next(lines, ("line 1", b""))
+        parse = _LineParser(_read_header(header, path), rig_cameras)
+        yield from sound(str(path), lines, parse)
+
+
+def _whole_lines(file: IO[bytes], path: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield name and content of the lines, without a last one that a crash cut."""
+    number = 0
+    while line := file.readline(MAX_LINE_BYTES + 1):
+        number += 1
+        last = not line.endswith(b"\n") and len(line) <= MAX_LINE_BYTES
+        if number > 1 and last and not _is_json(line):
+            logger.warning("%s: line %d, the last one, is cut off: left out", path, number)
+            return
+        if not line.isspace():
+            yield f"line {number}", line
+        if len(line) > MAX_LINE_BYTES:
+            return
+
+
+def _is_json(line: bytes) -> bool:
+    try:
+        strict_json.loads(line)
+    except FaultError:
+        return False
+    return True
+
+
+def _read_header(line: bytes, path: Path) -> Skeleton:
+    example = '{"format": "trecsim.poses2d/1", "skeleton": "coco17"}'
+    if not line:
+        raise InputError(f"{path}: empty; expected the header {example} in line 1")
+    try:
+        header = _loads(line)
+    except FaultError as error:
+        raise InputError(f"{path}: line 1: {error}; expected the header {example}") from error
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        found = header.get("format") if isinstance(header, dict) else header
+        raise InputError(
+            f"{path}: line 1: expected the header {example}, found format {brief(found)}"
+        )
+    name = header.get("skeleton")
+    if not isinstance(name, str) or name not in SKELETONS:
+        raise InputError(
+            f"{path}: line 1: unknown skeleton {brief(name)}; known: {', '.join(SKELETONS)}"
+        )
+    return SKELETONS[name]
+
+
+def _loads(line: bytes) -> Any:
+    if len(line) > MAX_LINE_BYTES:
+        raise FaultError(f"longer than {MAX_LINE_BYTES} bytes")
+    return strict_json.loads(line)
+
+
+class _LineParser:
+    """Turns lines into images; remembers which cameras and times it has met."""
+
+    def __init__(self, skeleton: Skeleton, rig_cameras: Collection[str] | None) -> None:
+        self._skeleton = skeleton
+        self._rig_cameras = rig_cameras
+        self._last_s: dict[str, float] = {}
+        self._strangers: set[str] = set()
+
+    def __call__(self, line: bytes) -> Poses2D:
+        """Return the image that `line` describes.
+
+        Raises
+        ------
+        FaultError
+            With what is wrong in it.
+        """
+        fields = _loads(line)
+        if not isinstance(fields, dict):
+            raise FaultError(f"expected an object, found {brief(fields)}")
+        missing = [key for key in ("camera", "t_s", "people") if key not in fields]
+        if missing:
+            raise FaultError(f"lacks {', '.join(map(repr, missing))}")
+        camera = self._camera(fields["camera"])
+        people = fields["people"]
+        if not isinstance(people, list):
+            raise FaultError(f"'people' must be a list, found {brief(people)}")
+        xy_px, score, person_score = self._people(people, b"true" in line or b"false" in line)
+        return Poses2D(camera, self._time(camera, fields["t_s"]), xy_px, score, person_score)
+
+    def _camera(self, name: object) -> str:
+        if not isinstance(name, str) or not name:
+            raise FaultError(f"'camera' must be a name, found {brief(name)}")
+        known = self._rig_cameras
+        if known is not None and name not in known and name not in self._strangers:
+            self._strangers.add(name)
+            raise FaultError(unknown_camera(name, known))
+        return name
+
+    def _time(self, camera: str, value: object) -> float:
+        t_s = _number(value, "'t_s'", -MAX_ABS_TIME_S, MAX_ABS_TIME_S)
+        last_s = self._last_s.get(camera, -math.inf)
+        self._last_s[camera] = t_s
+        if t_s < last_s:
+            raise FaultError(f"camera {camera!r}: time runs backwards, {t_s} s after {last_s} s")
+        if t_s == last_s:
+            raise FaultError(
+                f"camera {camera!r}: a second image at {t_s} s; all people of one image belong "
+                "in one line"
+            )
+        return t_s
+
+    def _people(
+        self, people: list[Any], careful: bool
+    ) -> tuple[
+        Float64[np.ndarray, "person joint 2"],
+        Float64[np.ndarray, "person joint"],
+        Float64[np.ndarray, " person"],
+    ]:
+        table, person_score = _table_or_fault(people, self._skeleton, careful)
+        xy_px = np.ascontiguousarray(table[:, :, :2])
+        return xy_px, np.clip(table[:, :, 2], 0.0, 1.0), np.clip(person_score, 0.0, 1.0)
+
+
+def _table_or_fault(
+    people: list[Any], skeleton: Skeleton, careful: bool
+) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, " person"]]:
+    if not people:
+        return np.empty((0, len(skeleton.joints), 3)), np.empty(0)
+    if not careful:  # quick, but would take a bool for a number
+        with suppress(TypeError, KeyError, OverflowError, ValueError):
+            return _table(people, len(skeleton.joints))
+    return _table_step_by_step(people, skeleton)
+
+
+def _table(
+    people: list[Any], n_joints: int
+) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, " person"]]:
+    """Return x, y and score of all key points, fast; raise anything if something is odd."""
+    for person in people:
+        if len(person["keypoints"]) != n_joints:
+            raise ValueError
+    rows = [_MISSING if row is None else row for person in people for row in person["keypoints"]]
+    if any(len(row) != 3 for row in rows):
+        raise ValueError
+    table = np.frombuffer(array("d", chain.from_iterable(rows))).reshape(-1, n_joints, 3)
+    person_score = np.frombuffer(array("d", [person["score"] for person in people]))
+    low, high = SCORE_RANGE
+    scores = np.append(table[:, :, 2], person_score)
+    if (np.abs(table[:, :, :2]) > MAX_COORDINATE_PX).any() or scores.min() < low:
+        raise ValueError
+    if scores.max() > high:
+        raise ValueError
+    return table, person_score
+
+
+def _table_step_by_step(
+    people: list[Any], skeleton: Skeleton
+) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, " person"]]:
+    """Return the same as :func:`_table`, slowly, and say what is wrong and where."""
+    rows: list[tuple[float, float, float]] = []
+    person_score: list[float] = []
+    for index, person in enumerate(people):
+        where = f"person {index}"
+        if not isinstance(person, dict):
+            raise FaultError(f"{where} must be an object, found {brief(person)}")
+        keypoints = person.get("keypoints")
+        if not isinstance(keypoints, list) or len(keypoints) != len(skeleton.joints):
+            found = len(keypoints) if isinstance(keypoints, list) else brief(keypoints)
+            raise FaultError(
+                f"{where}: {skeleton.name} has {len(skeleton.joints)} key points, found {found}"
+            )
+        person_score.append(_number(person.get("score"), f"{where}: 'score'", *SCORE_RANGE))
+        rows.extend(
+            _keypoint(row, f"{where}, {joint}")
+            for row, joint in zip(keypoints, skeleton.joints, strict=True)
+        )
+    return np.array(rows).reshape(-1, len(skeleton.joints), 3), np.array(person_score)
+
+
+def _keypoint(row: object, where: str) -> tuple[float, float, float]:
+    if row is None:
+        return _MISSING
+    if not isinstance(row, list) or len(row) != 3:
+        raise FaultError(f"{where}: expected [x, y, score] or null, found {brief(row)}")
+    x, y, score = row
+    if x is None or y is None:
+        return _MISSING
+    return (
+        _number(x, f"{where}: x", -MAX_COORDINATE_PX, MAX_COORDINATE_PX),
+        _number(y, f"{where}: y", -MAX_COORDINATE_PX, MAX_COORDINATE_PX),
+        _number(score, f"{where}: score", *SCORE_RANGE),
+    )
+
+
+def _number(value: object, what: str, low: float, high: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise FaultError(f"{what} must be a number, found {brief(value)}")
+    if not low <= value <= high:
+        raise FaultError(f"{what} must lie between {low:g} and {high:g}, found {brief(value)}")
+    return float(value)
+
+
+class PosesWriter:
+    """Writes ``*.poses.jsonl``, so that whatever happens all finished images are kept.
+
+    While it runs, whole lines go to ``<name>.partial`` beside `path`. When the block ends well,
+    that file takes its final name. After an error, Ctrl-C or a crash it stays under the name that
+    says so, and every reader of trecsim takes it as it is.
+
+    Parameters
+    ----------
+    path
+        The file to make; an older one is replaced at the end.
+    skeleton
+        Name of the skeleton of all images.
+
+    Raises
+    ------
+    InputError
+        When the place cannot be written to.
+    SetupError
+        When the disk has no room.
+
+    Examples
+    --------
+    >>> path = getfixture("tmp_path") / "room.poses.jsonl"
+    >>> with PosesWriter(path) as writer:
+    ...     writer.write(
+    ...         Poses2D("north", 1.5, np.full((1, 17, 2), 7.125), np.ones((1, 17)), np.ones(1))
+    ...     )
+    >>> [poses.xy_px[0, 0].tolist() for poses in read_poses_jsonl(path)]
+    [[7.12, 7.12]]
+    """
+
+    def __init__(self, path: Path, skeleton: str = "coco17") -> None:
+        self._path = path
+        self._partial = partial_path(path)
+        self._skeleton = skeleton
+        self._images = 0
+
+    def write(self, poses: Poses2D) -> None:
+        """Append one image: 0.01 px, scores to three digits, times to the microsecond."""
+        self._put(
+            {"camera": poses.camera, "t_s": round(poses.t_s, 6), "people": _people_as_json(poses)}
+        )
+        self._images += 1
+
+    def _put(self, fields: dict[str, Any]) -> None:
+        line = json.dumps(fields, allow_nan=False, ensure_ascii=False) + "\n"
+        with disk_faults(self._partial):
+            self._file.write(line.encode())
+            self._file.flush()  # a whole line is with the system before the next image comes
+
+    def __enter__(self) -> Self:
+        with disk_faults(self._path):
+            if self._path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            self._file: IO[bytes] = self._partial.open("wb")
+        try:
+            self._put({"format": FORMAT, "skeleton": self._skeleton})
+        except BaseException:
+            self._give_up()
+            raise
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        with disk_faults(self._path):
+            if kind is None:
+                self._finish()
+            else:
+                self._give_up()
+
+    def _finish(self) -> None:
+        try:
+            os.fsync(self._file.fileno())
+        finally:
+            self._file.close()
+        self._partial.replace(self._path)
+
+    def _give_up(self) -> None:
+        try:
+            self._file.close()
+        except OSError as error:  # what was flushed is on the disk, and the first error counts
+            logger.debug("%s: %s", self._partial, error)
+        if not self._images:
+            self._partial.unlink(missing_ok=True)
+
+
+def _people_as_json(poses: Poses2D) -> list[dict[str, Any]]:
+    seen = np.isfinite(poses.xy_px).all(axis=2).tolist()
+    score = np.clip(np.nan_to_num(poses.score), 0.0, 1.0)
+    table = np.concatenate([poses.xy_px.round(2), score.round(3)[..., None]], axis=2).tolist()
+    person_score = np.clip(np.nan_to_num(poses.person_score), 0.0, 1.0).round(3).tolist()
+    return [
+        {
+            "score": person_score[index],
+            "keypoints": [
+                row if row_seen else None for row, row_seen in zip(rows, seen[index], strict=True)
+            ],
+        }
+        for index, rows in enumerate(table)
+    ]

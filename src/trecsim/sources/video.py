@@ -1,0 +1,240 @@
+"""Video files as streams of frames, with the times that the file itself gives them."""
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.errors import InputError, SetupError
+from trecsim.sources.orientation import Orientation
+from trecsim.types import Frame
+
+logger = logging.getLogger(__name__)
+
+FALLBACK_FPS = 25.0
+MISSED_S = 0.5  # an end earlier than announced by less is not worth a warning
+
+
+@dataclass(frozen=True, slots=True)
+class VideoInfo:
+    """What a video file says of itself.
+
+    Attributes
+    ----------
+    size_px
+        Width and height of the upright images [px].
+    fps
+        Mean frame rate [1/s], if it is known.
+    frame_count
+        Number of images, if the file tells it.
+    start_s
+        Time of the first image [s].
+    duration_s
+        From the start of the first to the end of the last image [s], if the file tells it.
+    codec
+        Name of the coding, such as ``"h264"``.
+    orientation
+        How the coded pictures have to be turned to be upright.
+    """
+
+    size_px: tuple[int, int]
+    fps: float | None
+    frame_count: int | None
+    start_s: float
+    duration_s: float | None
+    codec: str
+    orientation: Orientation
+
+    @property
+    def expected_frames(self) -> int | None:
+        """Number of images, estimated from duration and rate if the file does not tell it."""
+        if self.frame_count is None and self.fps is not None and self.duration_s is not None:
+            return round(self.fps * self.duration_s)
+        return self.frame_count
+
+
+def probe(path: Path) -> VideoInfo:
+    """Return what the video file says of itself; decodes its first image.
+
+    Raises
+    ------
+    InputError
+        When the file is missing, empty, no video, or holds no image that can be decoded.
+    SetupError
+        When PyAV is not installed.
+    """
+    decode = _decoding()
+    with decode.opened(path, threads=1) as video:
+        picture = next(video.pictures(), None)
+        if picture is None:
+            raise InputError(f"cannot read video {path}: no image in it can be decoded")
+        decode.check_size(path, picture.width, picture.height)
+        turn = decode.orientation(picture)
+        return VideoInfo(
+            turn.size((picture.width, picture.height)),
+            video.fps,
+            video.frame_count,
+            0.0 if video.keeps_no_time else decode.time_s(picture) or 0.0,
+            video.duration_s,
+            video.stream.codec_context.name,
+            turn,
+        )
+
+
+def _decoding() -> ModuleType:
+    try:
+        from trecsim.sources import decoding
+    except ImportError as error:
+        raise SetupError(
+            f"reading video needs PyAV: pip install 'mc3d-trecsim[video]' ({error})"
+        ) from error
+    return decoding
+
+
+class VideoFile:
+    """The frames of a video file, decoded one after the other as they are iterated over.
+
+    Time stamps are those of the file: a container that starts at 10 s gives frames from 10 s on,
+    and where the frame rate varies, so do the steps. Pictures without a time continue at the mean
+    rate; those whose time does not advance are left out; damaged ones are skipped. Each of this
+    is told in one warning at the end. Pictures that a phone or camera marked as turned come
+    upright. Iterating again starts again; several iterations may run at once.
+
+    Parameters
+    ----------
+    path
+        The file.
+    camera
+        Name of the camera that took it.
+    decode_size_px
+        Width and height that the images must fit into [px]; they keep their shape and are never
+        enlarged. Much cheaper than scaling them later. As they are, if None.
+    threads
+        For decoding; as many as there are processors if None. Give 1 where several videos are
+        read at once.
+
+    Attributes
+    ----------
+    path, camera, info
+        What was given, and what the file says of itself.
+    size_px
+        Width and height of the upright original [px]: what the calibration refers to.
+    decoded_size_px
+        Width and height of the images that come out [px].
+
+    Raises
+    ------
+    InputError
+        When the file is missing, empty, no video, or holds no image that can be decoded.
+    SetupError
+        When PyAV is not installed.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        camera: str,
+        *,
+        decode_size_px: tuple[int, int] | None = None,
+        threads: int | None = None,
+    ) -> None:
+        self.path = path
+        self.camera = camera
+        self.info = probe(path)
+        self.size_px = self.info.size_px
+        self.decoded_size_px = _fitted(self.size_px, decode_size_px or self.size_px)
+        self._threads = threads
+
+    def original_px(
+        self, xy_px: Float64[np.ndarray, "*batch 2"]
+    ) -> Float64[np.ndarray, "*batch 2"]:
+        """Return where points of a decoded image lie in the original one [px].
+
+        Pixel centres are at integers, so it is the borders of the images that coincide, at -0.5.
+        """
+        scale = np.array(self.size_px) / np.array(self.decoded_size_px)
+        original: Float64[np.ndarray, "*batch 2"] = (xy_px + 0.5) * scale - 0.5
+        return original
+
+    def __iter__(self) -> Iterator[Frame]:
+        decode = _decoding()
+        with decode.opened(self.path, self._threads) as video:
+            clock = _Clock(self.info.fps or FALLBACK_FPS, counts_only=video.keeps_no_time)
+            to_rgb = decode.RgbConverter(self.decoded_size_px, self.info.orientation)
+            index = 0
+            for picture in video.pictures():
+                self._check_size(picture)
+                t_s = clock(decode.time_s(picture))
+                if t_s is not None:
+                    yield Frame(self.camera, index, t_s, to_rgb(picture))
+                    index += 1
+            self._warn(index, video.damaged, clock)
+
+    def _check_size(self, picture: Any) -> None:
+        expected = self.info.orientation.size(self.size_px)
+        if (picture.width, picture.height) != expected:
+            raise InputError(
+                f"video {self.path}: the size of the images changes from "
+                f"{expected[0]} x {expected[1]} to {picture.width} x {picture.height} px; one "
+                "calibration cannot fit both: cut the video there"
+            )
+
+    def _warn(self, frames: int, damaged: int, clock: "_Clock") -> None:
+        told = self.info.frame_count
+        missing = told is not None and frames + clock.left_out < 0.98 * told
+        end_s = self.info.start_s + (self.info.duration_s or 0.0)
+        if damaged or (clock.last_s < end_s - MISSED_S and (missing or told is None)):
+            logger.warning(
+                "video %s is damaged or cut off: %d%s frames could be read, up to %.3f s; they "
+                "are used",
+                self.path,
+                frames,
+                f" of {told}" if told else "",
+                clock.last_s,
+            )
+        if clock.guessed:
+            logger.warning(
+                "video %s: %d frames carry no time; assumed %g frames per second for them",
+                self.path,
+                clock.guessed,
+                clock.fps,
+            )
+        if clock.left_out:
+            logger.warning(
+                "video %s: %d frames are left out because their time does not advance; if it is "
+                "put together from several recordings, give each as a file of its own",
+                self.path,
+                clock.left_out,
+            )
+
+
+class _Clock:
+    """Gives each picture its time; the times it gives always advance."""
+
+    def __init__(self, fps: float, *, counts_only: bool) -> None:
+        self.fps = fps
+        self.last_s = -1.0 / fps
+        self.guessed = 0
+        self.left_out = 0
+        self._started = False
+        self._counts_only = counts_only
+
+    def __call__(self, stamp_s: float | None) -> float | None:
+        """Return the time of the next picture [s]; None if it is to be left out."""
+        t_s = self.last_s + 1.0 / self.fps if stamp_s is None or self._counts_only else stamp_s
+        if self._started and t_s <= self.last_s:
+            self.left_out += 1
+            return None
+        self.guessed += stamp_s is None
+        self.last_s, self._started = t_s, True
+        return t_s
+
+
+def _fitted(size_px: tuple[int, int], limit_px: tuple[int, int]) -> tuple[int, int]:
+    scale = min(1.0, limit_px[0] / size_px[0], limit_px[1] / size_px[1])
+    return max(1, round(size_px[0] * scale)), max(1, round(size_px[1] * scale))
