@@ -6,7 +6,7 @@ Commands are registered by name only; their module is imported when one is calle
 
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from importlib.metadata import version
 
@@ -14,16 +14,7 @@ from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
 
 from trecsim.errors import Error
 
-app = App(
-    name="trecsim",
-    help="Live 3D trajectories of all the people a set of fixed, calibrated cameras sees.",
-    version=lambda: f"trecsim {version('mc3d-trecsim')}",
-    help_epilogue="Exit codes: 0 done, 2 the input is wrong, 1 anything else.",
-    default_parameter=Parameter(negative=()),
-    suppress_keyboard_interrupt=False,
-)
-
-_COMMANDS = {
+COMMANDS = {
     "demo": "Show the main job on a simulated room: no camera, no download.",
     "run": "Run a whole site: recordings in, people in 3D out.",
     "estimate": "Find people's 2D poses in videos.",
@@ -32,7 +23,7 @@ _COMMANDS = {
     "doctor": "Check whether this machine has what trecsim needs.",
     "sample": "Fetch a real multi-camera recording to try things on.",
 }
-_GROUPS = {
+GROUPS = {
     "rig": (
         "Look at camera calibrations and convert them.",
         {
@@ -58,18 +49,37 @@ _GROUPS = {
 }
 
 
-def _register() -> None:
-    for name, text in _COMMANDS.items():
-        app.command(f"trecsim.cli.{name}:{name}", name=name, help=text)
-    for group, (about, commands) in _GROUPS.items():
+def command_line(called: Sequence[str] = ()) -> App:
+    """Return the command with all its sub-commands, none of them imported.
+
+    Parameters
+    ----------
+    called
+        The command about to run: its help is its whole docstring instead of the line it has
+        among the others.
+    """
+    app = App(
+        name="trecsim",
+        help="Live 3D trajectories of all the people a set of fixed, calibrated cameras sees.",
+        version=lambda: f"trecsim {version('mc3d-trecsim')}",
+        help_epilogue="Exit codes: 0 done, 2 the input is wrong, 1 anything else.",
+        default_parameter=Parameter(negative=()),
+        suppress_keyboard_interrupt=False,
+    )
+    _add(app, "", COMMANDS, called[:1])
+    for group, (about, commands) in GROUPS.items():
         sub = App(name=group, help=about)
-        for name, text in commands.items():
-            function = f"{name}_" if name == "list" else name
-            sub.command(f"trecsim.cli.{group}:{function}", name=name, help=text)
+        _add(sub, f"{group}:", commands, called[1:2] if called[:1] == [group] else ())
         app.command(sub)
+    return app
 
 
-_register()
+def _add(app: App, group: str, commands: Mapping[str, str], called: Sequence[str]) -> None:
+    for name, text in commands.items():
+        module = group or f"{name}:"
+        function = f"{name}_" if name == "list" else name  # `list` is a word of Python
+        help_text = None if [name] == list(called) else text
+        app.command(f"trecsim.cli.{module}{function}", name=name, help=help_text)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -90,6 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _run(arguments: list[str]) -> int:
     try:
+        app = command_line(arguments[:2])
         app(arguments, exit_on_error=False, print_error=False, result_action="return_none")
         sys.stdout.flush()
     except CycloptsError as error:
@@ -116,7 +127,7 @@ def _tell(message: str, exit_code: int) -> int:
 def _argument_fault(error: CycloptsError) -> str:
     chain = error.command_chain or ()
     if isinstance(error, UnknownCommandError):  # its own text would import every command
-        known = _GROUPS[chain[0]][1] if chain else [*_COMMANDS, *_GROUPS]
+        known = GROUPS[chain[0]][1] if chain else [*COMMANDS, *GROUPS]
         text = _unknown_command((error.unused_tokens or ["?"])[0], known)
     else:
         text = _one_line(str(error))

@@ -19,7 +19,7 @@ _EXPECTED = {
     "path_type": "a path",
     "model_type": "a table",
     "dict_type": "a table",
-    "list_type": "an array",
+    "tuple_type": "an array",
     "string_pattern_mismatch": "1 to 64 letters, digits, '-' and '_'",
     "too_short": "more values",
     "too_long": "fewer values",

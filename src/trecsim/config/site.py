@@ -9,7 +9,6 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -53,22 +52,23 @@ SitePath = Annotated[Path, Field(strict=False), AfterValidator(_beside_the_site_
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 """A name that may become a directory or part of an address."""
 
-Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+Vector = Annotated[tuple[float, float, float], Field(strict=False)]
+SizePx = Annotated[tuple[int, int], Field(strict=False)]
 
 
 class FloorTable(Table):
     """The way from the frame of a calibration file to the floor."""
 
-    rotation_deg: Vector = [0.0, 0.0, 0.0]
+    rotation_deg: Vector = (0.0, 0.0, 0.0)
     """Rotation vector: its direction is the axis, its length the angle [degrees]."""
-    translation_m: Vector = [0.0, 0.0, 0.0]
+    translation_m: Vector = (0.0, 0.0, 0.0)
     """Shift after the rotation [m]."""
     up: Literal["z", "y", "-y", "-z"] | None = None
     """Axis that points up after both; without it, the one about which cameras stand upright."""
 
     def floor(self) -> Floor:
         """Return the floor as the readers of rigs take it."""
-        return Floor(np.array(self.rotation_deg), np.array(self.translation_m), self.up)
+        return Floor(self.rotation_deg, self.translation_m, self.up)
 
 
 class RigTable(Table):
@@ -80,7 +80,7 @@ class RigTable(Table):
     """Name of the format; without it the content tells."""
     unit_m: float | None = Field(default=None, gt=0)
     """Length of the file's unit [m]; without it the format tells, or it is guessed."""
-    size_px: Annotated[list[int], Field(min_length=2, max_length=2)] | None = None
+    size_px: SizePx | None = None
     """Image width and height of all cameras [px], for formats that do not tell it."""
     floor: FloorTable | None = None
     """Where the floor is; without it the file's frame is the room's."""
@@ -98,13 +98,12 @@ class RigTable(Table):
         CalibrationError
             When there is no such rig or something in it is wrong.
         """
-        size_px = (self.size_px[0], self.size_px[1]) if self.size_px else None
         return read_rig(
             self.file,
             format=self.format,
             unit_m=self.unit_m,
             floor=self.floor.floor() if self.floor else None,
-            size_px=size_px,
+            size_px=self.size_px,
             remark=remark,
         )
 
@@ -114,6 +113,15 @@ class SourceTable(Table):
 
     video: SitePath
     """A recording of this camera."""
+
+
+class PosesTable(Table):
+    """2D poses of all cameras in files."""
+
+    file: SitePath
+    """A `*.poses.jsonl` file, or what OpenPose or COCO tools wrote: see `trecsim track`."""
+    fps: float | None = Field(default=None, gt=0)
+    """Frames per second, for files that number their frames and tell no time."""
 
 
 class EstimatorTable(Table):
@@ -178,7 +186,7 @@ class OutputTable(Table):
     """Whether to keep the 2D poses too, as `poses.jsonl`."""
 
 
-def _rig_table(given: Any) -> Any:
+def _file_table(given: Any) -> Any:
     return {"file": given} if isinstance(given, str) else given
 
 
@@ -189,12 +197,15 @@ class Site(Table):
     """Always this."""
     name: Name
     """What the site is called: letters, digits, `-` and `_`."""
-    rig: Annotated[RigTable, BeforeValidator(_rig_table, json_schema_input_type=str | RigTable)]
+    rig: Annotated[RigTable, BeforeValidator(_file_table, json_schema_input_type=str | RigTable)]
     """The calibration of the cameras: its file, or a table."""
     sources: dict[str, SourceTable] = {}
     """What each camera delivers, by the name the camera has in the rig."""
-    poses: SitePath | None = None
-    """2D poses of all cameras, in place of `sources`."""
+    poses: Annotated[
+        PosesTable | None,
+        BeforeValidator(_file_table, json_schema_input_type=str | PosesTable | None),
+    ] = None
+    """2D poses of all cameras in place of `sources`: their file, or a table."""
     estimator: EstimatorTable = EstimatorTable()
     """How people are found in images."""
     fusion: FusionTable = FusionTable()
