@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-import reference_fusion as reference
 from hypothesis import given
 from hypothesis import strategies as st
 
+import reference_fusion as reference
 from trecsim.fusion import kernels
 from trecsim.fusion.spline import KnotGrid
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-import reference_fusion as reference
 from hypothesis import given
 from hypothesis import strategies as st
 
+import reference_fusion as reference
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels.fitting import LOOSEN, LOOSEN_M2, loosen_if_turned
 from trecsim.fusion.model import build
@@ -15,6 +15,7 @@ from trecsim.skeleton import COCO17
 
 SETTINGS = FusionSettings()
 MODEL = build(corner_rig(6.0, 5.0, 2.6, cameras=4), COCO17, SETTINGS)
+OFF_M = np.array([0.03, -0.02, 0.04])
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -38,9 +39,7 @@ def test_log_ratio_equals_the_mixture_of_densities(seed):
     C, e, m_per_px = A @ A.T + np.eye(2), rng.normal(0, 20, 2), rng.uniform(1e-3, 1e-2)
     noise = MODEL.noise
     got = kernels.inlier_log_ratio(e, C, m_per_px, noise.log_inlier, noise.outlier_share)
-    expected = reference.log_ratio(
-        e, C, m_per_px, SETTINGS.outlier_share, SETTINGS.outlier_area_m2
-    )
+    expected = reference.log_ratio(e, C, m_per_px, SETTINGS.outlier_share, SETTINGS.outlier_area_m2)
     np.testing.assert_allclose(got, expected, rtol=1e-9, atol=1e-12)
 
 
@@ -141,7 +140,7 @@ def observed(rng, joint_m, spread_px=0.0, cameras=(0, 1, 2)):
     xy = np.array([reference.project(p, joint_m) for p in P]) + rng.normal(0, 1, (n, 2)) * spread_px
     return kernels.Observed(
         P, focal, np.zeros(n, np.int64), np.tile([0.0, 0.5, 0.5, 0.0], (n, 1)),
-        np.tile(joint_m + [0.03, -0.02, 0.04], (n, 1)), xy, np.full(n, 0.03), np.ones(n),
+        np.tile(joint_m + OFF_M, (n, 1)), xy, np.full(n, 0.03), np.ones(n),
     )  # fmt: skip
 
 
@@ -191,7 +190,7 @@ def test_a_sharp_turn_loosens_the_joint_only_when_key_points_agree():
     tight = np.eye(3) * 0.01**2
     for agree in (True, False):
         seen = observed(rng, joint)
-        seen.xyz_m[:] = joint + [0.35, 0.0, 0.0]
+        seen.xyz_m[:] = joint + np.array([0.35, 0.0, 0.0])
         if not agree:
             seen.xy_px[:] += rng.normal(0, 300, (3, 2))
         R, z = np.eye(24), np.ones(24)

@@ -1,8 +1,8 @@
 import numpy as np
-import reference_fusion as reference
 from hypothesis import given
 from hypothesis import strategies as st
 
+import reference_fusion as reference
 from trecsim.fusion.spline import KnotGrid, basis
 
 

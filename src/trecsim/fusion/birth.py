@@ -106,8 +106,17 @@ def _pairs(
     factor = np.clip((s.good_score / np.maximum(images.score[leftover], 1e-3)) ** 1.7, 1.0, 6.0)
     pair = np.full((len(leftover), len(leftover)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
+    bones = np.ascontiguousarray(model.body.joints[model.body.bone])
     kernels.pair_scores(
-        cam, origin, ray, factor, model.limbs, model.limb_m, model.noise, pair, flip
+        cam,
+        origin,
+        ray,
+        factor,
+        bones,
+        model.body.length_m[model.body.bone],
+        model.noise,
+        pair,
+        flip,
     )
     return pair, flip, origin, ray
 
@@ -181,7 +190,7 @@ def completed(
 
 def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) -> Population:
     """Return a population of one, resting where the candidate is, to be fitted to its images."""
-    person = Population.nobody(len(candidate.xyz_m), live, len(model.rig))
+    person = Population.nobody(len(candidate.xyz_m), live, len(model.rig), len(model.body.joints))
     n_joint, n_cam = len(candidate.xyz_m), len(model.rig)
     person.R = np.zeros((1, n_joint, 3 * live, 3 * live))
     person.z = np.zeros((1, n_joint, 3 * live))
@@ -193,6 +202,8 @@ def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) 
     person.camera_s = np.full((1, n_cam), -np.inf)
     person.joint_s = np.full((1, n_joint, n_cam), -np.inf)
     person.mirrored_s = np.zeros(1)
+    person.limb_m = model.body.length_m[None].copy()
+    person.limb_m2 = model.body.spread_m[None] ** 2
     kernels.start_all(
         person.R[0],
         person.z[0],

@@ -1,22 +1,34 @@
 """What is known about a body before it is seen: which joints bend how fast, usual limb lengths."""
 
+from dataclasses import dataclass
+from itertools import combinations
+
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion.settings import FusionSettings
 from trecsim.skeleton import Skeleton
 
-# Usual lengths of an adult's limbs [m], to tell a person from a chance meeting of rays; the
-# spread allowed for covers children and tall people.
-_USUAL_LIMB_M = {
-    frozenset(("shoulder",)): 0.34,
-    frozenset(("hip",)): 0.24,
-    frozenset(("shoulder", "elbow")): 0.28,
-    frozenset(("elbow", "wrist")): 0.25,
-    frozenset(("shoulder", "hip")): 0.50,
-    frozenset(("hip", "knee")): 0.42,
-    frozenset(("knee", "ankle")): 0.41,
+# Usual distances between an adult's joints [m] and how far posture changes them [m]. The spread
+# over people covers children and tall ones. Keys are the joints' parts; "same" and "other" say
+# on which side of the body they lie to each other.
+_USUAL_M = {
+    ("nose", "eye", "any"): (0.05, 0.01),
+    ("eye", "eye", "other"): (0.065, 0.01),
+    ("eye", "ear", "same"): (0.10, 0.01),
+    ("ear", "ear", "other"): (0.15, 0.01),
+    ("nose", "shoulder", "any"): (0.27, 0.05),
+    ("ear", "shoulder", "same"): (0.21, 0.05),
+    ("shoulder", "shoulder", "other"): (0.34, 0.03),
+    ("hip", "hip", "other"): (0.24, 0.02),
+    ("shoulder", "elbow", "same"): (0.28, 0.02),
+    ("elbow", "wrist", "same"): (0.25, 0.02),
+    ("shoulder", "hip", "same"): (0.50, 0.03),
+    ("shoulder", "hip", "other"): (0.57, 0.03),
+    ("hip", "knee", "same"): (0.42, 0.02),
+    ("knee", "ankle", "same"): (0.41, 0.02),
 }
+_SPREAD = 0.15
 
 _HEAD = ("nose", "eye", "ear")
 _ARM = ("elbow", "wrist")
@@ -38,15 +50,61 @@ def _part(joint: str) -> str:
     return joint.rpartition("_")[2]
 
 
-def usual_limbs(skeleton: Skeleton) -> tuple[list[tuple[int, int]], Float64[np.ndarray, " limb"]]:
-    """Return the limbs of `skeleton` whose usual length is known, and those lengths [m]."""
-    pairs, lengths = [], []
-    for a, b in skeleton.limbs:
-        key = frozenset((_part(skeleton.joints[a]), _part(skeleton.joints[b])))
-        if key in _USUAL_LIMB_M:
+def _side(joint: str) -> str:
+    side = joint.partition("_")[0]
+    return side if side in ("left", "right") else ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UsualBody:
+    """What is known of anybody's body before the person is seen.
+
+    Attributes
+    ----------
+    joints
+        Pairs of joints that keep their distance.
+    length_m, spread_m
+        The distance: mean over people, and standard deviation.
+    slack_m
+        How far posture changes it.
+    bone
+        Whether the pair is a limb of the skeleton.
+    """
+
+    joints: Int64[np.ndarray, "limb 2"]
+    length_m: Float64[np.ndarray, " limb"]
+    spread_m: Float64[np.ndarray, " limb"]
+    slack_m: Float64[np.ndarray, " limb"]
+    bone: Bool[np.ndarray, " limb"]
+
+
+def usual_body(skeleton: Skeleton) -> UsualBody:
+    """Return the pairs of joints of `skeleton` whose usual distance is known."""
+    pairs, lengths, slack = [], [], []
+    for a, b in combinations(range(len(skeleton.joints)), 2):
+        found = _usual(skeleton.joints[a], skeleton.joints[b])
+        if found is not None:
             pairs.append((a, b))
-            lengths.append(_USUAL_LIMB_M[key])
-    return pairs, np.array(lengths)
+            lengths.append(found[0])
+            slack.append(found[1])
+    limbs = {frozenset(limb) for limb in skeleton.limbs}
+    length = np.array(lengths)
+    return UsualBody(
+        np.array(pairs, np.int64).reshape(-1, 2),
+        length,
+        _SPREAD * length,
+        np.array(slack),
+        np.array([frozenset(pair) in limbs for pair in pairs], bool),
+    )
+
+
+def _usual(first: str, second: str) -> tuple[float, float] | None:
+    side = "same" if _side(first) == _side(second) else "other"
+    for parts in ((_part(first), _part(second)), (_part(second), _part(first))):
+        for where in (side, "any"):
+            if (*parts, where) in _USUAL_M:
+                return _USUAL_M[*parts, where]
+    return None
 
 
 def key_point_sigma_m(

@@ -7,7 +7,8 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.fusion import body
-from trecsim.fusion.kernels import Noise
+from trecsim.fusion.body import UsualBody
+from trecsim.fusion.kernels import Limbs, Noise
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
@@ -29,8 +30,10 @@ class Model:
         What the kernels assume of the detector.
     stiffness
         Weight of the smoothing prior, per joint.
-    limbs, limb_m
-        Limbs of known usual length, and that length.
+    body
+        What is known of anybody's body.
+    limbs
+        The distances a body keeps, for the kernels.
     torso
         The joints that stand for the whole person.
     """
@@ -43,14 +46,14 @@ class Model:
     size_px: Float64[np.ndarray, "cam 2"]
     noise: Noise
     stiffness: Float64[np.ndarray, " joint"]
-    limbs: Int64[np.ndarray, "limb 2"]
-    limb_m: Float64[np.ndarray, " limb"]
+    body: UsualBody
+    limbs: Limbs
     torso: Int64[np.ndarray, " joint_of_torso"]
 
 
 def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
     """Derive the constants of a run."""
-    limbs, limb_m = body.usual_limbs(skeleton)
+    usual = body.usual_body(skeleton)
     torso = [i for i, name in enumerate(skeleton.joints) if name.endswith(("shoulder", "hip"))]
     return Model(
         rig=rig,
@@ -61,8 +64,8 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         size_px=np.array([c.size_px for c in rig], np.float64),
         noise=_noise(skeleton, settings),
         stiffness=body.stiffness(skeleton, settings),
-        limbs=np.array(limbs, np.int64).reshape(-1, 2),
-        limb_m=limb_m,
+        body=usual,
+        limbs=Limbs(usual.joints, usual.slack_m**2),
         torso=np.array(torso or range(len(skeleton.joints)), np.int64),
     )
 

@@ -30,6 +30,8 @@ class Population:
         When each camera last supported each joint [s].
     mirrored_s
         For how long most cameras have read the person with left and right exchanged [s].
+    limb_m, limb_m2
+        Distances that the body keeps, as learnt so far, and their variances [m, m^2].
     """
 
     R: Float64[np.ndarray, "track joint n n"]
@@ -42,9 +44,11 @@ class Population:
     camera_s: Float64[np.ndarray, "track cam"]
     joint_s: Float64[np.ndarray, "track joint cam"]
     mirrored_s: Float64[np.ndarray, " track"]
+    limb_m: Float64[np.ndarray, "track limb"]
+    limb_m2: Float64[np.ndarray, "track limb"]
 
     @classmethod
-    def nobody(cls, n_joint: int, live: int, n_cam: int) -> "Population":
+    def nobody(cls, n_joint: int, live: int, n_cam: int, n_limb: int) -> "Population":
         """Return an empty population."""
         n = 3 * live
         return cls(
@@ -58,6 +62,8 @@ class Population:
             camera_s=np.empty((0, n_cam)),
             joint_s=np.empty((0, n_joint, n_cam)),
             mirrored_s=np.empty(0),
+            limb_m=np.empty((0, n_limb)),
+            limb_m2=np.empty((0, n_limb)),
         )
 
     def __len__(self) -> int:

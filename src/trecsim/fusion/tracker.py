@@ -86,8 +86,8 @@ class Tracker:
         return self._grid
 
     def _nobody(self) -> Population:
-        n_joint = len(self._model.skeleton.joints)
-        return Population.nobody(n_joint, self._live, len(self._model.rig))
+        m = self._model
+        return Population.nobody(len(m.skeleton.joints), self._live, len(m.rig), len(m.body.joints))
 
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
         """Return the views that bring something new and are not too late."""
@@ -136,6 +136,7 @@ class Tracker:
         inlier = self._fit(self._people, images, association, xyz, prior)
         lifecycle.note_support(self._people, images, association, inlier, self._t_s, elapsed_s)
         lifecycle.mend_mirrored(self._people, association, self._model, elapsed_s)
+        self._constrain(elapsed_s)
         self._last_image_s[images.cam] = images.t_s
         return association
 
@@ -158,6 +159,27 @@ class Tracker:
             images.xy_px, images.score, association.match, association.flip, worth, m.noise, inlier,
         )  # fmt: skip
         return inlier
+
+    def _constrain(self, elapsed_s: float) -> None:
+        """Learn limb lengths, and hold by them what too few cameras see."""
+        people, m = self._people, self._model
+        if not len(people):
+            return
+        span, weights = self._knots.locate(self._t_s)
+        kernels.constrain_all(
+            people.R,
+            people.z,
+            self._evaluate(people, self._control_points(), self._t_s),
+            self._covariance(self._t_s),
+            lifecycle.support(people, self._t_s),
+            m.limbs,
+            people.limb_m,
+            people.limb_m2,
+            span,
+            weights,
+            elapsed_s,
+            float(np.clip(elapsed_s / m.settings.error_memory_s, 0.05, 1.0)),
+        )
 
     def _begin(self, images: Images, association: Association) -> None:
         """Let people begin where leftover detections of two or more cameras meet."""

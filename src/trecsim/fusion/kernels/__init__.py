@@ -4,6 +4,7 @@ Arrays are C-contiguous float64. Axes: track, joint, view, and ``n = 3 * live`` 
 Importing this package imports numba; only the fusion does.
 """
 
+from trecsim.fusion.kernels.anatomy import Limbs, constrain_all
 from trecsim.fusion.kernels.assignment import assign
 from trecsim.fusion.kernels.fitting import Observed, fit_all, fold_joint, locate_joint, scratch
 from trecsim.fusion.kernels.information import (
@@ -19,9 +20,11 @@ from trecsim.fusion.kernels.mixture import Noise, inlier_log_ratio, project, sco
 from trecsim.fusion.kernels.pairing import pair_scores, ray_midpoint
 
 __all__ = [
+    "Limbs",
     "Noise",
     "Observed",
     "assign",
+    "constrain_all",
     "control_points",
     "covariance_all",
     "evaluate_all",

@@ -204,3 +204,16 @@ def covariance_all(R, span, weights, cov_m2):
     for k in range(R.shape[0]):
         for j in range(R.shape[1]):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def invert3(A, out):
+    """Write the inverse of a symmetric positive 3 x 3 matrix to `out`."""
+    a, b, c = A[0, 0], A[0, 1], A[0, 2]
+    d, e, f = A[1, 1], A[1, 2], A[2, 2]
+    p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
+    det = a * p + b * q + c * r
+    out[0, 0], out[0, 1], out[0, 2] = p / det, q / det, r / det
+    out[1, 0], out[1, 1], out[1, 2] = q / det, (a * f - c * c) / det, (b * c - a * e) / det
+    out[2, 0], out[2, 1], out[2, 2] = r / det, (b * c - a * e) / det, (a * d - b * b) / det

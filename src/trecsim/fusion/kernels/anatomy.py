@@ -1,0 +1,316 @@
+"""Limb lengths: learnt where two cameras see both ends, used where they do not."""
+
+import math
+from typing import NamedTuple, no_type_check
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from numba import njit
+
+from trecsim.fusion.kernels.information import BLOCK, fold_row, invert3
+
+# How a length is learnt: spread of one measurement, and time after which the next is new [s].
+_MEASURE_M2 = 0.02**2
+_MEASURE_S = 0.5
+# A limb's equation is never surer than this [m^2].
+_TIE_M2 = 0.01**2
+_STEPS = 3
+
+
+class Limbs(NamedTuple):
+    """The distances between joints that a body keeps.
+
+    Attributes
+    ----------
+    joints
+        The two joints of each.
+    slack_m2
+        Variance about a person's mean length: what posture changes.
+    """
+
+    joints: Int64[np.ndarray, "limb 2"]
+    slack_m2: Float64[np.ndarray, " limb"]
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def length_along(x, cov_m2, a, b, d):
+    """Write the unit vector from joint `a` to `b` to `d`; return length and its variance."""
+    length = 0.0
+    for p in range(3):
+        d[p] = x[b, p] - x[a, p]
+        length += d[p] * d[p]
+    length = math.sqrt(length)
+    if length < 1e-6:
+        return 0.0, math.inf
+    var = 0.0
+    for p in range(3):
+        d[p] /= length
+    for p in range(3):
+        for q in range(3):
+            var += d[p] * (cov_m2[a, p, q] + cov_m2[b, p, q]) * d[q]
+    return length, var
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
+    """Update, in place, one person's limb lengths `limb_m` and their variances `limb_m2`.
+
+    Notes
+    -----
+    A scalar Kalman filter per limb, fed only where two cameras see both ends. Errors persist, so
+    a measurement counts by the time that has passed and not by the image.
+    """
+    d = np.empty(3)
+    share = min(1.0, elapsed_s / _MEASURE_S)
+    if share <= 0.0:
+        return
+    for i in range(limbs.joints.shape[0]):
+        a, b = limbs.joints[i]
+        if n_seen[a] < 2 or n_seen[b] < 2:
+            continue
+        length, var = length_along(x, cov_m2, a, b, d)
+        gain = limb_m2[i] / (limb_m2[i] + (var + _MEASURE_M2 + limbs.slack_m2[i]) / share)
+        limb_m[i] += gain * (length - limb_m[i])
+        limb_m2[i] *= 1.0 - gain
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def stretch(j, k, x, d, length_m, u):
+    """Return by how much the shifted joints `j`, `k` are too close, linearised about no shift.
+
+    The direction between them is written to `u` (3,).
+    """
+    length = 0.0
+    for p in range(3):
+        u[p] = x[k, p] + d[k, p] - x[j, p] - d[j, p]
+        length += u[p] * u[p]
+    length = max(math.sqrt(length), 1e-3)
+    rest = length_m - length
+    for p in range(3):
+        u[p] /= length
+        rest += u[p] * (d[k, p] - d[j, p])
+    return rest
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def along_m2(u, cov_m2):
+    """Return the variance of a joint in the direction `u`."""
+    var = 0.0
+    for p in range(3):
+        for q in range(3):
+            var += u[p] * cov_m2[p, q] * u[q]
+    return var
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def add_limb(A, b, first, second, u, rest, var):
+    """Add "the second joint is `rest` further along `u` than the first" to ``A d = b``.
+
+    `first` and `second` are the joints' first unknowns, -1 for one that does not move.
+    """
+    for m, sign in ((first, -1.0), (second, 1.0)):
+        if m < 0:
+            continue
+        for p in range(3):
+            b[m + p] += sign * u[p] * rest / var
+            for q in range(3):
+                A[m + p, m + q] += u[p] * u[q] / var
+    if first >= 0 and second >= 0:
+        for p in range(3):
+            for q in range(3):
+                A[first + p, second + q] -= u[p] * u[q] / var
+                A[second + p, first + q] -= u[p] * u[q] / var
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
+    """Write the normal equations of the weak joints' shifts to `A`, `b`.
+
+    `place` is the index of a joint's first unknown, or -1 where the joint is well known; `x` are
+    joints as fitted, `d` their shifts so far, (joint, 3).
+    """
+    A[:] = 0.0
+    b[:] = 0.0
+    inverse = np.empty((3, 3))
+    u = np.empty(3)
+    for j in range(x.shape[0]):
+        if place[j] >= 0:
+            invert3(cov_m2[j], inverse)
+            A[place[j] : place[j] + 3, place[j] : place[j] + 3] += inverse
+    for i in range(limbs.joints.shape[0]):
+        j, k = limbs.joints[i]
+        if place[j] < 0 and place[k] < 0:
+            continue
+        rest = stretch(j, k, x, d, limb_m[i], u)
+        var = limb_m2[i] + limbs.slack_m2[i] + _TIE_M2
+        for m in (j, k):
+            if place[m] < 0:
+                var += along_m2(u, cov_m2[m])
+        add_limb(A, b, place[j], place[k], u, rest, var)
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def factor_and_invert(A, inverse):
+    """Write the inverse of the symmetric positive `A` to `inverse`.
+
+    `A` is overwritten by its Cholesky factor and that factor's inverse.
+    """
+    n = A.shape[0]
+    for i in range(n):
+        for k in range(i + 1):
+            s = A[i, k]
+            for m in range(k):
+                s -= A[i, m] * A[k, m]
+            A[i, k] = math.sqrt(max(s, 1e-12)) if i == k else s / A[k, k]
+    for i in range(n):
+        A[i, i] = 1.0 / A[i, i]
+        for k in range(i):
+            s = 0.0
+            for m in range(k, i):
+                s += A[i, m] * A[m, k]
+            A[i, k] = -s * A[i, i]
+    for i in range(n):
+        for k in range(i + 1):
+            s = 0.0
+            for m in range(i, n):
+                s += A[m, i] * A[m, k]
+            inverse[i, k] = s
+            inverse[k, i] = s
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, row):
+    """Fold into a joint what the body says about it beyond what its trajectory says already.
+
+    Parameters
+    ----------
+    R, z
+        Square-root information of the joint, changed in place.
+    x, before_m2
+        The joint as its trajectory has it, (3,) and (3, 3).
+    after_m2, shift_m
+        Covariance and shift of the joint with the body taken into account.
+    span, weights, worth, row
+        As in `fit_all`; scratch (n,).
+
+    Notes
+    -----
+    The message is the quotient of two Gaussians: information ``after^-1 - before^-1`` and
+    information vector ``after^-1 shift`` about `x`. Its Cholesky rows are folded; a row without
+    information (a zero pivot) is left out.
+    """
+    gain, tmp = np.empty((3, 3)), np.empty((3, 3))
+    vector = np.zeros(3)
+    invert3(after_m2, gain)
+    for p in range(3):
+        for q in range(3):
+            vector[p] += gain[p, q] * shift_m[q]
+    invert3(before_m2, tmp)
+    scale = gain[0, 0] + gain[1, 1] + gain[2, 2]
+    gain -= tmp
+    for i in range(3):
+        pivot = gain[i, i]
+        if pivot < 1e-6 * scale:
+            continue
+        root = math.sqrt(pivot)
+        row[:] = 0.0
+        y = vector[i] / root
+        for q in range(i, 3):
+            g = gain[i, q] / root
+            y += g * x[q]
+            for m in range(4):
+                row[BLOCK * (span + m) + q] = g * weights[m] * math.sqrt(worth)
+        for p in range(i + 1, 3):
+            share = gain[p, i] / pivot
+            vector[p] -= share * vector[i]
+            for q in range(i + 1, 3):
+                gain[p, q] -= share * gain[i, q]
+        fold_row(R, z, row, y * math.sqrt(worth))
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, row):
+    """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
+
+    Parameters
+    ----------
+    R, z
+        One person's square-root information, (joint, n, n) and (joint, n); changed in place.
+    x, cov_m2
+        Joints and covariances after the fit, (joint, 3) and (joint, 3, 3).
+    n_seen
+        Number of cameras that support each joint now.
+    limbs, limb_m, limb_m2
+        `Limbs`, and this person's lengths with their variances.
+    span, weights
+        Place of the frame set's time on the knot grid.
+    worth
+        Weight of this frame set, 0 to 1.
+    row
+        Scratch, (n,).
+
+    Notes
+    -----
+    All weak joints move together: least squares over their shifts, with each joint's own
+    covariance (long along the ray of the camera that sees it) and the limbs' lengths, by
+    Gauss-Newton. Where a single camera sees a whole body, this is what fixes its distance.
+    """
+    n_joint = x.shape[0]
+    place = np.full(n_joint, -1)
+    weak = np.flatnonzero(n_seen < 2)
+    n = 3 * weak.shape[0]
+    if n == 0:
+        return
+    for i, j in enumerate(weak):
+        place[j] = 3 * i
+    A, inverse, b = np.empty((n, n)), np.empty((n, n)), np.empty(n)
+    d = np.zeros((n_joint, 3))
+    for _ in range(_STEPS):
+        gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2)
+        factor_and_invert(A, inverse)
+        for i, j in enumerate(weak):
+            for p in range(3):
+                d[j, p] = 0.0
+                for q in range(n):
+                    d[j, p] += inverse[3 * i + p, q] * b[q]
+    for i, j in enumerate(weak):
+        after = inverse[3 * i : 3 * i + 3, 3 * i : 3 * i + 3].copy()
+        fold_message(R[j], z[j], x[j], cov_m2[j], after, d[j], span, weights, worth, row)
+
+
+@njit(cache=True, nogil=True)
+@no_type_check
+def constrain_all(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, elapsed_s, worth):
+    """Learn everybody's limb lengths and use them, in place.
+
+    Parameters
+    ----------
+    R, z
+        Square-root information, (track, joint, n, n) and (track, joint, n).
+    x, cov_m2
+        Joints and covariances after the fit, (track, joint, 3) and (track, joint, 3, 3).
+    n_seen
+        Cameras that support each joint now, (track, joint).
+    limbs, limb_m, limb_m2
+        `Limbs`; lengths and variances per track, (track, limb).
+    span, weights
+        Place of the frame set's time on the knot grid.
+    elapsed_s, worth
+        Time since the last frame set; weight of this one, 0 to 1.
+    """
+    row = np.empty(R.shape[2])
+    for k in range(R.shape[0]):
+        learn(x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
+        relax_body(
+            R[k], z[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k],
+            span, weights, worth, row,
+        )  # fmt: skip

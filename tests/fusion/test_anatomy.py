@@ -1,0 +1,139 @@
+"""Limb lengths: learnt where two cameras look, used where they do not."""
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from fusion.made import frame_sets, made, outcome, path
+from trecsim.fusion import FusionSettings, Tracker, kernels
+from trecsim.fusion.body import stiffness, usual_body
+from trecsim.fusion.kernels import anatomy
+from trecsim.simulation.detector import PERFECT
+from trecsim.skeleton import COCO17
+from trecsim.types import FrameSet, Poses2D
+
+ACROSS = path((0, -2, 0), (6, 2, 0))
+
+
+def only(frame_set, cameras):
+    return FrameSet(frame_set.t_s, tuple(v for v in frame_set.views if v.camera in cameras))
+
+
+def blind_to(view, joints):
+    xy = view.xy_px.copy()
+    xy[:, joints] = np.nan
+    return Poses2D(view.camera, view.t_s, xy, view.score, view.person_score)
+
+
+def test_every_bone_of_the_trunk_and_limbs_has_a_usual_length():
+    body = usual_body(COCO17)
+    bones = {tuple(pair) for pair in body.joints[body.bone]}
+    limbs = {tuple(sorted(limb)) for limb in COCO17.limbs}
+    assert bones == limbs
+    assert (body.length_m > 0.03).all()
+    assert (body.length_m < 0.7).all()
+
+
+def test_lengths_are_learnt_from_two_cameras():
+    scene = made([ACROSS], detector=PERFECT)
+    tracker = Tracker(scene.rig)
+    for s in frame_sets(scene):
+        tracker.step(s)
+    truth = scene.truth_xyz_m[0, 100]
+    pairs = usual_body(COCO17).joints
+    rigid = usual_body(COCO17).slack_m <= 0.02
+    true_m = np.linalg.norm(truth[pairs[:, 0]] - truth[pairs[:, 1]], axis=1)
+    usual_m = usual_body(COCO17).length_m
+    learnt_m = tracker._people.limb_m[0]
+    assert np.abs(learnt_m - true_m)[rigid].max() < 0.02
+    assert np.abs(usual_m - true_m)[rigid].max() > 0.02
+
+
+def test_a_joint_that_one_camera_sees_keeps_its_distance_from_the_body():
+    head = [0, 1, 2, 3, 4]
+    scene = made([ACROSS], detector=PERFECT)
+    first = scene.rig.names[0]
+    sets = [
+        FrameSet(s.t_s, tuple(v if v.camera == first else blind_to(v, head) for v in s.views))
+        for s in frame_sets(scene)
+    ]
+    tracker = Tracker(scene.rig)
+    snapshots = [tracker.step(s) for s in sets]
+    truth = scene.truth_xyz_m[0, -1]
+    last = snapshots[-1]
+    assert (last.support[0, head] <= 1).all()
+    assert np.linalg.norm(last.xyz_m[0, head] - truth[head], axis=1).max() < 0.15
+
+
+def test_somebody_whom_only_one_camera_sees_keeps_the_right_distance():
+    scene = made([ACROSS], detector=PERFECT)
+    eye = scene.rig.names[0]
+    sets = [s if s.t_s < 2 else only(s, {eye}) for s in frame_sets(scene)]
+    tracker = Tracker(scene.rig, FusionSettings(doubt_s=60.0))
+    result = outcome(scene, [tracker.step(s) for s in sets if s.views and s.t_s < 4])
+    assert result.ids == {0}
+    assert not np.isnan(result.error_m).any()
+    assert result.error_m[50:].max() < 0.35
+
+
+def test_weak_joints_land_where_least_squares_puts_them():
+    """Covariances along rays, limb lengths, one solid joint: the kernel equals SciPy's minimum."""
+    rng = np.random.default_rng(7)
+    x = rng.normal(0, 0.4, (4, 3))
+    A = rng.normal(0, 0.1, (4, 3, 3))
+    cov = A @ A.swapaxes(1, 2) + 1e-3 * np.eye(3)
+    pairs = np.array([[0, 1], [1, 2], [2, 3], [0, 3]])
+    length = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) * [1.1, 0.9, 1.05, 1.0]
+    var = np.full(4, 0.02**2)
+    place = np.array([-1, 0, 3, 6])
+    A, b, inverse = np.empty((9, 9)), np.empty(9), np.empty((9, 9))
+    d = np.zeros((4, 3))
+    limbs = kernels.Limbs(pairs, np.full(4, 0.01**2))
+    for _ in range(60):
+        anatomy.gather(A, b, x, d, cov, place, limbs, length, var)
+        anatomy.factor_and_invert(A, inverse)
+        d[1:] = (inverse @ b).reshape(3, 3)
+
+    def residuals(shift, d=d):
+        moved = x + np.vstack([np.zeros(3), shift.reshape(3, 3)])
+        parts = [np.linalg.cholesky(np.linalg.inv(cov[j])).T @ (moved - x)[j] for j in (1, 2, 3)]
+        for (j, k), m in zip(pairs, length, strict=True):
+            u = moved[k] - moved[j]
+            fixed = (x + d)[k] - (x + d)[j]
+            fixed /= np.linalg.norm(fixed)
+            noise = 0.02**2 + 0.01**2 + 0.01**2 + (fixed @ cov[0] @ fixed if 0 in (j, k) else 0.0)
+            parts.append([(np.linalg.norm(u) - m) / np.sqrt(noise)])
+        return np.concatenate(parts)
+
+    expected = least_squares(residuals, np.zeros(9), xtol=1e-14, ftol=1e-14).x
+    np.testing.assert_allclose(d[1:].ravel(), expected, atol=2e-5)
+
+
+def test_a_message_from_the_body_makes_the_joint_what_the_body_says():
+    rng = np.random.default_rng(8)
+    weights = np.array([0.1, 0.5, 0.35, 0.05])
+    R, z = np.zeros((1, 1, 24, 24)), np.zeros((1, 1, 24))
+    kernels.start_all(R[0], z[0], rng.normal(size=(1, 3)), np.array([0.3]), 0.1, np.array([10.0]))
+    before, c, x = np.empty((1, 1, 3, 3)), np.empty((1, 1, 24)), np.empty((1, 1, 3))
+    kernels.solve_all(R, z, c)
+    kernels.evaluate_all(c, 2, weights, x)
+    kernels.covariance_all(R, 2, weights, before)
+    told = np.diag([1e3, 1e2, 0.0])
+    after = np.linalg.inv(np.linalg.inv(before[0, 0]) + told)
+    shift = np.array([0.05, -0.02, 0.01])
+    anatomy.fold_message(
+        R[0, 0], z[0, 0], x[0, 0].copy(), before[0, 0], after, shift, 2, weights, 1.0, np.empty(24)
+    )
+    now, cov = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3))
+    kernels.solve_all(R, z, c)
+    kernels.evaluate_all(c, 2, weights, now)
+    kernels.covariance_all(R, 2, weights, cov)
+    np.testing.assert_allclose(cov[0, 0], after, rtol=1e-6, atol=1e-10)
+    np.testing.assert_allclose((now - x)[0, 0, :2], shift[:2], atol=1e-9)
+
+
+def test_stiffness_is_what_the_acceleration_of_a_spline_asks_for():
+    """Second difference over knot squared is the acceleration; its variance is q over knot."""
+    settings = FusionSettings(knot_s=0.2, accel_torso=3.0)
+    weight = stiffness(COCO17, settings)[COCO17.index("left_hip")]
+    sigma_second_difference_m = 3.0 / np.sqrt(0.2) * 0.2**2
+    assert np.isclose(weight, 1 / sigma_second_difference_m)
