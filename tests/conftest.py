@@ -3,6 +3,11 @@
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# Machines are shared and kernels compile at their first call: time says nothing about a law.
+settings.register_profile("trecsim", deadline=None)
+settings.load_profile("trecsim")
 
 
 @pytest.fixture(scope="session")
