@@ -1,0 +1,53 @@
+# On a machine with nothing but Python 3.11 or newer, every target sets up what it needs.
+# Another interpreter: make test PYTHON=python3.12
+
+PYTHON ?= python3
+BIN := .venv/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check bench docs constraints clean
+
+help:  ## Show this list.
+	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
+
+demo: .venv/installed-plot  ## Follow people through a simulated room and show the result.
+	$(BIN)/trecsim demo
+
+test: .venv/installed-test  ## Run all tests.
+	$(BIN)/python -m pytest --quiet
+
+check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/codespell src tests docs benchmarks examples README.md CHANGELOG.md CONTRIBUTING.md
+
+bench: .venv/installed-test  ## Run the benchmarks; the figures of the README come from here.
+	@set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script; done
+
+docs: .venv/installed-docs  ## Build the documentation into docs/_build/html.
+	$(BIN)/sphinx-build --fail-on-warning --quiet docs docs/_build/html
+	@echo "see docs/_build/html/index.html"
+
+constraints: .venv/installed-check .venv/installed-docs  ## Pin the versions that are installed now.
+	@echo "# Versions that the tests passed with; make installs exactly these. Made by: make constraints" > constraints.txt
+	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' >> constraints.txt
+
+clean:  ## Remove everything that was made here.
+	rm -rf .venv build dist out recordings docs/_build docs/reference/generated
+	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	find src tests benchmarks examples -name __pycache__ -type d -exec rm -rf {} +
+
+# An extra is installed again only when what it depends on has changed.
+.venv/installed-%: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) --editable '.[$*]'
+	@touch $@
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || \
+	  { echo "make: $(PYTHON) is missing or older than 3.11; give another one: make PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || \
+	  { echo "make: $(PYTHON) has no venv module; on Debian and Ubuntu: sudo apt install python3-venv" >&2; exit 1; }
+	$(PYTHON) -m venv .venv
