@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numba import njit
 
-from trecsim.fusion.kernels.information import BLOCK, fold_row, invert3
+from trecsim.fusion.kernels.information import BLOCK, copy, fold_row, invert3
 
 # How a length is learnt: spread of one measurement, and time after which the next is new [s].
 _MEASURE_M2 = 0.02**2
@@ -32,7 +32,7 @@ class Limbs(NamedTuple):
     slack_m2: Float64[np.ndarray, " limb"]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def length_along(x, cov_m2, a, b, d):
     """Write the unit vector from joint `a` to `b` to `d`; return length and its variance."""
@@ -52,7 +52,7 @@ def length_along(x, cov_m2, a, b, d):
     return length, var
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
     """Update, in place, one person's limb lengths `limb_m` and their variances `limb_m2`.
@@ -76,7 +76,7 @@ def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
         limb_m2[i] *= 1.0 - gain
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def stretch(j, k, x, d, length_m, u):
     """Return by how much the shifted joints `j`, `k` are too close, linearised about no shift.
@@ -95,7 +95,7 @@ def stretch(j, k, x, d, length_m, u):
     return rest
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def along_m2(u, cov_m2):
     """Return the variance of a joint in the direction `u`."""
@@ -106,7 +106,7 @@ def along_m2(u, cov_m2):
     return var
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def add_limb(A, b, first, second, u, rest, var):
     """Add "the second joint is `rest` further along `u` than the first" to ``A d = b``.
@@ -127,7 +127,7 @@ def add_limb(A, b, first, second, u, rest, var):
                 A[second + p, first + q] -= u[p] * u[q] / var
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     """Write the normal equations of the weak joints' shifts to `A`, `b`.
@@ -142,7 +142,7 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     for j in range(x.shape[0]):
         if place[j] >= 0:
             invert3(cov_m2[j], inverse)
-            A[place[j] : place[j] + 3, place[j] : place[j] + 3] += inverse
+            copy(inverse, A[place[j] : place[j] + 3, place[j] : place[j] + 3])
     for i in range(limbs.joints.shape[0]):
         j, k = limbs.joints[i]
         if place[j] < 0 and place[k] < 0:
@@ -155,7 +155,7 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
         add_limb(A, b, place[j], place[k], u, rest, var)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def factor_and_invert(A, inverse):
     """Write the inverse of the symmetric positive `A` to `inverse`.
@@ -185,7 +185,23 @@ def factor_and_invert(A, inverse):
             inverse[k, i] = s
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def quotient(before_m2, after_m2, shift_m, gain, vector):
+    """Write ``after^-1 - before^-1`` and ``after^-1 shift``; return the size of ``after^-1``."""
+    before = np.empty((3, 3))
+    invert3(before_m2, before)
+    invert3(after_m2, gain)
+    size = gain[0, 0] + gain[1, 1] + gain[2, 2]
+    for p in range(3):
+        vector[p] = 0.0
+        for q in range(3):
+            vector[p] += gain[p, q] * shift_m[q]
+            gain[p, q] -= before[p, q]
+    return size
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, row):
     """Fold into a joint what the body says about it beyond what its trajectory says already.
@@ -207,18 +223,11 @@ def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, ro
     information vector ``after^-1 shift`` about `x`. Its Cholesky rows are folded; a row without
     information (a zero pivot) is left out.
     """
-    gain, tmp = np.empty((3, 3)), np.empty((3, 3))
-    vector = np.zeros(3)
-    invert3(after_m2, gain)
-    for p in range(3):
-        for q in range(3):
-            vector[p] += gain[p, q] * shift_m[q]
-    invert3(before_m2, tmp)
-    scale = gain[0, 0] + gain[1, 1] + gain[2, 2]
-    gain -= tmp
+    gain, vector = np.empty((3, 3)), np.empty(3)
+    size = quotient(before_m2, after_m2, shift_m, gain, vector)
     for i in range(3):
         pivot = gain[i, i]
-        if pivot < 1e-6 * scale:
+        if pivot < 1e-6 * size:
             continue
         root = math.sqrt(pivot)
         row[:] = 0.0
@@ -236,7 +245,20 @@ def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, ro
         fold_row(R, z, row, y * math.sqrt(worth))
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def move(inverse, b, place, d):
+    """Write the shifts ``inverse @ b`` of the weak joints to `d` (joint, 3)."""
+    for j in range(d.shape[0]):
+        if place[j] < 0:
+            continue
+        for p in range(3):
+            d[j, p] = 0.0
+            for q in range(b.shape[0]):
+                d[j, p] += inverse[place[j] + p, q] * b[q]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, row):
     """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
@@ -265,29 +287,27 @@ def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, w
     Gauss-Newton. Where a single camera sees a whole body, this is what fixes its distance.
     """
     n_joint = x.shape[0]
-    place = np.full(n_joint, -1)
-    weak = np.flatnonzero(n_seen < 2)
-    n = 3 * weak.shape[0]
+    place = np.empty(n_joint, np.int64)
+    n = 0
+    for j in range(n_joint):
+        place[j] = n if n_seen[j] < 2 else -1
+        n += 3 if n_seen[j] < 2 else 0
     if n == 0:
         return
-    for i, j in enumerate(weak):
-        place[j] = 3 * i
     A, inverse, b = np.empty((n, n)), np.empty((n, n)), np.empty(n)
     d = np.zeros((n_joint, 3))
     for _ in range(_STEPS):
         gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2)
         factor_and_invert(A, inverse)
-        for i, j in enumerate(weak):
-            for p in range(3):
-                d[j, p] = 0.0
-                for q in range(n):
-                    d[j, p] += inverse[3 * i + p, q] * b[q]
-    for i, j in enumerate(weak):
-        after = inverse[3 * i : 3 * i + 3, 3 * i : 3 * i + 3].copy()
+        move(inverse, b, place, d)
+    for j in range(n_joint):
+        if place[j] < 0:
+            continue
+        after = inverse[place[j] : place[j] + 3, place[j] : place[j] + 3]
         fold_message(R[j], z[j], x[j], cov_m2[j], after, d[j], span, weights, worth, row)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def constrain_all(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, elapsed_s, worth):
     """Learn everybody's limb lengths and use them, in place.

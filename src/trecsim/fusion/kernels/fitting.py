@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numba import njit
 
-from trecsim.fusion.kernels.information import BLOCK, fold_row, invert3
+from trecsim.fusion.kernels.information import BLOCK, copy, fold_row, invert3, marked, scale
 from trecsim.fusion.kernels.mixture import (
     NEAR_M,
     image_covariance,
@@ -66,7 +66,7 @@ class Scratch(NamedTuple):
     row: Float64[np.ndarray, " n"]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
@@ -76,7 +76,7 @@ def scratch(n):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def weigh(seen, v, shift_m, cov_m2, noise, tmp):
     """Return the inlier responsibility of image `v` (E step) and the weight of its equations.
@@ -100,7 +100,7 @@ def weigh(seen, v, shift_m, cov_m2, noise, tmp):
     return r, r * seen.worth[v] / var
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
     """Find one joint from its key points in several images and its predicted place, by EM.
@@ -128,9 +128,9 @@ def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
     """
     invert3(prior_m2, tmp.prior_inv)
     shift_m[:] = 0.0
-    cov_m2[:] = prior_m2
+    copy(prior_m2, cov_m2)
     for _ in range(steps):
-        tmp.info[:] = tmp.prior_inv
+        copy(tmp.prior_inv, tmp.info)
         tmp.rhs[:] = 0.0
         for v in range(seen.P.shape[0]):
             inlier[v], g = weigh(seen, v, shift_m, cov_m2, noise, tmp)
@@ -151,7 +151,7 @@ def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
             )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def fold_joint(R, z, seen, shift_m, inlier, noise, tmp):
     """Fold the key points of one joint into its trajectory, each at its image's own time.
@@ -191,7 +191,7 @@ def fold_joint(R, z, seen, shift_m, inlier, noise, tmp):
             fold_row(R, z, tmp.row, gain * y)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial, tmp):
     """Seek a joint again with a wide prior where its key points agree, but not with the curve.
@@ -201,9 +201,10 @@ def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial
     are those of the second search; otherwise nothing changes. `trial` is scratch, (3 + view,).
     """
     n = seen.P.shape[0]
-    wide = prior_m2 * LOOSEN
+    wide = np.empty((3, 3))
     for a in range(3):
-        wide[a, a] += LOOSEN_M2
+        for b in range(3):
+            wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
     loose_shift, loose_inlier = trial[:3], trial[3:]
     locate_joint(seen, wide, noise, _LOOSE_STEPS, loose_shift, cov_m2, loose_inlier, tmp)
     before, after = 0.0, 0.0
@@ -211,32 +212,36 @@ def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial
         before += inlier[v]
         after += loose_inlier[v]
     if after > max(1.5, before + 0.5):
-        R *= 1.0 / math.sqrt(LOOSEN)
-        z *= 1.0 / math.sqrt(LOOSEN)
-        shift_m[:] = loose_shift
-        inlier[:] = loose_inlier
+        scale(R, z, 1.0 / math.sqrt(LOOSEN))
+        for a in range(3):
+            shift_m[a] = loose_shift[a]
+        for v in range(n):
+            inlier[v] = loose_inlier[v]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def fit_joint(R, z, seen, prior_m2, noise, inlier, trial, tmp):
     """Locate one joint and fold its key points into the trajectory, in place."""
     n = 0
     for v in range(seen.P.shape[0]):
+        inlier[v] = 0.0
         if not math.isnan(seen.xy_px[v, 0]):
             n += 1
-    inlier[:] = 0.0
     if n == 0:
         return
     shift_m = np.empty(3)
     cov_m2 = np.empty((3, 3))
     locate_joint(seen, prior_m2, noise, _STEPS, shift_m, cov_m2, inlier, tmp)
-    if n >= 2 and inlier.sum() < 0.5 * n:
+    agree = 0.0
+    for v in range(seen.P.shape[0]):
+        agree += inlier[v]
+    if n >= 2 and agree < 0.5 * n:
         loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial, tmp)
     fold_joint(R, z, seen, shift_m, inlier, noise, tmp)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def fit_all(
     R, z, xyz_m, prior_m2, cam, P, focal_px, span, weights,
@@ -274,22 +279,28 @@ def fit_all(
     tmp = scratch(R.shape[2])
     trial = np.empty(3 + n_view)
     r = np.empty(n_view)
+    views = np.empty(n_view, np.int64)
     for k in range(R.shape[0]):
-        views = np.flatnonzero(match[k] >= 0)
-        n = views.shape[0]
+        n = marked(match[k], views)
         part = Observed(
             seen.P[:n], seen.focal_px[:n], seen.span[:n], seen.weights[:n], seen.xyz_m[:n],
             seen.xy_px[:n], seen.sigma_m[:n], seen.worth[:n],
         )  # fmt: skip
-        for i, v in enumerate(views):
-            part.P[i], part.focal_px[i] = P[cam[v]], focal_px[cam[v]]
-            part.span[i], part.weights[i] = span[v], weights[v]
+        for i in range(n):
+            v = views[i]
+            copy(P[cam[v]], part.P[i])
+            part.focal_px[i], part.span[i] = focal_px[cam[v]], span[v]
             part.worth[i] = worth[k, v]
+            for m in range(4):
+                part.weights[i, m] = weights[v, m]
         for j in range(R.shape[1]):
-            for i, v in enumerate(views):
+            for i in range(n):
+                v = views[i]
                 d, m = match[k, v], noise.mirror[j] if flip[k, v] else j
-                part.xyz_m[i], part.xy_px[i] = xyz_m[v, k, j], xy_px[d, m]
+                for a in range(3):
+                    part.xyz_m[i, a] = xyz_m[v, k, j, a]
+                part.xy_px[i, 0], part.xy_px[i, 1] = xy_px[d, m, 0], xy_px[d, m, 1]
                 part.sigma_m[i] = noise.sigma_m[j] * score_to_factor(score[d, m], noise.good_score)
             fit_joint(R[k, j], z[k, j], part, prior_m2[k, j], noise, r[:n], trial[: 3 + n], tmp)
-            for i, v in enumerate(views):
-                inlier[k, v, j] = r[i]
+            for i in range(n):
+                inlier[k, views[i], j] = r[i]

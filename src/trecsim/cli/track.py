@@ -1,0 +1,54 @@
+"""The command `trecsim track`."""
+
+from pathlib import Path
+
+from trecsim.cli.terminal import finish, note, progress_bar
+
+
+def track(
+    rig: Path,
+    poses: Path,
+    /,
+    *,
+    out: Path = Path("tracks.csv"),
+    lag_s: float = 0.0,
+    fps: float | None = None,
+    format: str | None = None,
+    unit_m: float | None = None,
+    json: bool = False,
+) -> None:
+    """Reconstruct everybody's 3D trajectory from 2D poses.
+
+    One state per person and frame set, at the newest time of the set minus the lag.
+
+    Parameters
+    ----------
+    rig
+        Calibration: a file or directory in any format that `trecsim rig show` reads.
+    poses
+        2D poses: a `*.poses.jsonl` file, a directory of OpenPose results, or COCO results.
+    out
+        Where the tracks go: `*.csv` or `*.parquet`.
+    lag_s
+        Report this much later than the newest image, and smoother [s].
+    fps
+        Frames per second, for poses that number their frames and tell no time.
+    format
+        Format of the calibration, if its content does not tell.
+    unit_m
+        Length of the calibration's unit [m], if its content does not tell.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.calibration import read_rig
+    from trecsim.pipeline import track as run
+
+    cameras = read_rig(rig, format=format, unit_m=unit_m, remark=note)
+    with progress_bar("frame sets", quiet=json) as bar:
+        summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, progress=bar)
+    ms = summary["fusion_ms"]
+    text = (
+        f"{out}: {summary['people']} people in {summary['frame_sets']} frame sets; "
+        f"fusion {ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
+    )
+    finish(summary, json, text)
