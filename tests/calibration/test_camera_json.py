@@ -59,7 +59,7 @@ def test_panoptic_is_turned_to_z_up_and_metres(tmp_path):
 
 
 def test_a_floor_of_the_users_replaces_that_turn(tmp_path):
-    floor = Floor(translation_m=np.array([1.0, 0.0, 0.0]), up="-y")
+    floor = Floor(translation_m=(1.0, 0.0, 0.0), up="-y")
     camera = read(tmp_path, PANOPTIC, floor=floor)["00_00"]
     np.testing.assert_allclose(camera.position_m, [1.0, -3.0, 1.5])
 

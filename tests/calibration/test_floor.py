@@ -23,8 +23,8 @@ def test_the_axis_about_which_cameras_stand_upright_is_found(axis):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"rotation_deg": np.zeros(2)}, "rotation must be three finite numbers"),
-        ({"translation_m": np.array([0, np.nan, 0])}, "translation must be three finite numbers"),
+        ({"rotation_deg": (0.0, 0.0)}, "rotation must be three finite numbers"),
+        ({"translation_m": (0.0, np.nan, 0.0)}, "translation must be three finite numbers"),
         ({"up": "x"}, "one of z, y, -y, -z, got 'x'"),
     ],
 )

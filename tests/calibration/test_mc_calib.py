@@ -5,7 +5,7 @@ from trecsim.calibration import Floor, RigWarning, read_rig
 from trecsim.errors import CalibrationError
 
 # The floor of the thesis' room, camera 0 to ground: y points up there, 230 cm.
-THESIS_FLOOR = Floor(np.array([146.12, 1.79, -1.2]), np.array([0.0, 2.3, 0.0]))
+THESIS_FLOOR = Floor((146.12, 1.79, -1.2), (0.0, 2.3, 0.0))
 
 
 @pytest.fixture

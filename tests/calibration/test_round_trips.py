@@ -42,7 +42,11 @@ def nothing(_text):
 def floor_under(camera):
     """Return the floor that leads from a camera's frame to the world."""
     T_world_cam = inverse(camera.T_cam_world)
-    return Floor(np.rad2deg(rotation_vector(T_world_cam[:3, :3])), T_world_cam[:3, 3], "z")
+    return Floor(
+        tuple(np.rad2deg(rotation_vector(T_world_cam[:3, :3])).tolist()),
+        tuple(T_world_cam[:3, 3].tolist()),
+        "z",
+    )
 
 
 def assert_same_images(rig, other):

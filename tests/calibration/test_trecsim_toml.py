@@ -100,7 +100,7 @@ def test_it_is_in_metres_always_but_may_be_put_on_another_floor(tmp_path):
     path = write(tmp_path, GOOD)
     with pytest.raises(CalibrationError, match="in metres always"):
         read_rig(path, unit_m=0.01)
-    raised = read_rig(path, floor=Floor(translation_m=np.array([0.0, 0.0, 1.0]), up="z"))
+    raised = read_rig(path, floor=Floor(translation_m=(0.0, 0.0, 1.0), up="z"))
     np.testing.assert_allclose(raised["north"].position_m, [0.0, -3.0, 2.5])
 
 

@@ -1,7 +1,7 @@
 """Where the floor is in the frame of a file: the way from there to our world, z up."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
@@ -9,8 +9,9 @@ from jaxtyping import Float64
 
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
-from trecsim.geometry.rigid import RigidMotion, Vector, inverse, rigid_motion, rotation_matrix
+from trecsim.geometry.rigid import RigidMotion, inverse, rigid_motion, rotation_matrix
 
+Triple = tuple[float, float, float]
 UpAxis = Literal["z", "y", "-y", "-z"]
 
 UP: dict[UpAxis, Float64[np.ndarray, "3 3"]] = {
@@ -45,13 +46,16 @@ class Floor:
     array([0. , 0. , 2.3])
     """
 
-    rotation_deg: Vector = field(default_factory=lambda: np.zeros(3))
-    translation_m: Vector = field(default_factory=lambda: np.zeros(3))
+    rotation_deg: Triple = (0.0, 0.0, 0.0)
+    translation_m: Triple = (0.0, 0.0, 0.0)
     up: UpAxis | None = None
 
     def __post_init__(self) -> None:
         for name, values in (("rotation", self.rotation_deg), ("translation", self.translation_m)):
-            if np.shape(values) != (3,) or not np.isfinite(values).all():
+            if (
+                np.shape(values) != (3,)
+                or not np.isfinite(np.array(values, dtype=np.float64)).all()
+            ):
                 raise CalibrationError(
                     f"the floor's {name} must be three finite numbers, got {values}"
                 )

@@ -43,7 +43,7 @@ def read(document: Document, wishes: Wishes) -> Rig:
     faults = Faults(document.path)
     tables = {key: value for key, value in document.data.items() if key.startswith("camera_")}
     top = Entry("the file", document.data, faults)
-    if top.number("nb_camera", len(tables)) != len(tables):
+    if top.number("nb_camera", float(len(tables))) != len(tables):
         top.fault(f"nb_camera is {short(top.fields['nb_camera'])}, but it has {len(tables)}")
     entries = [Entry(f"camera {key!r}", value, faults) for key, value in tables.items()]
     groups = {entry.number("camera_group", 0.0) for entry in entries}

@@ -10,12 +10,13 @@ gives NaN beyond, in both directions: no image point is better than a wrong one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol, get_args
+from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
-Array = Float64[np.ndarray, "..."]
+Array = Float64[np.ndarray, "..."] | np.float64  # of a single point, NumPy makes a scalar
+Mask = Bool[np.ndarray, "..."] | np.bool_
 Points = Float64[np.ndarray, "*batch 2"]
 Jacobians = Float64[np.ndarray, "*batch 2 2"]
 
@@ -29,39 +30,6 @@ WIDEST = 50.0  # normalised radius: 88.9 degrees off the axis, nothing there has
 TABLE_LENGTH = 2048  # starts good to 1e-6, so that one or two steps are enough
 NEWTON_STEPS = 6  # what is not found by then lies beyond the fold
 TOLERANCE = 1e-12  # of a normalised coordinate: a billionth of a pixel
-
-
-class Lens(Protocol):
-    """How a lens bends the ideal image."""
-
-    @property
-    def radius_max(self) -> float:
-        """Normalised undistorted radius up to which the model is one-to-one."""
-
-    def distort(self, xy: Points) -> Points:
-        """Return where the lens images ideal points; NaN beyond `radius_max`."""
-
-    def distort_with_jacobian(self, xy: Points) -> tuple[Points, Jacobians]:
-        """Return the distorted points and their derivative by the ideal ones."""
-
-    def undistort(self, xy: Points) -> Points:
-        """Return the ideal points that the lens images at `xy`; NaN where there are none."""
-
-
-def lens(model: str, coefficients: Float64[np.ndarray, " coef"]) -> Lens:
-    """Return the lens of a distortion model.
-
-    Parameters
-    ----------
-    model
-        ``"none"``, ``"brown"`` or ``"fisheye"``.
-    coefficients
-        As many as `COEFFICIENTS` allows for the model.
-    """
-    values = [float(value) for value in coefficients]
-    if not any(values) and model != "fisheye":
-        return NoDistortion()
-    return Fisheye(*values) if model == "fisheye" else Brown(*values)
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,11 +228,30 @@ class Fisheye:
         return angle * factor, growth
 
 
-def _stack(first: Array, second: Array) -> Array:
+Lens = NoDistortion | Brown | Fisheye
+
+
+def lens(model: str, coefficients: Float64[np.ndarray, " coef"]) -> Lens:
+    """Return the lens of a distortion model.
+
+    Parameters
+    ----------
+    model
+        ``"none"``, ``"brown"`` or ``"fisheye"``.
+    coefficients
+        As many as `COEFFICIENTS` allows for the model.
+    """
+    values = [float(value) for value in coefficients]
+    if not any(values) and model != "fisheye":
+        return NoDistortion()
+    return Fisheye(*values) if model == "fisheye" else Brown(*values)
+
+
+def _stack(first: Array, second: Array) -> Float64[np.ndarray, "..."]:
     return np.stack((first, second), axis=-1)
 
 
-def _nan_where(mask: Array, *parts: Array) -> Sequence[Array]:
+def _nan_where(mask: Mask, *parts: Array) -> Sequence[Array]:
     if not mask.any():
         return parts
     return [np.where(mask, np.nan, part) for part in parts]
