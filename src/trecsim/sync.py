@@ -176,20 +176,13 @@ class _WaitingRoom:
     def take(self) -> FrameSet:
         """Return the oldest set, complete or not."""
         opener = self._opener()
-        opener_s, window_s, limit_s = (
-            opener.head_s,
-            self._window(),
-            NEAREST_PERIODS * self._period(),
-        )
+        end_s = opener.head_s + self._window()
+        limit_s = NEAREST_PERIODS * self._period()
         members = [
             camera
             for camera in self._cameras.values()
             if camera is opener
-            or (
-                camera.images
-                and camera.head_s <= opener_s + window_s
-                and _in_phase(camera, opener, limit_s)
-            )
+            or (camera.images and camera.head_s <= end_s and _in_phase(camera, opener, limit_s))
         ]
         views = sorted(
             (camera.images.popleft()[0] for camera in members),
