@@ -9,6 +9,7 @@ from typing import Protocol
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
+from trecsim.store.atomic import partial_path
 from trecsim.store.tracks_csv import csv_writer, read_csv
 from trecsim.store.tracks_parquet import (
     TracksInfo,
@@ -81,6 +82,11 @@ def tracks_writer(
     if _suffix(path) == ".csv":
         return csv_writer(path, info.skeleton)
     return parquet_writer(path, info)
+
+
+def kept_of(path: Path) -> Path:
+    """Return where :func:`tracks_writer` keeps what it wrote when its block ends with an error."""
+    return partial_path(path) if _suffix(path) == ".csv" else parts_of(path)
 
 
 def read_tracks(path: Path) -> Iterator[Snapshot]:

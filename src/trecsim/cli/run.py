@@ -1,0 +1,77 @@
+"""The command `trecsim run`."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from trecsim.cli.terminal import finish, note, progress_bar
+
+if TYPE_CHECKING:
+    from trecsim.pipeline import RunSummary
+
+
+def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
+    """Run a whole site: recordings in, people in 3D out.
+
+    Keeps in one directory: the tracks (`tracks.parquet`), a summary with all settings
+    (`summary.json`), a picture of everybody's paths (`paths.png`) and, if the site file asks for
+    them, the 2D poses (`poses.jsonl`). Whatever ends it, what was finished is kept; after a crash
+    or power failure too, but for the last two seconds.
+
+    Parameters
+    ----------
+    site
+        The site file; what may stand in it tells `trecsim site schema`.
+    out
+        Directory to make. Without it, one for the present time in `recordings` beside the site
+        file, or where the site file says.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.config.check import check_site
+    from trecsim.pipeline import run as run_site
+
+    checked = check_site(site)
+    for remark in checked.remarks:
+        note(remark)
+    with progress_bar("images", quiet=json) as bar, _ctrl_c() as stop:
+        summary = run_site(checked, out, progress=bar, stop=stop, remark=note)
+    if summary.ended == "stopped":
+        raise KeyboardInterrupt(f"stopped by Ctrl-C; {_told(summary)}")
+    finish(_facts(summary), json, _told(summary))
+
+
+def _facts(summary: "RunSummary") -> dict[str, object]:
+    from dataclasses import asdict
+
+    return asdict(summary)
+
+
+def _told(summary: "RunSummary") -> str:
+    ms = summary.fusion_ms
+    return (
+        f"{summary.out}: {summary.people} people in {summary.frame_sets} frame sets of "
+        f"{summary.images} images, {summary.wall_s:.1f} s; fusion {ms['median']:.2f} ms per set "
+        f"(p95 {ms['p95']:.2f})"
+    )
+
+
+@contextmanager
+def _ctrl_c() -> Iterator[Callable[[], bool]]:
+    """Let the first Ctrl-C end the run in order; the second ends it at once."""
+    asked = False
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        note("stopping; once more to stop at once")
+
+    before = signal.signal(signal.SIGINT, ask)
+    try:
+        yield lambda: asked
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,340 @@
+"""From recordings to people in 3D, from top to bottom.
+
+::
+
+    videos ──estimate──> 2D poses ──frame_sets──> frame sets ──Tracker──> snapshots ──> files
+    pose files ──────────────┘
+
+Images are decoded and looked at in threads of their own, which work ahead; the fusion runs in the
+thread that calls, and never waits for one camera longer than `trecsim.sync.frame_sets` does.
+"""
+
+import hashlib
+import json
+import platform
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import ExitStack, closing, suppress
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Literal, TypedDict
+
+import numpy as np
+
+from trecsim.config import fusion_settings
+from trecsim.config.check import CheckedSite, load_estimator
+from trecsim.errors import InputError, SetupError
+from trecsim.fusion import FusionSettings
+from trecsim.geometry import Rig
+from trecsim.sources import PosesWriter, read_poses
+from trecsim.store.atomic import atomic_write, disk_faults
+from trecsim.store.tracks import kept_of, read_tracks, tracks_writer
+from trecsim.store.tracks_parquet import TracksInfo
+from trecsim.tracking import Tally, follow
+from trecsim.types import Poses2D
+
+Progress = Callable[[int, int | None], None]
+Ended = Literal["complete", "stopped", "failed"]
+
+
+class TrackSummary(TypedDict):
+    """What came of `track`: numbers of frame sets and people, and the times of the fusion."""
+
+    out: Path
+    frame_sets: int
+    people: int
+    fusion_ms: dict[str, float]
+
+
+def track(
+    rig: Rig,
+    poses: Path,
+    out: Path,
+    *,
+    settings: FusionSettings | None = None,
+    lag_s: float = 0.0,
+    fps: float | None = None,
+    progress: Progress | None = None,
+) -> TrackSummary:
+    """Reconstruct everybody's 3D trajectory from files of 2D poses.
+
+    Parameters
+    ----------
+    rig
+        The cameras.
+    poses
+        What `trecsim.sources.read_poses` reads.
+    out
+        Where the tracks go: ``*.csv`` or ``*.parquet``.
+    settings
+        Of the fusion.
+    lag_s
+        How far behind the newest image of a frame set its snapshot is [s].
+    fps
+        Frames per second, for poses that number their frames and tell no time.
+    progress
+        Told the number of frame sets done.
+
+    Raises
+    ------
+    InputError
+        When something in the files is wrong; what was finished before is kept.
+    SetupError
+        When the disk has no room.
+    """
+    tally = Tally()
+    images = read_poses(poses, rig_cameras=rig.names, fps=fps)
+    kept = kept_of(out)
+    try:
+        with tracks_writer(out, _info(rig)) as tracks:
+            for snapshot in follow(images, rig, settings, lag_s=lag_s, tally=tally):
+                tracks.write(snapshot)
+                if progress is not None:
+                    progress(tally.frame_sets, None)
+    except InputError as error:
+        raise type(error)(_with_kept(error, kept)) from error
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept)) from None
+    return TrackSummary(
+        out=out, frame_sets=tally.frame_sets, people=len(tally.people), fusion_ms=tally.fusion_ms()
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class RunSummary:
+    """What came of `run`.
+
+    Attributes
+    ----------
+    site
+        Name of the site.
+    out
+        Directory with everything that was kept.
+    ended
+        Whether the recordings came to their end, or what ended the run.
+    fault
+        What was wrong, if it failed.
+    images, frame_sets, people
+        How many went through the fusion, and how many different people came out.
+    first_s, last_s
+        Times of the first and last snapshot [s]; None when there was none.
+    wall_s
+        How long the run took [s].
+    fusion_ms
+        Median, 95th percentile, largest and mean time of a step of the fusion [ms].
+    """
+
+    site: str
+    out: Path
+    ended: Ended
+    fault: str | None
+    images: int
+    frame_sets: int
+    people: int
+    first_s: float | None
+    last_s: float | None
+    wall_s: float
+    fusion_ms: dict[str, float]
+
+
+def run(
+    checked: CheckedSite,
+    out: Path | None = None,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] = lambda: False,
+    remark: Callable[[str], None] = lambda text: None,
+) -> RunSummary:
+    """Run a site on its recordings; keep the tracks, a summary and a picture of the paths.
+
+    Parameters
+    ----------
+    checked
+        What `trecsim.config.check.check_site` returns.
+    out
+        Directory to make for this run; None makes one where the site file says.
+    progress
+        Told the number of images done and, if it is known, of all images.
+    stop
+        Asked after each image; True ends the run as if the recordings ended there.
+    remark
+        Is called with what is worth knowing without being wrong.
+
+    Raises
+    ------
+    InputError
+        When a recording turns out wrong; what was finished before is kept.
+    SetupError
+        When the machine lacks something, or the disk has no room; what was recorded is kept.
+    """
+    folder = _new_folder(out, checked)
+    began_s = time.monotonic()
+    watch = _Watch(progress, stop, _image_count(checked))
+    fault: InputError | None = None
+    try:
+        fault = _record(checked, folder, watch)
+        summary = watch.summary(checked.file.site.name, folder, began_s, fault)
+        _write_summary(summary, checked)
+        _draw_paths(folder, checked.rig, remark)
+    finally:
+        if watch.tally.frame_sets == 0:
+            _remove_empty(folder)
+    if fault is not None:
+        raise type(fault)(_with_kept(fault, folder)) from fault
+    return summary
+
+
+def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError | None:
+    """Pass everything through the fusion into files; return the fault that ended it early."""
+    site, rig = checked.file.site, checked.rig
+    with ExitStack() as files:
+        poses: Iterator[Poses2D] = watch.images(files.enter_context(closing(_poses(checked))))
+        if site.output.poses:
+            poses = _copied(poses, files.enter_context(PosesWriter(folder / "poses.jsonl")))
+        tracks = files.enter_context(tracks_writer(folder / "tracks.parquet", _info(rig)))
+        settings, lag_s = fusion_settings(site.fusion), site.output.lag_s
+        try:
+            for snapshot in follow(poses, rig, settings, lag_s=lag_s, tally=watch.tally):
+                tracks.write(snapshot)
+                watch.last_s = snapshot.t_s
+                watch.first_s = snapshot.t_s if watch.first_s is None else watch.first_s
+        except InputError as error:
+            return error
+    return None
+
+
+def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
+    site = checked.file.site
+    if site.poses is not None:
+        names, fps = checked.rig.names, site.poses.fps
+        yield from read_poses(site.poses.file, rig_cameras=names, fps=fps)
+        return
+    from trecsim.estimation import estimate_videos, open_videos
+
+    estimator = load_estimator(checked.file)
+    videos = {camera: source.video for camera, source in site.sources.items()}
+    yield from estimate_videos(open_videos(videos, estimator), estimator)
+
+
+def _copied(poses: Iterable[Poses2D], writer: PosesWriter) -> Iterator[Poses2D]:
+    for one in poses:
+        writer.write(one)
+        yield one
+
+
+@dataclass(slots=True)
+class _Watch:
+    """Counts what passes by, tells how far things are, and ends them on request."""
+
+    progress: Progress | None
+    stop: Callable[[], bool]
+    image_count: int | None
+    tally: Tally = field(default_factory=Tally)
+    stopped: bool = False
+    done: int = 0
+    first_s: float | None = None
+    last_s: float | None = None
+
+    def images(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
+        for one in poses:
+            yield one
+            self.done += 1
+            if self.progress is not None:
+                self.progress(self.done, self.image_count)
+            if self.stop():
+                self.stopped = True
+                return
+
+    def summary(self, site: str, out: Path, began_s: float, fault: InputError | None) -> RunSummary:
+        ended: Ended = "failed" if fault else "stopped" if self.stopped else "complete"
+        return RunSummary(
+            site=site,
+            out=out,
+            ended=ended,
+            fault=str(fault) if fault else None,
+            images=self.done,
+            frame_sets=self.tally.frame_sets,
+            people=len(self.tally.people),
+            first_s=self.first_s,
+            last_s=self.last_s,
+            wall_s=time.monotonic() - began_s,
+            fusion_ms=self.tally.fusion_ms(),
+        )
+
+
+def _image_count(checked: CheckedSite) -> int | None:
+    counts = [info.expected_frames for info in checked.videos.values()]
+    return sum(count or 0 for count in counts) if counts and None not in counts else None
+
+
+def _info(rig: Rig) -> TracksInfo:
+    return TracksInfo(rig_sha256=rig_sha256(rig))
+
+
+def rig_sha256(rig: Rig) -> str:
+    """Return a digest that changes whenever any number or name of the rig does."""
+    digest = hashlib.sha256()
+    for camera in rig:
+        named = [camera.name, list(camera.size_px), camera.distortion_model, camera.time_offset_s]
+        digest.update(json.dumps(named).encode())
+        for numbers in (camera.K, camera.T_cam_world, camera.distortion):
+            digest.update(np.ascontiguousarray(numbers, dtype="<f8").tobytes())
+    return digest.hexdigest()
+
+
+def _new_folder(out: Path | None, checked: CheckedSite) -> Path:
+    site = checked.file.site
+    if out is None:
+        started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+        beside = checked.file.path.parent / "recordings" / site.name
+        out = (site.output.directory or beside) / started
+    with disk_faults(out):
+        if out.exists() and any(out.iterdir()):
+            raise InputError(f"{out} is not empty; nothing is overwritten: give another --out")
+        out.mkdir(parents=True, exist_ok=True)
+    return out
+
+
+def _remove_empty(folder: Path) -> None:
+    """Remove what a run that did not get to its first frame set has made."""
+    for name in ("tracks.parquet", "poses.jsonl", "summary.json", "paths.png"):
+        (folder / name).unlink(missing_ok=True)
+    with suppress(OSError):
+        folder.rmdir()
+
+
+def _write_summary(summary: RunSummary, checked: CheckedSite) -> None:
+    facts = {
+        "format": "trecsim.summary/1",
+        **asdict(summary),
+        "out": str(summary.out),
+        "rig_sha256": rig_sha256(checked.rig),
+        "configuration": checked.file.site.model_dump(mode="json"),
+        "versions": {"python": platform.python_version(), **_versions()},
+    }
+    facts["fusion_ms"] = {k: None if np.isnan(v) else v for k, v in summary.fusion_ms.items()}
+    with atomic_write(summary.out / "summary.json") as file:
+        file.write(json.dumps(facts, indent=2, allow_nan=False) + "\n")
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in ("mc3d-trecsim", "numpy", "numba", "av", "openvino"):
+        with suppress(PackageNotFoundError):
+            found[package] = version(package)
+    return found
+
+
+def _draw_paths(folder: Path, rig: Rig, remark: Callable[[str], None]) -> None:
+    from trecsim.plots.paths import plot_paths
+
+    try:
+        plot_paths(read_tracks(folder), rig, folder / "paths.png")
+    except SetupError as error:  # the picture is an extra, the tracks are not
+        remark(f"no picture of the paths: {error}")
+
+
+def _with_kept(what: object, kept: Path) -> str:
+    return f"{what}; what was finished before is kept in {kept}" if kept.exists() else str(what)
