@@ -32,8 +32,10 @@ class Estimator2D(Protocol):
     model is known to score too low to be true. Key points it drops are NaN with score 0; a person
     without any is left out.
 
-    Two more attributes are used where an estimator has them: `ScalesImages`, and ``workers``, the
-    number of threads that may call it at the same time (1 where it is absent).
+    Two more attributes are used where an estimator has them: ``image_limit_px``, the (width,
+    height) into which it scales images anyway, so that they need not come larger (see
+    `image_limit_px`), and ``workers``, how many threads may call it at the same time (see
+    `workers`).
     """
 
     skeleton: str
@@ -43,13 +45,15 @@ class Estimator2D(Protocol):
         ...
 
 
-@runtime_checkable
-class ScalesImages(Protocol):
-    """Says at which size it looks at images, so that they need not be larger than that."""
+def image_limit_px(estimator: Estimator2D) -> tuple[int, int] | None:
+    """Return the (width, height) that images need not exceed; None if they may have any size."""
+    limit: tuple[int, int] | None = getattr(estimator, "image_limit_px", None)
+    return limit
 
-    def input_size(self, size_px: tuple[int, int]) -> tuple[int, int]:
-        """Return the (width, height) to which an image of `size_px` is scaled."""
-        ...
+
+def workers(estimator: Estimator2D) -> int:
+    """Return how many threads may call `estimator` at the same time; 1 unless it says more."""
+    return max(1, int(getattr(estimator, "workers", 1)))
 
 
 def names() -> list[str]:

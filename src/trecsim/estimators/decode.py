@@ -4,7 +4,8 @@ One pure function per layout. Key points come with pixel centres at integers; sc
 numbers count as 0, positions that are no numbers as missing.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int64
@@ -31,18 +32,18 @@ _FEWEST_SHARED_JOINTS = 3  # fewer say nothing about whether two skeletons are o
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detections:
-    """People in one input of a network, best first.
+    """People as a network puts them out, best first.
 
     Attributes
     ----------
     xy_px
-        Key points [px of the input].
+        Key points [px], of the network's input or of the image.
     score
         Per key point, 0 to 1.
     person_score
         Per person, 0 to 1.
     box_px
-        Left, top, right, bottom [px of the input].
+        Left, top, right, bottom [px].
     """
 
     xy_px: Float64[np.ndarray, "person joint 2"]
@@ -58,6 +59,11 @@ class Detections:
         return Detections(
             self.xy_px[index], self.score[index], self.person_score[index], self.box_px[index]
         )
+
+    def in_image(self, box: Letterbox) -> "Detections":
+        """Return the people in pixels of the image that `box` fits into the input."""
+        corners = box.to_image(self.box_px.reshape(-1, 2, 2)).reshape(-1, 4)
+        return replace(self, xy_px=box.to_image(self.xy_px), box_px=corners)
 
 
 def movenet(out: Float[np.ndarray, "1 person 56"], input_px: Size) -> Detections:
@@ -174,17 +180,28 @@ def similarity(found: Detections) -> Float64[np.ndarray, "person person"]:
     return np.where(count >= _FEWEST_SHARED_JOINTS, near / np.maximum(count, 1), 0.0)
 
 
-def to_poses(
-    found: Detections, box: Letterbox, min_joint_score: float, camera: str, t_s: float
-) -> Poses2D:
-    """Return the people in pixels of the image; key points that score too little are missing."""
-    xy_px = box.to_image(found.xy_px)
-    seen = (found.score >= min_joint_score) & (found.score > 0) & np.isfinite(xy_px).all(axis=-1)
+def together(looks: Sequence[Detections]) -> Detections:
+    """Return the people of several looks at one image, best first."""
+    return _detections(
+        np.concatenate([look.xy_px for look in looks]),
+        np.concatenate([look.score for look in looks]),
+        np.concatenate([look.person_score for look in looks]),
+        np.concatenate([look.box_px for look in looks]),
+    )
+
+
+def to_poses(found: Detections, min_joint_score: float, camera: str, t_s: float) -> Poses2D:
+    """Return the people as they leave an estimator; key points that score too little are missing.
+
+    Who has none left is left out.
+    """
+    seen = found.score >= max(min_joint_score, np.finfo(float).tiny)
+    seen &= np.isfinite(found.xy_px).all(axis=-1)
     someone = seen.any(axis=1)
     return Poses2D(
         camera=camera,
         t_s=t_s,
-        xy_px=np.where(seen[..., None], xy_px, np.nan)[someone],
+        xy_px=np.where(seen[..., None], found.xy_px, np.nan)[someone],
         score=np.where(seen, found.score, 0.0)[someone],
         person_score=found.person_score[someone],
     )

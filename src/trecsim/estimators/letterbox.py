@@ -107,8 +107,8 @@ def scale(image: UInt8[np.ndarray, "h w 3"], size_px: Size) -> UInt8[np.ndarray,
 
     Notes
     -----
-    The filter widens with the reduction, so nothing aliases: the same one that scales video
-    while it is decoded, hence the same key points either way.
+    It averages over areas, so nothing aliases, just as video is scaled while it is decoded; the
+    key points are the same either way.
 
     Raises
     ------
@@ -125,6 +125,7 @@ def scale(image: UInt8[np.ndarray, "h w 3"], size_px: Size) -> UInt8[np.ndarray,
             f"scaling images needs PyAV ({error}): pip install 'mc3d-trecsim[video]'"
         ) from error
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), format="rgb24")
-    scaled = frame.reformat(width=size_px[0], height=size_px[1], interpolation="BILINEAR")
+    kind = "AREA" if size_px[0] <= width and size_px[1] <= height else "BILINEAR"
+    scaled = frame.reformat(width=size_px[0], height=size_px[1], interpolation=kind)
     array: UInt8[np.ndarray, "H W 3"] = scaled.to_ndarray()
     return array

@@ -1,15 +1,16 @@
 """The default estimator: MoveNet MultiPose Lightning on the processor, run by OpenVINO."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from jaxtyping import Float32, UInt8
 
 from trecsim.errors import ConfigError, SetupError
 from trecsim.estimators import decode, store
-from trecsim.estimators.letterbox import Letterbox, scaled_size
+from trecsim.estimators.letterbox import Letterbox
 from trecsim.estimators.settings import LongSide, MaxPeople, Score, Threads, checked, cores
 from trecsim.skeleton import COCO17
 from trecsim.types import Frame, Poses2D
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     import openvino as ov
 
 _MULTIPLE_PX = 32  # what the network divides its input by
+_SECOND_LOOK_COUNTS = 0.8  # less than the first: it places joints less precisely
 _FAINTEST_CENTRE = 0.1  # centres of people score above 0.8, of nobody below 0.03
 
 
@@ -34,6 +36,11 @@ class MoveNetSettings:
         At most so many in one image; time is taken by those who are there.
     min_person_score, min_joint_score
         Who or what scores less is left out. Good poses score 0.3 to 0.8.
+    second_look
+        Longer side of a second, smaller version of each image [px], such as 256, whose people are
+        added to those of the first. It finds those who stand so close that they fill the image:
+        of 36 of them 35 instead of 9 at 512 alone; it costs a third more time. None: no second
+        look.
     threads
         Processor threads to use; None takes all cores.
     precision
@@ -46,6 +53,7 @@ class MoveNetSettings:
     max_people: MaxPeople = 40
     min_person_score: Score = 0.2
     min_joint_score: Score = 0.2
+    second_look: LongSide | None = None
     threads: Threads | None = None
     precision: Literal["auto", "f32"] = "auto"
 
@@ -71,28 +79,33 @@ class MoveNet:
     def __init__(self, path: Path, settings: MoveNetSettings) -> None:
         self.settings = settings
         self.workers = settings.threads or cores()
+        largest = max(settings.long_side, settings.second_look or 0)
+        self.image_limit_px = (largest, largest)
         model = _compile(path, settings, self.workers)
         self._idle: SimpleQueue[ov.InferRequest] = SimpleQueue()
         for _ in range(self.workers):
             self._idle.put(model.create_infer_request())
 
-    def input_size(self, size_px: tuple[int, int]) -> tuple[int, int]:
-        """Return the (width, height) at which an image of `size_px` is looked at."""
-        return scaled_size(size_px, self.settings.long_side)
-
     def __call__(self, frame: Frame) -> Poses2D:
         """Find the people; key points are pixels of `frame`'s image."""
         chosen = self.settings
-        height, width, _ = frame.image.shape
-        box = Letterbox.along((width, height), chosen.long_side, _MULTIPLE_PX)
-        found = decode.movenet(self._infer(box.apply(frame.image, fill=0)), box.input_px)
-        people = decode.choose(found, chosen.min_person_score, chosen.max_people)
-        return decode.to_poses(people, box, chosen.min_joint_score, frame.camera, frame.t_s)
+        looks = [self._look(frame.image, chosen.long_side)]
+        if chosen.second_look is not None:
+            second = self._look(frame.image, chosen.second_look)
+            looks.append(replace(second, person_score=second.person_score * _SECOND_LOOK_COUNTS))
+        people = decode.choose(decode.together(looks), chosen.min_person_score, chosen.max_people)
+        return decode.to_poses(people, chosen.min_joint_score, frame.camera, frame.t_s)
 
-    def _infer(self, image: np.ndarray) -> np.ndarray:
+    def _look(self, image: UInt8[np.ndarray, "h w 3"], long_side: int) -> decode.Detections:
+        """Return the people in `image`, scaled to `long_side` [px of `image`]."""
+        height, width, _ = image.shape
+        box = Letterbox.along((width, height), long_side, _MULTIPLE_PX)
+        return decode.movenet(self._infer(box.apply(image, fill=0)), box.input_px).in_image(box)
+
+    def _infer(self, image: UInt8[np.ndarray, "h w 3"]) -> Float32[np.ndarray, "1 person 56"]:
         request = self._idle.get()
         try:
-            out: np.ndarray = request.infer([image[None]])[0].copy()
+            out: Float32[np.ndarray, "1 person 56"] = request.infer([image[None]])[0].copy()
         finally:
             self._idle.put(request)
         return out
