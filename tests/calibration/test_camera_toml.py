@@ -13,7 +13,7 @@ distortions = [ {distortions} ]
 rotation = [ 1.5707963267948966, 0.0, 0.0,]
 translation = [ {shift}, 1500.0, 0.0,]
 """
-ANIPOSE = {"size": "720, 1280", "distortions": "-0.33, 0.0, 0.0, 0.0, 0.0,"}
+ANIPOSE = {"size": "720, 1280", "distortions": "-0.1, 0.0, 0.0, 0.0, 0.0,"}
 POSE2SIM = {"size": "720.0, 1280.0", "distortions": "-0.05, 0.15, -1e-4, 6e-4"}
 
 
@@ -118,7 +118,7 @@ def test_cameras_that_are_kilometres_apart_are_remarked(tmp_path):
         ("size = [ 720, 1280,]", "size = [ 720, 1280, 3,]", "camera 'cam_0': size must be 2"),
         ("rotation = [", "rotation = [ 1.0,", "camera 'cam_0': rotation must be 3 numbers"),
         ("rotation =", "rotations =", "rotation is missing.* it has 'rotations'"),
-        ("-0.33, 0.0, 0.0, 0.0, 0.0,", "-0.33,", "'brown' takes 4 or 5 or 8 numbers"),
+        ("-0.1, 0.0, 0.0, 0.0, 0.0,", "-0.1,", "'brown' takes 4 or 5 or 8 numbers"),
         ("[ 900.0, 0.0, 359.5,]", "[ 900.0, 0.0,]", "matrix must be 3 x 3 numbers"),
         ("[ 900.0, 0.0, 359.5,]", "[ -900.0, 0.0, 359.5,]", "focal lengths in K must be positive"),
         ('name = "seat 0"', 'name = "seat 1"', "more than once: 'seat 1'"),

@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -54,17 +56,27 @@ def test_without_unit_and_floor_both_are_remarked(thesis_file):
 
 
 def test_remarks_are_warnings_by_default(thesis_file):
-    with pytest.warns(RigWarning, match="centimetres guessed"):
+    with pytest.warns(RigWarning) as caught:
         read_rig(thesis_file, floor=Floor(up="-y"))
+    assert "centimetres guessed" in str(caught[0].message)
 
 
 def test_the_way_up_of_the_floor_is_found_and_remarked(thesis_file):
     remarks = []
     read_rig(thesis_file, unit_m=0.01, floor=THESIS_FLOOR, remark=remarks.append)
-    assert remarks == [
+    assert remarks[0] == (
         "the cameras stand upright about the y axis of the floor given, so that axis was taken "
         "as up (say so with --floor-up)"
-    ]
+    )
+
+
+def test_borders_that_the_lens_model_does_not_reach_are_remarked(thesis_file):
+    remarks = []
+    floor = dataclasses.replace(THESIS_FLOOR, up="y")
+    read_rig(thesis_file, unit_m=0.01, floor=floor, remark=remarks.append)
+    assert len(remarks) == 1
+    assert "folds back" in remarks[0]
+    assert "camera_0 (11%), camera_1 (7%)" in remarks[0]
 
 
 CAMERA = """camera_{n}:

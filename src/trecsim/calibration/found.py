@@ -16,10 +16,12 @@ from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import DistortionModel
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import nearest_rotation, rigid_motion
+from trecsim.geometry.view import share_without_inverse
 
 UNITS_M = (1.0, 0.01, 0.001)
 USUAL_SPREAD_M = 4.0  # how far apart the outermost cameras of a site are, give or take
 WIDEST_SPREAD_M = 500.0
+LOST_WORTH_TELLING = 0.005  # share of the image
 ROUNDED = 0.01  # so far from a rotation may a matrix be whose entries were rounded in a file
 
 
@@ -119,7 +121,19 @@ def build_rig(
     faults.check()
     rig = stand(rig, wishes)
     _tell_doubts(rig, wishes, frame)
+    tell_lost_borders(rig, wishes)
     return rig
+
+
+def tell_lost_borders(rig: Rig, wishes: Wishes) -> None:
+    """Remark which cameras have a lens model that ends before their image does."""
+    lost = {camera.name: share_without_inverse(camera) for camera in rig}
+    listed = [f"{name} ({share:.0%})" for name, share in lost.items() if share > LOST_WORTH_TELLING]
+    if listed:
+        wishes.remark(
+            f"the lens model folds back near the border of these images, so that key points there "
+            f"cannot be used: {', '.join(listed)}; calibrate with the board near the border too"
+        )
 
 
 def stand(rig: Rig, wishes: Wishes) -> Rig:

@@ -10,7 +10,7 @@ from jaxtyping import Float64
 
 from trecsim.calibration.document import Document
 from trecsim.calibration.fields import Entry, Faults, short
-from trecsim.calibration.found import Wishes, stand
+from trecsim.calibration.found import Wishes, stand, tell_lost_borders
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
@@ -60,7 +60,9 @@ def read(document: Document, wishes: Wishes) -> Rig:
         top.fault("it has no camera, expected a table [cameras.NAME] for each")
     cameras = [_camera(name, table, faults) for name, table in tables.items()]
     faults.check()
-    return stand(Rig(tuple(camera for camera in cameras if camera is not None)), wishes)
+    rig = stand(Rig(tuple(camera for camera in cameras if camera is not None)), wishes)
+    tell_lost_borders(rig, wishes)
+    return rig
 
 
 def _camera(name: str, table: object, faults: Faults) -> Camera | None:
