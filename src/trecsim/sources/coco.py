@@ -60,8 +60,8 @@ def read_coco(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
     InputError
         With up to ten faults: json, key point counts, numbers, images out of order.
     """
-    with opened_for_reading(path) as file:
-        entries = _entries(io.TextIOWrapper(file, encoding="utf-8-sig"), path)
+    with opened_for_reading(path) as file, io.TextIOWrapper(file, "utf-8-sig") as text:
+        entries = _entries(text, path)
         numbered = ((f"entry {index}", entry) for index, entry in enumerate(entries))
         detections = sound(str(path), numbered, _Parser())
         for frame, group in groupby(detections, key=lambda detection: detection.frame):
