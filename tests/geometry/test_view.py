@@ -5,7 +5,7 @@ import pytest
 
 from made_rigs import LENSES, camera, look_at
 from trecsim.geometry.camera import Camera
-from trecsim.geometry.view import field_of_view_deg, floor_in_view, rays, share_without_inverse
+from trecsim.geometry.view import field_of_view_deg, image_margin, rays, share_without_inverse
 
 K = np.array([[960.0, 0.0, 959.5], [0.0, 960.0, 539.5], [0.0, 0.0, 1.0]])
 
@@ -48,21 +48,12 @@ def test_a_lens_that_folds_back_before_the_border_is_told():
     assert share_without_inverse(looking_down()) == 0.0
 
 
-def test_a_camera_that_looks_straight_down_sees_a_rectangle_of_floor():
-    outline_m = floor_in_view(looking_down(), 100.0)
-    np.testing.assert_allclose(outline_m.min(axis=0), [2.0 - 4.0, 1.0 - 2.25], atol=1e-9)
-    np.testing.assert_allclose(outline_m.max(axis=0), [2.0 + 4.0, 1.0 + 2.25], atol=1e-9)
+def test_the_margin_tells_what_is_in_the_image_and_how_far():
+    # From 4 m above, 960 px of focal length see 1920 px as 8 m.
+    floor_m = np.array([[2.0, 1.0, 0], [5.0, 1.0, 0], [6.0, 1.0, 0], [7.0, 1.0, 0], [2.0, 3.5, 0]])
+    expected = [540 / 1920, 0.125, 0.0, -0.125, -60 / 1920]
+    np.testing.assert_allclose(image_margin(looking_down(), floor_m), expected, atol=1e-12)
 
 
-def test_the_floor_in_view_ends_at_the_range():
-    outline_m = floor_in_view(camera(position_m=(0, 0, 2), target_m=(5, 0, 2)), 8.0)
-    distance_m = np.linalg.norm(outline_m, axis=-1)
-    assert distance_m.max() == pytest.approx(8.0)
-    assert outline_m[:, 0].min() > 0
-    assert distance_m.min() == pytest.approx(2.0 * 1110.0 / (1079.5 - 535.0), rel=0.01)
-
-
-def test_a_camera_below_the_floor_still_has_an_outline():
-    outline_m = floor_in_view(camera(position_m=(0, 0, -1), target_m=(5, 0, -1)), 8.0)
-    assert np.isfinite(outline_m).all()
-    np.testing.assert_allclose(np.linalg.norm(outline_m, axis=-1), 8.0)
+def test_a_point_without_an_image_is_out_of_view():
+    assert image_margin(looking_down(), np.array([2.0, 1.0, 5.0])) == -1.0

@@ -1,4 +1,4 @@
-"""What a camera sees: rays, field of view, the part of the floor in its image."""
+"""What a camera sees: rays, field of view, what is in its image."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -6,7 +6,6 @@ from jaxtyping import Float64
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import Points
 
-BORDER_POINTS = 24  # per side of the image
 INWARD = np.linspace(1.0, 0.05, 96)  # where a lens has no inverse at the border, further in
 
 
@@ -57,39 +56,30 @@ def share_without_inverse(camera: Camera) -> float:
     return float(np.isnan(camera.undistort(np.stack((x, y), axis=-1))[..., 0]).mean())
 
 
-def floor_in_view(camera: Camera, range_m: float) -> Float64[np.ndarray, "corner 2"]:
-    """Return the outline of the floor in the camera's image, up to a distance [m].
+def image_margin(
+    camera: Camera, xyz_m: Float64[np.ndarray, "*batch 3"]
+) -> Float64[np.ndarray, "*batch"]:
+    """Return how far inside the image points appear, as a share of its width.
 
     Parameters
     ----------
     camera
         The camera.
-    range_m
-        Distance from the point below the camera at which the outline is cut.
+    xyz_m
+        World points [m].
 
     Returns
     -------
-    Corners (x, y) on the floor, in order.
+    Distance to the nearest border over the width of the image: positive inside, negative
+    outside; -1 where a point has no image.
     """
-    border, _ = _furthest_in(camera, _border_px(camera.size_px))
-    directions = rays(camera, border)
-    flat = np.linalg.norm(directions[:, :2], axis=-1)
-    with np.errstate(all="ignore"):
-        reach_m = camera.position_m[2] * flat / -directions[:, 2]
-    meets_floor = (directions[:, 2] < 0) & (reach_m >= 0) & (reach_m < range_m)
-    distance_m = np.where(meets_floor, reach_m, range_m)
-    away = directions[:, :2] / np.maximum(flat, 1e-12)[:, None]
-    outline: Float64[np.ndarray, "corner 2"] = camera.position_m[:2] + distance_m[:, None] * away
-    return outline
-
-
-def _border_px(size_px: tuple[int, int]) -> Float64[np.ndarray, "point 2"]:
-    """Return points around the border of the image, in order."""
-    right, bottom = size_px[0] - 0.5, size_px[1] - 0.5
-    corners = np.array([[-0.5, bottom], [right, bottom], [right, -0.5], [-0.5, -0.5]])
-    steps = np.linspace(0, 1, BORDER_POINTS, endpoint=False)[:, None]
-    sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
-    return np.concatenate([start + steps * (end - start) for start, end in sides])
+    x, y = np.moveaxis(camera.project(xyz_m), -1, 0)
+    width, height = camera.size_px
+    inside_px = np.minimum(
+        np.minimum(x + 0.5, width - 0.5 - x), np.minimum(y + 0.5, height - 0.5 - y)
+    )
+    margin: Float64[np.ndarray, "*batch"] = np.nan_to_num(inside_px / width, nan=-1.0)
+    return margin
 
 
 def _furthest_in(camera: Camera, xy_px: Points) -> tuple[Points, bool]:

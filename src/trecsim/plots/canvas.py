@@ -1,0 +1,71 @@
+"""An empty picture of the floor, seen from above, and how pictures are written."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trecsim.errors import InputError, SetupError
+from trecsim.store.atomic import atomic_write
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SUFFIXES = (".png", ".svg", ".pdf", ".jpg")
+DOTS_PER_INCH = 150
+LINES_WANTED = 14  # of the grid, along the longer side
+GRID_STEPS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+
+
+def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[Figure, Axes]":
+    """Return a picture of a part of the floor from above, in equal metres, with a grid.
+
+    Parameters
+    ----------
+    x_m, y_m
+        From and to [m].
+
+    Raises
+    ------
+    SetupError
+        Matplotlib is not installed.
+    """
+    try:
+        from matplotlib.figure import Figure
+        from matplotlib.ticker import MultipleLocator
+    except ImportError:
+        raise SetupError("pictures need Matplotlib: pip install 'mc3d-trecsim[plot]'") from None
+    width, height = x_m[1] - x_m[0], y_m[1] - y_m[0]
+    longest = max(width, height)
+    figure = Figure(
+        figsize=(1.5 + 7.5 * width / longest, 1.5 + 7.5 * height / longest), layout="constrained"
+    )
+    axes = figure.add_subplot()
+    axes.set(xlim=x_m, ylim=y_m, aspect="equal", xlabel="x [m]", ylabel="y [m]")
+    step = next((s for s in GRID_STEPS_M if longest / s <= LINES_WANTED), GRID_STEPS_M[-1])
+    if longest / step <= 1000:
+        axes.xaxis.set_major_locator(MultipleLocator(step))
+        axes.yaxis.set_major_locator(MultipleLocator(step))
+    axes.grid(color="0.88", linewidth=0.8)
+    axes.set_axisbelow(True)
+    axes.tick_params(length=0, labelcolor="0.35")
+    for spine in axes.spines.values():
+        spine.set_color("0.7")
+    return figure, axes
+
+
+def save_figure(figure: "Figure", path: Path) -> None:
+    """Write a picture, whole or not at all; the suffix of the name is its format.
+
+    Raises
+    ------
+    InputError
+        The suffix is not that of a picture.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(
+            f"cannot write a picture to {path}: expected a name that ends in "
+            f"{', '.join(SUFFIXES)}, got {suffix or 'no suffix'!r}"
+        )
+    with atomic_write(path, "wb") as file:
+        figure.savefig(file, format=suffix[1:], dpi=DOTS_PER_INCH, facecolor="white")

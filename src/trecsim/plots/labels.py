@@ -1,0 +1,124 @@
+"""Text beside points of a picture, where it covers neither the points nor other text."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from jaxtyping import Float64
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.transforms import Bbox
+
+DISTANCES_PT = (16, 26, 40, 56, 76, 100, 130)  # from the point to the text, points
+DIRECTIONS = 16
+MARKER_PT = 8  # half the size of what stands at a point
+FAR_PT = 40  # from here on a line leads from the text to its point
+
+Pixels = Float64[np.ndarray, " 2"]
+
+
+@dataclass(frozen=True, slots=True)
+class Label:
+    """A text that belongs to a point.
+
+    Attributes
+    ----------
+    text
+        What to write; may have several lines.
+    xy
+        The point, in the units of the axes.
+    colour
+        Of the text.
+    """
+
+    text: str
+    xy: tuple[float, float]
+    colour: str
+
+
+def write_labels(axes: "Axes", labels: Sequence[Label]) -> None:
+    """Write each label near its point, away from the others and inside the picture.
+
+    Parameters
+    ----------
+    axes
+        Where to; its limits must be final.
+    labels
+        What to write.
+    """
+    figure = axes.get_figure(root=True)
+    if figure is None or not labels:
+        return
+    figure.draw_without_rendering()  # places the axes, so that text can be measured
+    dots = figure.dpi / 72.0
+    points = [np.array(axes.transData.transform(label.xy)) for label in labels]
+    middle = np.mean(points, axis=0)
+    taken = [_box(point, MARKER_PT * dots, MARKER_PT * dots) for point in points]
+    for label, point in zip(labels, points, strict=True):
+        text = axes.annotate(
+            label.text,
+            xy=label.xy,
+            xytext=(0, 0),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            fontsize=8,
+            fontweight="bold",
+            color=label.colour,
+            bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "alpha": 0.85, "lw": 0},
+            zorder=7,
+        )
+        extent = text.get_window_extent()
+        half = np.array([extent.width / 2 + 3 * dots, extent.height / 2 + 3 * dots])
+        offset = _best_offset(point, point - middle, half, taken, axes.get_window_extent(), dots)
+        text.set_position(tuple(offset / dots))
+        taken.append(_box(point + offset, *half))
+        if not taken[-1].padded(FAR_PT * dots - MARKER_PT * dots).contains(*point):
+            _draw_leader(axes, label, offset / dots)
+
+
+def _best_offset(
+    point: Pixels,
+    outwards: Pixels,
+    half: Pixels,
+    taken: "Sequence[Bbox]",
+    frame: "Bbox",
+    dots: float,
+) -> Pixels:
+    """Return where beside `point` a text of half the size `half` fits best, outwards if it can."""
+    start = np.arctan2(outwards[1], outwards[0]) if np.any(outwards) else np.pi / 2
+    best, least = np.zeros(2), np.inf
+    for distance in DISTANCES_PT:
+        for turn in range(DIRECTIONS):
+            turned = 2 * np.pi * turn / DIRECTIONS
+            direction = np.array([np.cos(start + turned), np.sin(start + turned)])
+            offset = direction * (distance * dots) + direction * half * [1.0, 0.6]
+            box = _box(point + offset, *half)
+            overlaps = sum(box.overlaps(other) for other in taken)
+            inside = frame.containsx(box.x0) and frame.containsx(box.x1)
+            inside = inside and frame.containsy(box.y0) and frame.containsy(box.y1)
+            penalty = 1000 * overlaps + 300 * (not inside) + distance + 10 * (1 - np.cos(turned))
+            if penalty < least:
+                best, least = offset, penalty
+    return best
+
+
+def _draw_leader(axes: "Axes", label: Label, offset_pt: Pixels) -> None:
+    line: dict[str, Any] = {"arrowstyle": "-", "color": label.colour, "linewidth": 0.8}
+    axes.annotate(
+        "",
+        xy=label.xy,
+        xytext=(float(offset_pt[0]), float(offset_pt[1])),
+        textcoords="offset points",
+        arrowprops=line,
+        zorder=5,
+    )
+
+
+def _box(middle: Pixels, half_width: float, half_height: float) -> "Bbox":
+    from matplotlib.transforms import Bbox
+
+    half = np.array([half_width, half_height])
+    return Bbox([middle - half, middle + half])
