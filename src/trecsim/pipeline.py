@@ -23,7 +23,7 @@ from typing import Literal, TypedDict
 
 import numpy as np
 
-from trecsim.config import fusion_settings
+from trecsim.config import LONGEST_LAG_S, fusion_settings
 from trecsim.config.check import CheckedSite, load_estimator
 from trecsim.errors import InputError, SetupError
 from trecsim.fusion import FusionSettings
@@ -84,6 +84,8 @@ def track(
     SetupError
         When the disk has no room.
     """
+    if not 0.0 <= lag_s <= LONGEST_LAG_S:
+        raise InputError(f"the lag must lie between 0 and {LONGEST_LAG_S:g} s, got {lag_s:g} s")
     tally = Tally()
     images = read_poses(poses, rig_cameras=rig.names, fps=fps)
     kept = kept_of(out)
@@ -172,15 +174,17 @@ def run(
     folder = _new_folder(out, checked)
     began_s = time.monotonic()
     watch = _Watch(progress, stop, _image_count(checked))
-    fault: InputError | None = None
     try:
         fault = _record(checked, folder, watch)
-        summary = watch.summary(checked.file.site.name, folder, began_s, fault)
-        _write_summary(summary, checked)
-        _draw_paths(folder, checked.rig, remark)
     finally:
-        if watch.tally.frame_sets == 0:
-            _remove_empty(folder)
+        with suppress(OSError):  # there is something in it, and that is kept
+            folder.rmdir()
+    if fault is not None and watch.tally.frame_sets == 0:
+        _discard(folder)
+        raise fault
+    summary = watch.summary(checked.file.site.name, folder, began_s, fault)
+    _write_summary(summary, checked)
+    _draw_paths(folder, checked.rig, remark)
     if fault is not None:
         raise type(fault)(_with_kept(fault, folder)) from fault
     return summary
@@ -297,12 +301,11 @@ def _new_folder(out: Path | None, checked: CheckedSite) -> Path:
     return out
 
 
-def _remove_empty(folder: Path) -> None:
+def _discard(folder: Path) -> None:
     """Remove what a run that did not get to its first frame set has made."""
-    for name in ("tracks.parquet", "poses.jsonl", "summary.json", "paths.png"):
+    for name in ("tracks.parquet", "poses.jsonl"):
         (folder / name).unlink(missing_ok=True)
-    with suppress(OSError):
-        folder.rmdir()
+    folder.rmdir()
 
 
 def _write_summary(summary: RunSummary, checked: CheckedSite) -> None:

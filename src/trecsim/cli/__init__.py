@@ -4,9 +4,12 @@ Commands are registered by name only; their module is imported when one is calle
 ``trecsim --help`` needs neither NumPy nor the rest of the package.
 """
 
+import logging
 import os
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib.metadata import version
 
@@ -95,7 +98,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
     SystemExit
         Always, with 0 (done), 2 (the user's input is wrong) or 1 (anything else).
     """
-    raise SystemExit(_run(sys.argv[1:] if arguments is None else list(arguments)))
+    with _warnings_as_lines():
+        raise SystemExit(_run(sys.argv[1:] if arguments is None else list(arguments)))
+
+
+@contextmanager
+def _warnings_as_lines() -> Iterator[None]:
+    """Show what the library warns of or logs as it shows errors: one line on stderr."""
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(logging.Formatter("trecsim: %(message)s"))
+    with warnings.catch_warnings():
+        warnings.showwarning = lambda message, *_, **__: print(
+            f"trecsim: {message}", file=sys.stderr
+        )
+        yield
 
 
 def _run(arguments: list[str]) -> int:

@@ -26,7 +26,8 @@ from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
 
-FORMAT = "trecsim.site/1"
+LONGEST_LAG_S = 10.0
+"""Everything that young stays open to later images; longer costs time and gains nothing."""
 
 
 class Table(BaseModel):
@@ -180,7 +181,7 @@ class OutputTable(Table):
 
     directory: SitePath | None = None
     """Gets one folder per run; without it `recordings/NAME` beside the site file."""
-    lag_s: float = Field(default=0.0, ge=0.0)
+    lag_s: float = Field(default=0.0, ge=0.0, le=LONGEST_LAG_S)
     """How long positions wait for later images, which makes them smoother [s]."""
     poses: bool = False
     """Whether to keep the 2D poses too, as `poses.jsonl`."""

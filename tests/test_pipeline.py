@@ -1,0 +1,187 @@
+"""Runs end to end on a made site, and every way one can end."""
+
+import errno
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from made_rigs import ring
+from made_site import body_at, make_site
+from trecsim import pipeline
+from trecsim.calibration import read_rig
+from trecsim.config.check import CheckedSite, check_site
+from trecsim.errors import InputError, SetupError
+from trecsim.geometry import Rig
+from trecsim.pipeline import rig_sha256, run, track
+from trecsim.store.tracks import kept_of, read_tracks
+from trecsim.store.tracks_parquet import read_info
+from trecsim.types import Poses2D
+
+
+@pytest.fixture
+def checked(tmp_path: Path) -> CheckedSite:
+    return check_site(make_site(tmp_path))
+
+
+def truncate(poses: Path, lines: int) -> None:
+    """Cut a file of poses in the middle of the line after `lines`."""
+    kept = poses.read_text().splitlines(keepends=True)[: lines + 1]
+    poses.write_text("".join(kept)[:-40] + "\n")
+
+
+def test_a_run_keeps_tracks_summary_and_picture(checked: CheckedSite, tmp_path: Path) -> None:
+    seen: list[tuple[int, int | None]] = []
+    out = tmp_path / "out"
+    summary = run(checked, out, progress=lambda done, total: seen.append((done, total)))
+    assert (summary.ended, summary.fault) == ("complete", None)
+    assert (summary.images, summary.frame_sets, summary.people) == (120, 40, 1)
+    assert seen[-1] == (120, None)
+    assert sorted(path.name for path in out.iterdir()) == [
+        "paths.png",
+        "summary.json",
+        "tracks.parquet",
+    ]
+    *_, last = read_tracks(out)
+    assert np.abs(last.xyz_m[0] - body_at(last.t_s)).max() < 0.02
+    assert read_info(out / "tracks.parquet").rig_sha256 == rig_sha256(checked.rig)
+
+
+def test_the_summary_tells_settings_and_versions(checked: CheckedSite, tmp_path: Path) -> None:
+    run(checked, tmp_path / "out")
+    facts = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert facts["format"] == "trecsim.summary/1"
+    assert facts["frame_sets"] == 40
+    assert set(facts["fusion_ms"]) == {"median", "p95", "max", "mean"}
+    assert facts["configuration"]["fusion"]["knot_s"] > 0
+    assert facts["versions"]["mc3d-trecsim"]
+
+
+def test_poses_are_kept_on_request(tmp_path: Path) -> None:
+    run(check_site(make_site(tmp_path, more="[output]\nposes = true\n")), tmp_path / "out")
+    kept = (tmp_path / "out" / "poses.jsonl").read_text()
+    assert kept == (tmp_path / "walk.poses.jsonl").read_text()
+
+
+def test_without_a_place_a_run_gets_a_new_directory_beside_the_site(
+    checked: CheckedSite, tmp_path: Path
+) -> None:
+    assert run(checked).out.parent == tmp_path / "recordings" / "made"
+
+
+def test_a_recording_is_not_overwritten(checked: CheckedSite, tmp_path: Path) -> None:
+    run(checked, tmp_path / "out")
+    before = (tmp_path / "out" / "summary.json").read_text()
+    with pytest.raises(InputError, match="is not empty"):
+        run(checked, tmp_path / "out")
+    assert (tmp_path / "out" / "summary.json").read_text() == before
+
+
+def test_a_run_that_is_stopped_keeps_what_it_has(checked: CheckedSite, tmp_path: Path) -> None:
+    asked = iter([False] * 89 + [True])
+    summary = run(checked, tmp_path / "out", stop=lambda: next(asked))
+    assert (summary.ended, summary.images) == ("stopped", 90)
+    assert summary.frame_sets == 30
+    assert list(read_tracks(tmp_path / "out"))[-1].t_s == summary.last_s
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["ended"] == "stopped"
+
+
+def test_a_recording_that_breaks_off_is_told_and_what_came_before_kept(
+    tmp_path: Path,
+) -> None:
+    checked = check_site(make_site(tmp_path))
+    poses = tmp_path / "walk.poses.jsonl"
+    lines = poses.read_text().splitlines()
+    lines[91] = lines[91].replace('"t_s"', '"time"')
+    poses.write_text("\n".join(lines) + "\n")
+    with pytest.raises(InputError, match=r"line 92.*what was finished before is kept in .*out"):
+        run(checked, tmp_path / "out")
+    facts = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert facts["ended"] == "failed"
+    assert "line 92" in facts["fault"]
+    assert len(list(read_tracks(tmp_path / "out"))) > 20
+
+
+def test_a_run_that_fails_at_once_leaves_nothing(checked: CheckedSite, tmp_path: Path) -> None:
+    poses = tmp_path / "walk.poses.jsonl"
+    poses.write_text(poses.read_text().replace('"t_s"', '"time"'))
+    with pytest.raises(InputError, match="line 2"):
+        run(checked, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_disk_that_fills_up_keeps_what_was_recorded(
+    checked: CheckedSite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace_file = Path.replace
+
+    def full(temporary: Path, target: Path) -> Path:
+        if target.name == "tracks.parquet":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        return replace_file(temporary, target)
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(SetupError, match=r"disk is full.*kept in .*tracks\.parquet\.parts"):
+        run(checked, tmp_path / "out")
+    assert len(list(read_tracks(tmp_path / "out"))) > 20
+
+
+def test_without_matplotlib_there_is_no_picture_and_a_remark(
+    checked: CheckedSite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
+    remarks: list[str] = []
+    run(checked, tmp_path / "out", remark=remarks.append)
+    assert len(remarks) == 1
+    assert "mc3d-trecsim[plot]" in remarks[0]
+    assert not (tmp_path / "out" / "paths.png").exists()
+
+
+@pytest.mark.parametrize("name", ["tracks.csv", "tracks.parquet"])
+def test_track_writes_either_format(checked: CheckedSite, tmp_path: Path, name: str) -> None:
+    summary = track(checked.rig, tmp_path / "walk.poses.jsonl", tmp_path / name)
+    assert (summary["frame_sets"], summary["people"]) == (40, 1)
+    assert len(list(read_tracks(tmp_path / name))) > 30
+
+
+@pytest.mark.parametrize("name", ["tracks.csv", "tracks.parquet"])
+def test_ctrl_c_while_tracking_keeps_what_was_finished(
+    checked: CheckedSite, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = pipeline.read_poses
+
+    def interrupted(*given: object, **more: object) -> Iterator[Poses2D]:
+        for count, poses in enumerate(read(*given, **more)):  # type: ignore[arg-type]
+            if count == 100:
+                raise KeyboardInterrupt
+            yield poses
+
+    monkeypatch.setattr(pipeline, "read_poses", interrupted)
+    kept = kept_of(tmp_path / name)
+    with pytest.raises(KeyboardInterrupt, match=rf"stopped by Ctrl-C.*kept in {kept}"):
+        track(checked.rig, tmp_path / "walk.poses.jsonl", tmp_path / name)
+    assert not (tmp_path / name).exists()
+    assert kept.exists()
+
+
+def test_the_digest_of_a_rig_changes_with_every_number() -> None:
+    rig = ring(2)
+    first, second = rig
+    nudged = second.T_cam_world.copy()
+    nudged[0, 3] += 1e-12
+    others = [
+        Rig((first, replace(second, T_cam_world=nudged))),
+        Rig((first, replace(second, name="other"))),
+        Rig((first, replace(second, time_offset_s=0.01))),
+        Rig((second, first)),
+    ]
+    digests = {rig_sha256(one) for one in [rig, *others]}
+    assert len(digests) == 5
+
+
+def test_the_digest_survives_the_file(tmp_path: Path, checked: CheckedSite) -> None:
+    assert rig_sha256(read_rig(tmp_path / "rig.toml")) == rig_sha256(checked.rig)
