@@ -1,6 +1,6 @@
 import logging
 import sys
-import tracemalloc
+import weakref
 
 import numpy as np
 import pytest
@@ -246,12 +246,12 @@ def test_an_unknown_coding_is_named_as_such(video):
     assert "coding" in refused(video)
 
 
-def test_a_video_without_a_readable_frame_is_refused(video):
-    data = bytearray(video.read_bytes())
+def test_a_video_without_a_readable_frame_is_refused(tmp_path):
+    path = write_video(tmp_path / "a.mp4", numbered(9), options={"movflags": "faststart"})
+    data = path.read_bytes()
     start = data.index(b"mdat") + 4
-    data[start : start + 20_000] = bytes(len(data[start : start + 20_000]))
-    video.write_bytes(data)
-    assert "no" in refused(video)
+    path.write_bytes(data[:start] + bytes(len(data) - start))
+    assert "no image in it can be decoded" in refused(path)
 
 
 def test_a_playlist_is_not_followed_to_other_files(video, tmp_path):
@@ -295,14 +295,13 @@ def test_without_pyav_the_message_says_what_to_install(video, monkeypatch):
         VideoFile(video, "north")
 
 
-def test_a_long_video_is_not_held_in_memory(tmp_path):
-    path = write_video(tmp_path / "long.mp4", numbered(400, (320, 240)))
-    tracemalloc.start()
-    count = sum(1 for _ in VideoFile(path, "a"))
-    _, peak = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    assert count == 400
-    assert peak < 20 * 320 * 240 * 3
+def test_frames_that_were_taken_are_not_held_any_longer(tmp_path):
+    path = write_video(tmp_path / "long.mp4", numbered(200))
+    images = []
+    for frame in VideoFile(path, "a"):
+        images.append(weakref.ref(frame.image))
+        assert sum(image() is not None for image in images) <= 2
+    assert len(images) == 200
 
 
 def test_closing_early_closes_the_file(video):
