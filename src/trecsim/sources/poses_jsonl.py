@@ -1,18 +1,14 @@
-"""Read and write 2D poses as ``*.poses.jsonl``: a header, then one camera image a line."""
+"""Read 2D poses from ``*.poses.jsonl``: a header, then one camera image a line."""
 
-import errno
-import json
 import logging
 import math
-import os
 from array import array
 from collections.abc import Collection, Iterator
 from contextlib import suppress
 from itertools import chain
 from pathlib import Path
 from reprlib import repr as brief
-from types import TracebackType
-from typing import IO, Any, Self
+from typing import IO, Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -21,14 +17,14 @@ from trecsim.errors import InputError
 from trecsim.skeleton import SKELETONS, Skeleton
 from trecsim.sources import strict_json
 from trecsim.sources.faults import FaultError, sound, unknown_camera
-from trecsim.store.atomic import disk_faults, opened_for_reading, partial_path
+from trecsim.sources.layouts import MAX_COORDINATE_PX
+from trecsim.store.atomic import opened_for_reading
 from trecsim.types import Poses2D
 
 logger = logging.getLogger(__name__)
 
 FORMAT = "trecsim.poses2d/1"
 MAX_LINE_BYTES = 4 * 2**20  # about ten thousand people in one image
-MAX_COORDINATE_PX = 1e6
 MAX_ABS_TIME_S = 1e11
 # Regressed scores leave the unit interval by a little, and that is harmless: they are clipped.
 # What lies further out has another meaning (percents, logits, a visibility flag).
@@ -255,110 +251,3 @@ def _number(value: object, what: str, low: float, high: float) -> float:
     if not low <= value <= high:
         raise FaultError(f"{what} must lie between {low:g} and {high:g}, found {brief(value)}")
     return float(value)
-
-
-class PosesWriter:
-    """Writes ``*.poses.jsonl``, so that whatever happens all finished images are kept.
-
-    While it runs, whole lines go to ``<name>.partial`` beside `path`. When the block ends well,
-    that file takes its final name. After an error, Ctrl-C or a crash it stays under the name that
-    says so, and every reader of trecsim takes it as it is.
-
-    Parameters
-    ----------
-    path
-        The file to make; an older one is replaced at the end.
-    skeleton
-        Name of the skeleton of all images.
-
-    Raises
-    ------
-    InputError
-        When the place cannot be written to.
-    SetupError
-        When the disk has no room.
-
-    Examples
-    --------
-    >>> path = getfixture("tmp_path") / "room.poses.jsonl"
-    >>> with PosesWriter(path) as writer:
-    ...     writer.write(
-    ...         Poses2D("north", 1.5, np.full((1, 17, 2), 7.125), np.ones((1, 17)), np.ones(1))
-    ...     )
-    >>> [poses.xy_px[0, 0].tolist() for poses in read_poses_jsonl(path)]
-    [[7.12, 7.12]]
-    """
-
-    def __init__(self, path: Path, skeleton: str = "coco17") -> None:
-        self._path = path
-        self._partial = partial_path(path)
-        self._skeleton = skeleton
-        self._images = 0
-
-    def write(self, poses: Poses2D) -> None:
-        """Append one image: 0.01 px, scores to three digits, times to the microsecond."""
-        self._put(
-            {"camera": poses.camera, "t_s": round(poses.t_s, 6), "people": _people_as_json(poses)}
-        )
-        self._images += 1
-
-    def _put(self, fields: dict[str, Any]) -> None:
-        line = json.dumps(fields, allow_nan=False, ensure_ascii=False) + "\n"
-        with disk_faults(self._partial):
-            self._file.write(line.encode())
-            self._file.flush()  # a whole line is with the system before the next image comes
-
-    def __enter__(self) -> Self:
-        with disk_faults(self._path):
-            if self._path.is_dir():
-                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-            self._file: IO[bytes] = self._partial.open("wb")
-        try:
-            self._put({"format": FORMAT, "skeleton": self._skeleton})
-        except BaseException:
-            self._give_up()
-            raise
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        with disk_faults(self._path):
-            if kind is None:
-                self._finish()
-            else:
-                self._give_up()
-
-    def _finish(self) -> None:
-        try:
-            os.fsync(self._file.fileno())
-        finally:
-            self._file.close()
-        self._partial.replace(self._path)
-
-    def _give_up(self) -> None:
-        try:
-            self._file.close()
-        except OSError as error:  # what was flushed is on the disk, and the first error counts
-            logger.debug("%s: %s", self._partial, error)
-        if not self._images:
-            self._partial.unlink(missing_ok=True)
-
-
-def _people_as_json(poses: Poses2D) -> list[dict[str, Any]]:
-    seen = np.isfinite(poses.xy_px).all(axis=2).tolist()
-    score = np.clip(np.nan_to_num(poses.score), 0.0, 1.0)
-    table = np.concatenate([poses.xy_px.round(2), score.round(3)[..., None]], axis=2).tolist()
-    person_score = np.clip(np.nan_to_num(poses.person_score), 0.0, 1.0).round(3).tolist()
-    return [
-        {
-            "score": person_score[index],
-            "keypoints": [
-                row if row_seen else None for row, row_seen in zip(rows, seen[index], strict=True)
-            ],
-        }
-        for index, rows in enumerate(table)
-    ]
