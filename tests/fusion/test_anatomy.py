@@ -137,3 +137,14 @@ def test_stiffness_is_what_the_acceleration_of_a_spline_asks_for():
     weight = stiffness(COCO17, settings)[COCO17.index("left_hip")]
     sigma_second_difference_m = 3.0 / np.sqrt(0.2) * 0.2**2
     assert np.isclose(weight, 1 / sigma_second_difference_m)
+
+
+def test_a_person_found_again_by_a_second_camera_keeps_the_identity():
+    """After two seconds before one camera alone, the other cameras put the person right."""
+    scene = made([ACROSS])
+    eye = scene.rig.names[0]
+    sets = [only(s, {eye}) if 2 < s.t_s < 4 else s for s in frame_sets(scene)]
+    tracker = Tracker(scene.rig, FusionSettings(doubt_s=60.0))
+    result = outcome(scene, [tracker.step(s) for s in sets if s.views])
+    assert result.ids == {0}
+    assert np.nanmean(result.error_m[-25:]) < 0.05

@@ -79,4 +79,5 @@ def _noise(skeleton: Skeleton, s: FusionSettings) -> Noise:
         log_inlier=math.log((1.0 - s.outlier_share) * s.outlier_area_m2),
         outlier_share=float(s.outlier_share),
         log_flip=math.log(s.flip_share / (1.0 - s.flip_share)),
+        tail=float(s.tail_freedom),
     )

@@ -26,6 +26,9 @@ class FusionSettings:
     joint_sigma_m
         Standard deviation of a good key point, seen as a length at the person's distance [m]
         (with `floor_px` it replaces the thesis' constant variance nu).
+    tail_freedom
+        Degrees of freedom of the key points' errors (Student's t): 3 has heavy tails, 100 is a
+        Gaussian.
     floor_px
         Standard deviation that even the best key point has [px].
     good_score
@@ -64,7 +67,8 @@ class FusionSettings:
     accel_leg: float = 6.0
     velocity_memory_s: float = 0.6
     drag_memory_s: float = 0.15
-    joint_sigma_m: float = 0.03
+    joint_sigma_m: float = 0.02
+    tail_freedom: float = 3.0
     floor_px: float = 1.5
     good_score: float = 0.85
     min_score: float = 0.15

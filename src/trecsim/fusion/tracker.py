@@ -1,7 +1,7 @@
 """The one object with state: frame sets in, people in 3D out."""
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import birth, kernels, lifecycle
 from trecsim.fusion.association import Association, associate
@@ -18,6 +18,9 @@ from trecsim.types import FrameSet, Poses2D, Snapshot
 # Leftover detections of different cameras this close in time may begin a person together [s].
 _PAIR_S = 0.1
 _CLOSE_S = 0.25
+# Whom only one camera has seen for so long is looked at anew [s].
+_LONELY_S = 0.4
+_FREE, _TAKEN = -1, -2
 
 
 class Tracker:
@@ -75,9 +78,9 @@ class Tracker:
         n_joint = len(self._model.skeleton.joints)
         images = prepare(views, self._model.rig, n_joint, self._model.settings)
         association = self._update(images, elapsed_s)
-        self._begin(images, association)
+        replaced = self._begin(images, association)
         lifecycle.confirm(self._people, self._model, self._t_s)
-        self._end(association)
+        self._end(association, replaced)
         return self._snapshot(self._t_s)
 
     @property
@@ -181,32 +184,50 @@ class Tracker:
             float(np.clip(elapsed_s / m.settings.error_memory_s, 0.05, 1.0)),
         )
 
-    def _begin(self, images: Images, association: Association) -> None:
-        """Let people begin where leftover detections of two or more cameras meet."""
+    def _begin(self, images: Images, association: Association) -> Bool[np.ndarray, " track"]:
+        """Let people begin where detections of two or more cameras meet; mark who is replaced.
+
+        Whom one camera alone has seen for a while may have drifted, or may never have been right:
+        those detections are looked at again, together with what the other cameras cannot explain.
+        """
+        replaced = np.zeros(len(self._people), bool)
+        owner = self._owners(images, association)
         old = self._leftover
         old = old.images(~np.isin(old.cam, images.cam) & (self._t_s - old.t_s <= _PAIR_S))
-        fresh = images.detections(association.leftover(len(images.xy_px)))
-        self._leftover = old.joined(fresh.images(np.diff(fresh.offset) > 0))
+        open_ = np.flatnonzero(owner != _TAKEN)
+        fresh = images.detections(open_)
+        pool = old.joined(fresh)
+        owner = np.concatenate([np.full(len(old.xy_px), _FREE), owner[open_]])
         used: list[int] = []
-        for candidate in birth.candidates(self._model, self._leftover):
-            self._add(candidate, self._leftover)
-            used.extend(candidate.member.values())
-        if used:
-            free = np.setdiff1d(np.arange(len(self._leftover.xy_px)), used)
-            self._leftover = self._leftover.detections(free)
+        for candidate in birth.candidates(self._model, pool):
+            members = list(candidate.member.values())
+            owners = np.unique(owner[members])
+            owners = owners[owners >= 0]
+            self._add(candidate, pool, owners)
+            replaced[owners] = True
+            used.extend(members)
+        free = np.setdiff1d(np.flatnonzero(owner == _FREE), used)
+        self._leftover = pool.detections(free)
+        return replaced
 
-    def _add(self, candidate: birth.Candidate, pool: Images) -> None:
-        """Add somebody new, or somebody who is back."""
-        torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso].mean(axis=0)
-        back = lifecycle.recall(self._lost, torso, self._t_s, self._model.settings.recall_s)
-        if back is None:
-            identity = self._next_id
-            self._next_id += 1
-        else:
-            identity = back.id
-            self._lost.remove(back)
+    def _owners(self, images: Images, association: Association) -> Int64[np.ndarray, " person"]:
+        """Return for each detection its lonely track, or whether it is free or taken."""
+        owner = np.full(len(images.xy_px), _FREE, np.int64)
+        lonely = self._t_s - self._people.two_s > _LONELY_S
+        for k, matches in enumerate(association.match):
+            owner[matches[matches >= 0]] = k if lonely[k] else _TAKEN
+        return owner
+
+    def _add(
+        self,
+        candidate: birth.Candidate,
+        pool: Images,
+        owners: Int64[np.ndarray, " owner"],
+    ) -> None:
+        """Add somebody new, somebody who is back, or a better place for the tracks `owners`."""
+        identity, known = self._identify(candidate, owners)
         person = birth.newborn(candidate, identity, self._t_s, self._live, self._model)
-        person.confirmed[:] = back is not None
+        person.confirmed[:] = known
         match = np.full((1, len(pool)), -1, np.int64)
         flip = np.zeros((1, len(pool)), np.int64)
         for view, detection in candidate.member.items():
@@ -217,13 +238,29 @@ class Tracker:
         lifecycle.note_support(person, pool, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(person)
 
-    def _end(self, association: Association) -> None:
+    def _identify(
+        self, candidate: birth.Candidate, owners: Int64[np.ndarray, " owner"]
+    ) -> tuple[int, bool]:
+        """Return the candidate's identity, and whether it has been reported before."""
+        if len(owners):
+            oldest = owners[np.argmin(self._people.id[owners])]
+            return int(self._people.id[oldest]), bool(self._people.confirmed[oldest])
+        torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso].mean(axis=0)
+        back = lifecycle.recall(self._lost, torso, self._t_s, self._model.settings.recall_s)
+        if back is not None:
+            self._lost.remove(back)
+            return back.id, True
+        self._next_id += 1
+        return self._next_id - 1, False
+
+    def _end(self, association: Association, replaced: Bool[np.ndarray, " old_track"]) -> None:
         """Drop duplicates and those whom nobody sees any more."""
         people = self._people
         if not len(people):
             return
         xyz = self._evaluate(people, self._control_points(), self._t_s)
         alive = np.ones(len(people), bool)
+        alive[: len(replaced)] = ~replaced
         known = len(association.match)
         pairs = lifecycle.close_pairs(people.keep(np.arange(len(people)) < known), self._model,
                                       association, xyz[:known])  # fmt: skip

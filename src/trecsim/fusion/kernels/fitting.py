@@ -78,6 +78,18 @@ def scratch(n):
 
 @njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
+def tail_weight(e, var, tail):
+    """Return what a residual is worth under Student's t, relative to a Gaussian of its scale.
+
+    Notes
+    -----
+    The E step of a scale mixture of Gaussians: ``(nu + 2) / (nu + d^2)`` in two dimensions.
+    """
+    return (tail + 2.0) / (tail + (e[0] * e[0] + e[1] * e[1]) / var)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
 def weigh(seen, v, shift_m, cov_m2, noise, tmp):
     """Return the inlier responsibility of image `v` (E step) and the weight of its equations.
 
@@ -97,7 +109,7 @@ def weigh(seen, v, shift_m, cov_m2, noise, tmp):
     tmp.e[1] = seen.xy_px[v, 1] - tmp.uv[1]
     image_covariance(tmp.J, cov_m2, var, tmp.C)
     _, r = inlier_log_ratio(tmp.e, tmp.C, m_per_px, noise.log_inlier, noise.outlier_share)
-    return r, r * seen.worth[v] / var
+    return r, r * seen.worth[v] * tail_weight(tmp.e, var, noise.tail) / var
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -179,10 +191,13 @@ def fold_joint(R, z, seen, shift_m, inlier, noise, tmp):
             continue
         sigma = seen.sigma_m[v] * seen.focal_px[v] / depth
         var = sigma * sigma + noise.floor_px * noise.floor_px
-        gain = math.sqrt(inlier[v] * seen.worth[v] / var)
+        tmp.e[0] = seen.xy_px[v, 0] - tmp.uv[0]
+        tmp.e[1] = seen.xy_px[v, 1] - tmp.uv[1]
+        weight = inlier[v] * seen.worth[v] * tail_weight(tmp.e, var, noise.tail)
+        gain = math.sqrt(weight / var)
         for a in range(2):
             tmp.row[:] = 0.0
-            y = seen.xy_px[v, a] - tmp.uv[a]
+            y = tmp.e[a]
             for p in range(3):
                 y += tmp.J[a, p] * tmp.x[p]
                 for m in range(4):

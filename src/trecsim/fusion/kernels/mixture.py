@@ -30,6 +30,8 @@ class Noise(NamedTuple):
         Prior share of key points that have nothing to do with the joint.
     log_flip
         Log prior odds that a detection has left and right exchanged.
+    tail
+        Degrees of freedom of the inliers' distribution; few mean heavy tails.
     """
 
     sigma_m: Float64[np.ndarray, " joint"]
@@ -39,6 +41,7 @@ class Noise(NamedTuple):
     log_inlier: float
     outlier_share: float
     log_flip: float
+    tail: float
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
