@@ -174,12 +174,17 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
         for P, f, s, x in zip(seen.P, seen.focal_px, seen.sigma_m, seen.xyz_m, strict=True)
     ]
 
+    def whitened(v, d):
+        return (seen.xy_px[v] - reference.project(seen.P[v], seen.xyz_m[v] + d)) / sigma[v]
+
+    nu = MODEL.noise.tail
+    worth = [
+        inlier[v] * (nu + 2) / (nu + whitened(v, shift) @ whitened(v, shift)) for v in range(3)
+    ]
+
     def residuals(d):
         parts = [np.linalg.cholesky(np.linalg.inv(prior)).T @ d]
-        for v in range(3):
-            e = seen.xy_px[v] - reference.project(seen.P[v], seen.xyz_m[v] + d)
-            parts.append(np.sqrt(inlier[v]) * e / sigma[v])
-        return np.concatenate(parts)
+        return np.concatenate(parts + [np.sqrt(worth[v]) * whitened(v, d) for v in range(3)])
 
     np.testing.assert_allclose(shift, least_squares(residuals, np.zeros(3)).x, atol=1e-6)
 
