@@ -14,7 +14,7 @@ from trecsim.calibration.found import RigWarning, Wishes, warn
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
-__all__ = ["FORMATS", "Floor", "Format", "RigWarning", "read_rig", "write_rig"]
+__all__ = ["FORMATS", "Floor", "Format", "RigWarning", "format_to_write", "read_rig", "write_rig"]
 
 
 def read_rig(
@@ -83,15 +83,35 @@ def write_rig(
         The format cannot hold the rig.
     """
     path = Path(path)
-    chosen = format_called(format or _format_of_name(path))
+    chosen = format_to_write(path, format)
+    Wishes(unit_m)  # refuses what cannot be a unit
+    if chosen.write is not None:
+        for text in chosen.write(rig, path, unit_m):
+            remark(text)
+
+
+def format_to_write(path: Path, name: str | None = None) -> Format:
+    """Return the format in which a rig would be written to a path.
+
+    Parameters
+    ----------
+    path
+        Where to.
+    name
+        Name of the format; None takes it from the name of the file.
+
+    Raises
+    ------
+    CalibrationError
+        There is no such format, or it is only read.
+    """
+    chosen = format_called(name or _format_of_name(path))
     if chosen.write is None:
         writable = ", ".join(entry.name for entry in FORMATS if entry.write)
         raise CalibrationError(
             f"trecsim reads {chosen.about}, but does not write it; it writes: {writable}"
         )
-    Wishes(unit_m)  # refuses what cannot be a unit
-    for text in chosen.write(rig, path, unit_m):
-        remark(text)
+    return chosen
 
 
 def _format_of_name(path: Path) -> str:

@@ -1,5 +1,9 @@
 """An empty picture of the floor, seen from above, and how pictures are written."""
 
+import math
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +17,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".png", ".svg", ".pdf", ".jpg")
 DOTS_PER_INCH = 150
 LINES_WANTED = 14  # of the grid, along the longer side
-GRID_STEPS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)
+FINEST_STEP_M = 0.5
 
 
 def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[Figure, Axes]":
@@ -41,16 +45,33 @@ def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[F
     )
     axes = figure.add_subplot()
     axes.set(xlim=x_m, ylim=y_m, aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    step = next((s for s in GRID_STEPS_M if longest / s <= LINES_WANTED), GRID_STEPS_M[-1])
-    if longest / step <= 1000:
-        axes.xaxis.set_major_locator(MultipleLocator(step))
-        axes.yaxis.set_major_locator(MultipleLocator(step))
+    step_m = _round_step_m(longest / LINES_WANTED)
+    axes.xaxis.set_major_locator(MultipleLocator(step_m))
+    axes.yaxis.set_major_locator(MultipleLocator(step_m))
     axes.grid(color="0.88", linewidth=0.8)
     axes.set_axisbelow(True)
     axes.tick_params(length=0, labelcolor="0.35")
     for spine in axes.spines.values():
         spine.set_color("0.7")
     return figure, axes
+
+
+def _round_step_m(least_m: float) -> float:
+    """Return the smallest of 1, 2, 5, 10, 20, ... that is not less, or half a metre."""
+    if least_m <= FINEST_STEP_M:
+        return FINEST_STEP_M
+    decade = 10.0 ** math.floor(math.log10(least_m))
+    return next(factor * decade for factor in (1, 2, 5, 10) if factor * decade >= least_m * 0.999)
+
+
+@contextmanager
+def missing_glyphs_allowed() -> Iterator[None]:
+    """Draw letters that the font does not have as boxes, without a warning for each."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings(
+            "ignore", message="Glyph .* missing from font", category=UserWarning
+        )
+        yield
 
 
 def save_figure(figure: "Figure", path: Path) -> None:
@@ -67,5 +88,5 @@ def save_figure(figure: "Figure", path: Path) -> None:
             f"cannot write a picture to {path}: expected a name that ends in "
             f"{', '.join(SUFFIXES)}, got {suffix or 'no suffix'!r}"
         )
-    with atomic_write(path, "wb") as file:
+    with missing_glyphs_allowed(), atomic_write(path, "wb") as file:
         figure.savefig(file, format=suffix[1:], dpi=DOTS_PER_INCH, facecolor="white")

@@ -67,6 +67,7 @@ def write_labels(axes: "Axes", labels: Sequence[Label]) -> None:
             fontsize=8,
             fontweight="bold",
             color=label.colour,
+            parse_math=False,  # a dollar in a name is a dollar
             bbox={"boxstyle": "round,pad=0.2", "facecolor": "white", "alpha": 0.85, "lw": 0},
             zorder=7,
         )

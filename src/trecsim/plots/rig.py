@@ -10,7 +10,7 @@ from jaxtyping import Float64
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.view import image_margin
-from trecsim.plots.canvas import floor_figure
+from trecsim.plots.canvas import floor_figure, missing_glyphs_allowed
 from trecsim.plots.labels import Label, write_labels
 
 if TYPE_CHECKING:
@@ -120,6 +120,12 @@ def rig_figure(rig: Rig, title: str = "") -> "Figure":
     views = floor_views(rig)
     x_m, y_m = ((float(side[0]), float(side[-1])) for side in (views.x_m, views.y_m))
     figure, axes = floor_figure(x_m, y_m)
+    with missing_glyphs_allowed():
+        _draw(axes, title, rig, views)
+    return figure
+
+
+def _draw(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
     for camera, margin, colour in zip(rig, views.margin, _colours(rig), strict=True):
         if (margin > 0).any():
             axes.contourf(
@@ -142,7 +148,6 @@ def rig_figure(rig: Rig, title: str = "") -> "Figure":
         for camera, colour in zip(rig, _colours(rig), strict=True)
     ]
     write_labels(axes, labels)
-    return figure
 
 
 def _colours(rig: Rig) -> Sequence[str]:
@@ -154,7 +159,9 @@ def _write_title(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
     about += f", up to {views.range_m:g} m away"
     if len(rig) > 1:
         about += f"\n{views.shared_m2:.0f} m² are seen by two or more"
-    axes.set_title(f"{title}\n{about}" if title else about, fontsize=10, color="0.25")
+    axes.set_title(
+        f"{title}\n{about}" if title else about, fontsize=10, color="0.25", parse_math=False
+    )
 
 
 def _draw_axis(axes: "Axes", camera: Camera, colour: str, range_m: float) -> None:
