@@ -66,7 +66,7 @@ def check_site(path: Path) -> CheckedSite:
     faults += _estimator_faults(file.site)
     if faults:
         raise site_faults(path, file.text, faults)
-    remarks += _remarks(file.site, rig)
+    remarks += _remarks(file.site, rig, videos)
     return CheckedSite(file, rig, videos, tuple(remarks))
 
 
@@ -84,12 +84,20 @@ def _source_faults(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterat
             yield (*key, "video"), str(error)
             continue
         found, expected = videos[camera].size_px, rig[camera].size_px
-        if found != expected:
-            yield (
-                (*key, "video"),
-                f"expected images of {expected[0]} x {expected[1]} px, for which the camera is "
-                f"calibrated, found {found[0]} x {found[1]} px",
-            )
+        if found != expected and not _is_cut(found, expected):
+            yield (*key, "video"), _sizes(found, expected)
+
+
+def _is_cut(found: tuple[int, int], expected: tuple[int, int]) -> bool:
+    """Tell whether images only lack a few rows or columns, as encoders and editors leave them."""
+    return all(0.98 * e <= f <= e for f, e in zip(found, expected, strict=True))
+
+
+def _sizes(found: tuple[int, int], expected: tuple[int, int]) -> str:
+    return (
+        f"expected images of {expected[0]} x {expected[1]} px, for which the camera is "
+        f"calibrated, found {found[0]} x {found[1]} px"
+    )
 
 
 def _poses_faults(site: Site, rig: Rig) -> Iterator[Fault]:
@@ -111,9 +119,13 @@ def _estimator_faults(site: Site) -> Iterator[Fault]:
         yield ("estimator", "name"), f"{name!r} is not installed; known: {known}{hint}"
 
 
-def _remarks(site: Site, rig: Rig) -> Iterator[str]:
+def _remarks(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[str]:
     if not site.sources:
         return
+    for camera, video in videos.items():
+        if video.size_px != rig[camera].size_px:
+            sizes = _sizes(video.size_px, rig[camera].size_px)
+            yield f"{camera}: {sizes}; taken as cut off at the right and at the bottom"
     unused = [name for name in rig.names if name not in site.sources]
     if unused:
         yield f"cameras of the rig without a source: {', '.join(unused)}"
