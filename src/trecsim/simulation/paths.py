@@ -1,0 +1,113 @@
+"""Ways over the floor: smooth, at walking pace, and clear of each other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+STEP_S = 0.01  # between the stored points of a path
+LEAD_S = 1.5  # a path is known so long before and after the person is there, for the feet
+SMOOTH_S = 0.2  # standard deviation of the smoothing over time
+TURN_S = 0.35  # standard deviation of the smoothing of the direction, which turns more slowly
+STANDING_MPS = 0.15  # slower than this somebody keeps looking the same way
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FloorPath:
+    """Where somebody's pelvis is over the floor, and where it faces.
+
+    Attributes
+    ----------
+    t_s
+        Equidistant times, from a little before the person enters to a little after leaving [s].
+    xy_m
+        Position [m].
+    heading_rad
+        Direction the person faces, counter-clockwise from +x, unwrapped [rad].
+    enter_s, leave_s
+        When the person is there [s].
+    """
+
+    t_s: Float64[np.ndarray, " step"]
+    xy_m: Float64[np.ndarray, "step 2"]
+    heading_rad: Float64[np.ndarray, " step"]
+    enter_s: float
+    leave_s: float
+
+    @property
+    def speed_mps(self) -> Float64[np.ndarray, " step"]:
+        """Speed over the floor [m/s]."""
+        speed: Float64[np.ndarray, " step"] = np.linalg.norm(
+            np.gradient(self.xy_m, self.t_s, axis=0), axis=1
+        )
+        return speed
+
+
+def through(t_s: Float64[np.ndarray, " point"], xy_m: Float64[np.ndarray, "point 2"]) -> FloorPath:
+    """Return the path through timed points: straight between them, smooth at the corners.
+
+    Parameters
+    ----------
+    t_s
+        Increasing times; the person enters at the first and leaves at the last [s].
+    xy_m
+        Points on the floor [m]. The same point twice means standing still.
+
+    Examples
+    --------
+    >>> path = through(np.array([0.0, 10.0]), np.array([[0.0, 0.0], [10.0, 0.0]]))
+    >>> float(path.speed_mps.round(6).min()), float(path.speed_mps.round(6).max())
+    (1.0, 1.0)
+    """
+    enter_s, leave_s = float(t_s[0]), float(t_s[-1])
+    margin_s = LEAD_S + 4 * SMOOTH_S
+    first_step, last_step = (
+        round((enter_s - margin_s) / STEP_S),
+        round((leave_s + margin_s) / STEP_S),
+    )
+    grid_s = np.arange(first_step, last_step) * STEP_S
+    # The ends go on straight, so that feet and smoothing have something to stand on.
+    first = xy_m[0] + (xy_m[1] - xy_m[0]) / (t_s[1] - t_s[0]) * (grid_s[0] - t_s[0])
+    last = xy_m[-1] + (xy_m[-1] - xy_m[-2]) / (t_s[-1] - t_s[-2]) * (grid_s[-1] - t_s[-1])
+    known_s = np.concatenate(([grid_s[0]], t_s, [grid_s[-1]]))
+    known_m = np.concatenate(([first], xy_m, [last]))
+    rough_m = np.stack([np.interp(grid_s, known_s, column) for column in known_m.T], axis=1)
+    inside = slice(round(4 * SMOOTH_S / STEP_S), -round(4 * SMOOTH_S / STEP_S))
+    smooth_m = smooth(rough_m, SMOOTH_S)
+    return FloorPath(grid_s[inside], smooth_m[inside], heading(smooth_m)[inside], enter_s, leave_s)
+
+
+def smooth(
+    values: Float64[np.ndarray, "step *batch"], sigma_s: float
+) -> Float64[np.ndarray, "..."]:
+    """Return equidistant values after a Gaussian filter over time; ends are held.
+
+    Parameters
+    ----------
+    values
+        One row per `STEP_S`.
+    sigma_s
+        Standard deviation of the filter [s].
+    """
+    reach = round(4 * sigma_s / STEP_S)
+    weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) * STEP_S / sigma_s) ** 2)
+    weight /= weight.sum()
+    columns = np.pad(values.reshape(len(values), -1), ((reach, reach), (0, 0)), mode="edge")
+    filtered = [np.convolve(column, weight, mode="valid") for column in columns.T]
+    return np.stack(filtered, axis=1).reshape(values.shape)
+
+
+def heading(xy_m: Float64[np.ndarray, "step 2"]) -> Float64[np.ndarray, " step"]:
+    """Return the direction of motion [rad]; somebody who stands turns slowly to what comes next.
+
+    Parameters
+    ----------
+    xy_m
+        Positions, one per `STEP_S` [m].
+    """
+    velocity_mps = np.gradient(xy_m, STEP_S, axis=0)
+    moving = np.flatnonzero(np.linalg.norm(velocity_mps, axis=1) > STANDING_MPS)
+    if not moving.size:
+        return np.zeros(len(xy_m))
+    angle = np.unwrap(np.arctan2(velocity_mps[moving, 1], velocity_mps[moving, 0]))
+    return smooth(np.interp(np.arange(len(xy_m)), moving, angle), TURN_S)
