@@ -1,8 +1,14 @@
 """The command `trecsim track`."""
 
 from pathlib import Path
+from typing import Annotated
 
-from trecsim.cli.terminal import finish, note, progress_bar
+from cyclopts import Parameter
+
+from trecsim.cli.rig_options import RigOptions
+from trecsim.cli.terminal import finish, progress_bar
+
+Reading = Annotated[RigOptions, Parameter(name="*")]
 
 
 def track(
@@ -13,8 +19,7 @@ def track(
     out: Path = Path("tracks.csv"),
     lag_s: float = 0.0,
     fps: float | None = None,
-    format: str | None = None,
-    unit_m: float | None = None,
+    reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
     """Reconstruct everybody's 3D trajectory from 2D poses.
@@ -33,17 +38,12 @@ def track(
         Report this much later than the newest image, and smoother [s].
     fps
         Frames per second, for poses that number their frames and tell no time.
-    format
-        Format of the calibration, if its content does not tell.
-    unit_m
-        Length of the calibration's unit [m], if its content does not tell.
     json
         Print the summary as one JSON object.
     """
-    from trecsim.calibration import read_rig
     from trecsim.pipeline import track as run
 
-    cameras = read_rig(rig, format=format, unit_m=unit_m, remark=note)
+    cameras = reading.read(rig)
     with progress_bar("frame sets", quiet=json) as bar:
         summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, progress=bar)
     ms = summary["fusion_ms"]
