@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 from reprlib import repr as brief
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -71,7 +71,7 @@ def read_coco(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
             yield layouts.poses(camera, frame / fps, tables, scores)
 
 
-def _entries(file: TextIO, path: Path) -> Iterator[Any]:
+def _entries(file: io.TextIOWrapper, path: Path) -> Iterator[Any]:
     """Yield the items of a json list without ever holding the whole of it."""
     text = _more(file, path).lstrip()
     if not text.startswith("["):
@@ -97,7 +97,7 @@ def _entries(file: TextIO, path: Path) -> Iterator[Any]:
             yield entry
 
 
-def _more(file: TextIO, path: Path) -> str:
+def _more(file: io.TextIOWrapper, path: Path) -> str:
     try:
         return file.read(CHUNK_CHARS)
     except UnicodeDecodeError as error:

@@ -4,7 +4,7 @@ import heapq
 import logging
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from trecsim.errors import InputError
 from trecsim.sources.coco import read_coco
@@ -24,6 +24,7 @@ _KINDS = (
 )
 
 
+@runtime_checkable
 class _Reader(Protocol):
     def __call__(self, path: Path, /, *, camera: str, fps: float) -> Iterator[Poses2D]: ...
 

@@ -6,7 +6,7 @@ import logging
 import os
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any, Self
+from typing import IO, Any
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class PosesWriter:
             self._file.write(line.encode())
             self._file.flush()  # a whole line is with the system before the next image comes
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "PosesWriter":
         with disk_faults(self._path):
             if self._path.is_dir():
                 raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
