@@ -1,3 +1,5 @@
+import pickle
+
 import numpy as np
 import pytest
 
@@ -36,3 +38,11 @@ def test_two_cameras_must_not_share_a_name():
 def test_an_unknown_camera_is_reported_with_the_known_ones():
     with pytest.raises(CalibrationError, match="no camera 'west'; it has: cam0, cam1"):
         ring(2)["west"]
+
+
+def test_a_rig_can_be_sent_to_another_process():
+    rig = ring(2, "brown")
+    again = pickle.loads(pickle.dumps(rig))
+    xyz_m = np.array([0.3, 0.2, 1.0])
+    for mine, theirs in zip(rig, again, strict=True):
+        np.testing.assert_array_equal(mine.project(xyz_m), theirs.project(xyz_m))

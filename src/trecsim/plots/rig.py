@@ -155,8 +155,8 @@ def _colours(rig: Rig) -> Sequence[str]:
 
 
 def _write_title(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
-    about = f"{len(rig)} camera{'s' if len(rig) > 1 else ''} and the floor they see"
-    about += f", up to {views.range_m:g} m away"
+    who = f"{len(rig)} cameras and the floor they see" if len(rig) > 1 else "the floor it sees"
+    about = f"{who}, up to {views.range_m:g} m away"
     if len(rig) > 1:
         about += f"\n{views.shared_m2:.0f} m² are seen by two or more"
     axes.set_title(
