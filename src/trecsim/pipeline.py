@@ -18,6 +18,7 @@ from contextlib import ExitStack, closing, suppress
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from itertools import chain, islice
 from pathlib import Path
 from typing import Literal, TypedDict
 
@@ -28,7 +29,7 @@ from trecsim.config.check import CheckedSite, load_estimator
 from trecsim.errors import InputError, SetupError
 from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
-from trecsim.sources import PosesWriter, read_poses
+from trecsim.sources import PosesWriter, prefetched, read_poses
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.tracks import kept_of, read_tracks, tracks_writer
 from trecsim.store.tracks_parquet import TracksInfo
@@ -36,6 +37,7 @@ from trecsim.tracking import Tally, follow
 from trecsim.types import Poses2D
 
 Progress = Callable[[int, int | None], None]
+_IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
 Ended = Literal["complete", "stopped", "failed"]
 
 
@@ -194,12 +196,13 @@ def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError |
     """Pass everything through the fusion into files; return the fault that ended it early."""
     site, rig = checked.file.site, checked.rig
     with ExitStack() as files:
-        poses: Iterator[Poses2D] = watch.images(files.enter_context(closing(_poses(checked))))
-        if site.output.poses:
-            poses = _copied(poses, files.enter_context(PosesWriter(folder / "poses.jsonl")))
         tracks = files.enter_context(tracks_writer(folder / "tracks.parquet", _info(rig)))
+        images = files.enter_context(closing(prefetched(_poses(checked), _IMAGES_AHEAD)))
         settings, lag_s = fusion_settings(site.fusion), site.output.lag_s
         try:
+            poses = watch.images(_begun(images))
+            if site.output.poses:
+                poses = _copied(poses, files.enter_context(PosesWriter(folder / "poses.jsonl")))
             for snapshot in follow(poses, rig, settings, lag_s=lag_s, tally=watch.tally):
                 tracks.write(snapshot)
                 watch.last_s = snapshot.t_s
@@ -207,6 +210,11 @@ def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError |
         except InputError as error:
             return error
     return None
+
+
+def _begun(items: Iterator[Poses2D]) -> Iterator[Poses2D]:
+    """Wait for the first item now: the next are then made while the fusion's kernels load."""
+    return chain(list(islice(items, 1)), items)
 
 
 def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
