@@ -71,11 +71,15 @@ class Brown:
     k6: float = 0.0
     radius_max: float = field(init=False)
     _table: tuple[Array, Array] = field(init=False, repr=False)
+    _reach: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius_max", self._monotone_radius())
         radius = np.tan(np.linspace(0.0, np.arctan(self.radius_max), TABLE_LENGTH))
-        object.__setattr__(self, "_table", (radius * self._radial(radius**2)[0], radius))
+        bent = radius * self._radial(radius**2)[0]
+        object.__setattr__(self, "_table", (bent, radius))
+        tangential = 3 * (abs(self.p1) + abs(self.p2)) * self.radius_max**2  # at the most
+        object.__setattr__(self, "_reach", float(bent[-1]) + tangential)
 
     def distort(self, xy: Points) -> Points:
         """Return where the lens images ideal points; NaN beyond `radius_max`."""
@@ -102,6 +106,7 @@ class Brown:
         with np.errstate(all="ignore"):
             radius = np.hypot(x_d, y_d)
             scale = np.where(radius > 0, np.interp(radius, *self._table) / radius, 1.0)
+            scale = np.where(radius > self._reach, np.nan, scale)
             return self._newton(x_d, y_d, x_d * scale, y_d * scale)
 
     def _newton(self, x_d: Array, y_d: Array, x: Array, y: Array) -> Points:
