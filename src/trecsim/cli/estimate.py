@@ -46,8 +46,8 @@ def estimate(
         Longer side of the image as the estimator sees it [px]. Larger finds smaller people and
         costs more.
     second_look
-        Longer side of a second, smaller version [px], such as 256: finds people who fill the
-        image.
+        For movenet: longer side of a second, smaller version [px], which finds people who fill
+        the image; 0 leaves it out.
     max_people
         At most so many in one image.
     min_person_score

@@ -4,7 +4,6 @@ One pure function per layout. Key points come with pixel centres at integers; sc
 numbers count as 0, positions that are no numbers as missing.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +26,7 @@ _SIGMA = np.array(
 _MOVENET_SHIFT_PX = 0.25
 _MOST_CANDIDATES = 300  # comparing all with all must not take for ever on a bad image
 _SAME_PERSON = 0.6  # OKS
+_COVERS = 0.4  # of two boxes, relative to what they cover together
 _FEWEST_SHARED_JOINTS = 3  # fewer say nothing about whether two skeletons are one person
 
 
@@ -60,6 +60,10 @@ class Detections:
             self.xy_px[index], self.score[index], self.person_score[index], self.box_px[index]
         )
 
+    def first(self, count: int) -> "Detections":
+        """Return the best `count` people."""
+        return self.take(np.arange(min(count, len(self)), dtype=np.int64))
+
     def in_image(self, box: Letterbox) -> "Detections":
         """Return the people in pixels of the image that `box` fits into the input."""
         corners = box.to_image(self.box_px.reshape(-1, 2, 2)).reshape(-1, 4)
@@ -80,7 +84,7 @@ def movenet(out: Float[np.ndarray, "1 person 56"], input_px: Size) -> Detections
     joints = rows[:, :51].reshape(-1, JOINTS, 3)
     xy_px = joints[..., [1, 0]] * input_px - _MOVENET_SHIFT_PX
     box_px = rows[:, [52, 51, 54, 53]] * (*input_px, *input_px)
-    return _detections(xy_px, joints[..., 2], rows[:, 55], box_px)
+    return detections(xy_px, joints[..., 2], rows[:, 55], box_px)
 
 
 def yolo_raw(out: Float[np.ndarray, "1 56 candidate"]) -> Detections:
@@ -106,12 +110,12 @@ def rtmo(
 ) -> Detections:
     """Decode RTMO: boxes with a score, and key points with theirs, in two arrays."""
     boxes = _rows(dets, 5)
-    people = np.asarray(joints, np.float64).reshape(len(boxes), JOINTS, 3)
-    return _detections(people[..., :2], people[..., 2], boxes[:, 4], boxes[:, :4])
+    people = _rows(joints, JOINTS * 3).reshape(len(boxes), JOINTS, 3)
+    return detections(people[..., :2], people[..., 2], boxes[:, 4], boxes[:, :4])
 
 
 def choose(
-    found: Detections, min_person_score: float, max_people: int, *, max_overlap: float = 1.0
+    found: Detections, min_person_score: float, max_people: int, *, max_overlap: float | None = None
 ) -> Detections:
     """Return the best people: those that score enough, each of them once.
 
@@ -124,11 +128,12 @@ def choose(
     max_people
         At most so many.
     max_overlap
-        Of two boxes that overlap as much as this, the better one stays (for networks that put out
-        many boxes per person).
+        Of two boxes that overlap as much as this, the better one stays: for networks that put out
+        many boxes per person; None lets boxes overlap.
     """
     good = found.take(np.flatnonzero(found.person_score >= min_person_score)[:_MOST_CANDIDATES])
-    good = good.take(suppress(overlap(good.box_px), max_overlap))
+    if max_overlap is not None:
+        good = good.take(suppress(overlap(good.box_px), max_overlap))
     return good.take(suppress(similarity(good), _SAME_PERSON)[:max_people])
 
 
@@ -180,14 +185,22 @@ def similarity(found: Detections) -> Float64[np.ndarray, "person person"]:
     return np.where(count >= _FEWEST_SHARED_JOINTS, near / np.maximum(count, 1), 0.0)
 
 
-def together(looks: Sequence[Detections]) -> Detections:
-    """Return the people of several looks at one image, best first."""
-    return _detections(
-        np.concatenate([look.xy_px for look in looks]),
-        np.concatenate([look.score for look in looks]),
-        np.concatenate([look.person_score for look in looks]),
-        np.concatenate([look.box_px for look in looks]),
-    )
+def complete(first: Detections, second: Detections) -> Detections:
+    """Return the people of one look at an image, and those of a second who were missed.
+
+    Parameters
+    ----------
+    first
+        All of these are taken.
+    second
+        Of these, who does not cover anybody of `first`: a second skeleton of somebody who is there
+        already would do more harm than good.
+    """
+    both = _concatenated(first, second)
+    covers = overlap(both.box_px)[len(first) :, : len(first)]
+    missed = covers.max(axis=1, initial=0.0) < _COVERS
+    added = len(first) + np.flatnonzero(missed)
+    return _best_first(both.take(np.append(np.arange(len(first)), added)))
 
 
 def to_poses(found: Detections, min_joint_score: float, camera: str, t_s: float) -> Poses2D:
@@ -208,7 +221,8 @@ def to_poses(found: Detections, min_joint_score: float, camera: str, t_s: float)
 
 
 def _rows(out: Float[np.ndarray, "..."], columns: int) -> Float64[np.ndarray, "person column"]:
-    return np.asarray(out, np.float64).reshape(-1, columns)
+    rows = np.asarray(out, np.float64).reshape(-1, columns)
+    return np.where(np.isfinite(rows), rows, np.nan)  # which pass through all that follows
 
 
 def _corners(centre: Float64[np.ndarray, "person 4"]) -> Float64[np.ndarray, "person 4"]:
@@ -224,24 +238,36 @@ def _yolo(
 ) -> Detections:
     people = joints.reshape(len(rows), JOINTS, 3)
     # YOLO counts from the corner of the first pixel, not from its centre.
-    return _detections(people[..., :2] - 0.5, people[..., 2], person_score, box_px - 0.5)
+    return detections(people[..., :2] - 0.5, people[..., 2], person_score, box_px - 0.5)
 
 
-def _detections(
+def detections(
     xy_px: Float64[np.ndarray, "person joint 2"],
     score: Float64[np.ndarray, "person joint"],
     person_score: Float64[np.ndarray, " person"],
     box_px: Float64[np.ndarray, "person 4"],
 ) -> Detections:
-    certain = np.clip(np.nan_to_num(person_score, nan=0.0), 0.0, 1.0)
-    order = np.argsort(-certain, kind="stable").astype(np.int64)
-    whole = Detections(
-        xy_px=np.where(np.isfinite(xy_px), xy_px, np.nan),
+    """Return people best first; what is no number counts as a score of 0."""
+    found = Detections(
+        xy_px=xy_px,
         score=np.clip(np.nan_to_num(score, nan=0.0), 0.0, 1.0),
-        person_score=certain,
-        box_px=np.nan_to_num(box_px, nan=0.0, posinf=0.0, neginf=0.0),
+        person_score=np.clip(np.nan_to_num(person_score, nan=0.0), 0.0, 1.0),
+        box_px=np.nan_to_num(box_px, nan=0.0),
     )
-    return whole.take(order)
+    return _best_first(found)
+
+
+def _best_first(found: Detections) -> Detections:
+    return found.take(np.argsort(-found.person_score, kind="stable").astype(np.int64))
+
+
+def _concatenated(a: Detections, b: Detections) -> Detections:
+    return Detections(
+        np.concatenate([a.xy_px, b.xy_px]),
+        np.concatenate([a.score, b.score]),
+        np.concatenate([a.person_score, b.person_score]),
+        np.concatenate([a.box_px, b.box_px]),
+    )
 
 
 def _area(box_px: Float64[np.ndarray, "person 4"]) -> Float64[np.ndarray, " person"]:

@@ -87,7 +87,7 @@ class Layout:
     fill: int = 114
     min_person_score: float = 0.25
     min_joint_score: float = 0.3
-    max_overlap: float = 1.0
+    max_overlap: float | None = None
 
     def feed(self, image: UInt8[np.ndarray, "h w 3"]) -> np.ndarray:
         """Return `image`, RGB and of the right size, as the network wants it."""

@@ -63,8 +63,8 @@ class Letterbox:
     @classmethod
     def within(cls, image_px: Size, input_px: Size, *, centred: bool = True) -> "Letterbox":
         """Scale the image as large as `input_px` holds; pad around it, or right and below."""
-        scale = min(input_px[0] / image_px[0], input_px[1] / image_px[1])
-        width, height = (max(1, round(side * scale)) for side in image_px)
+        ratio = min(input_px[0] / image_px[0], input_px[1] / image_px[1])
+        width, height = (max(1, round(side * ratio)) for side in image_px)
         spare = (input_px[0] - width, input_px[1] - height)
         offset_px = (spare[0] // 2, spare[1] // 2) if centred else (0, 0)
         return cls(image_px, (width, height), input_px, offset_px)

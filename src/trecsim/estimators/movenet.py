@@ -1,6 +1,6 @@
 """The default estimator: MoveNet MultiPose Lightning on the processor, run by OpenVINO."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Literal
@@ -11,7 +11,15 @@ from jaxtyping import Float32, UInt8
 from trecsim.errors import ConfigError, SetupError
 from trecsim.estimators import decode, store
 from trecsim.estimators.letterbox import Letterbox
-from trecsim.estimators.settings import LongSide, MaxPeople, Score, Threads, checked, cores
+from trecsim.estimators.settings import (
+    LongSide,
+    MaxPeople,
+    Score,
+    SecondLook,
+    Threads,
+    checked,
+    cores,
+)
 from trecsim.skeleton import COCO17
 from trecsim.types import Frame, Poses2D
 
@@ -19,7 +27,6 @@ if TYPE_CHECKING:
     import openvino as ov
 
 _MULTIPLE_PX = 32  # what the network divides its input by
-_SECOND_LOOK_COUNTS = 0.8  # less than the first: it places joints less precisely
 _FAINTEST_CENTRE = 0.1  # centres of people score above 0.8, of nobody below 0.03
 
 
@@ -37,10 +44,9 @@ class MoveNetSettings:
     min_person_score, min_joint_score
         Who or what scores less is left out. Good poses score 0.3 to 0.8.
     second_look
-        Longer side of a second, smaller version of each image [px], such as 256, whose people are
-        added to those of the first. It finds those who stand so close that they fill the image:
-        of 36 of them 35 instead of 9 at 512 alone; it costs a third more time. None: no second
-        look.
+        Longer side of a second, smaller version of each image [px], in which those are found who
+        stand so close that they fill the image: 91 of 100 such, instead of 16 without it. It costs
+        a third more time; 0 leaves it out.
     threads
         Processor threads to use; None takes all cores.
     precision
@@ -53,7 +59,7 @@ class MoveNetSettings:
     max_people: MaxPeople = 40
     min_person_score: Score = 0.2
     min_joint_score: Score = 0.2
-    second_look: LongSide | None = None
+    second_look: SecondLook = 256
     threads: Threads | None = None
     precision: Literal["auto", "f32"] = "auto"
 
@@ -79,8 +85,7 @@ class MoveNet:
     def __init__(self, path: Path, settings: MoveNetSettings) -> None:
         self.settings = settings
         self.workers = settings.threads or cores()
-        largest = max(settings.long_side, settings.second_look or 0)
-        self.image_limit_px = (largest, largest)
+        self.image_limit_px = (settings.long_side, settings.long_side)
         model = _compile(path, settings, self.workers)
         self._idle: SimpleQueue[ov.InferRequest] = SimpleQueue()
         for _ in range(self.workers):
@@ -89,18 +94,19 @@ class MoveNet:
     def __call__(self, frame: Frame) -> Poses2D:
         """Find the people; key points are pixels of `frame`'s image."""
         chosen = self.settings
-        looks = [self._look(frame.image, chosen.long_side)]
-        if chosen.second_look is not None:
-            second = self._look(frame.image, chosen.second_look)
-            looks.append(replace(second, person_score=second.person_score * _SECOND_LOOK_COUNTS))
-        people = decode.choose(decode.together(looks), chosen.min_person_score, chosen.max_people)
+        people = self._look(frame.image, chosen.long_side)
+        if 0 < chosen.second_look < chosen.long_side:
+            missed = self._look(frame.image, chosen.second_look)
+            people = decode.complete(people, missed).first(chosen.max_people)
         return decode.to_poses(people, chosen.min_joint_score, frame.camera, frame.t_s)
 
     def _look(self, image: UInt8[np.ndarray, "h w 3"], long_side: int) -> decode.Detections:
-        """Return the people in `image`, scaled to `long_side` [px of `image`]."""
+        """Return the people in `image` when it is scaled to `long_side` [px of `image`]."""
         height, width, _ = image.shape
         box = Letterbox.along((width, height), long_side, _MULTIPLE_PX)
-        return decode.movenet(self._infer(box.apply(image, fill=0)), box.input_px).in_image(box)
+        found = decode.movenet(self._infer(box.apply(image, fill=0)), box.input_px)
+        chosen = self.settings
+        return decode.choose(found.in_image(box), chosen.min_person_score, chosen.max_people)
 
     def _infer(self, image: UInt8[np.ndarray, "h w 3"]) -> Float32[np.ndarray, "1 person 56"]:
         request = self._idle.get()

@@ -75,7 +75,7 @@ def people(
     """Return what rtmlib found; an image without people gives it one person with scores of 0."""
     xy_px, score = np.asarray(xy_px, np.float64), np.asarray(score, np.float64)
     box_px = np.hstack([xy_px.min(axis=1), xy_px.max(axis=1)])
-    return decode.together([decode.Detections(xy_px, score, score.mean(axis=1), box_px)])
+    return decode.detections(xy_px, score, score.mean(axis=1), box_px)
 
 
 def load(argument: str = "", **settings: object) -> OnnxEstimator | RtmPose:

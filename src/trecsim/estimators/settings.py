@@ -12,6 +12,7 @@ from trecsim.errors import ConfigError
 
 Score = Annotated[float, Field(ge=0.0, le=1.0, allow_inf_nan=False)]
 LongSide = Annotated[int, Field(ge=64, le=4096)]
+SecondLook = Annotated[int, Field(ge=0, le=4096)]
 MaxPeople = Annotated[int, Field(ge=1, le=200)]
 Threads = Annotated[int, Field(ge=1, le=1024)]
 
