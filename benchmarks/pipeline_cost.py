@@ -21,7 +21,7 @@ import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parents[1]
-PLACES = (HERE / "trecsim-sample", HERE.parent / "shared" / "data" / "pose2sim_demo")
+PLACES = (HERE / "sample", HERE.parent / "shared" / "data" / "pose2sim_demo")
 SIZE_PX = (1920, 1080)
 FPS = 30
 ROUNDS = 5

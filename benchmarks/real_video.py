@@ -24,7 +24,7 @@ from trecsim.tracking import Tally, follow
 from trecsim.types import Poses2D, Snapshot
 
 HERE = Path(__file__).resolve().parents[1]
-PLACES = (HERE / "trecsim-sample", HERE.parent / "shared" / "data" / "pose2sim_demo")
+PLACES = (HERE / "sample", HERE.parent / "shared" / "data" / "pose2sim_demo")
 LIMB_JOINTS = [
     i for i, name in enumerate(COCO17.joints) if not name.endswith(("nose", "eye", "ear"))
 ]

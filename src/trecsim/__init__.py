@@ -1,0 +1,76 @@
+"""Live 3D trajectories of all the people a set of fixed, calibrated cameras sees.
+
+The public names load on first use, so that importing the package costs next to nothing.
+
+Examples
+--------
+::
+
+    import trecsim
+
+    rig = trecsim.read_rig("rig.toml")
+    for snapshot in trecsim.follow(trecsim.read_poses("walk.poses.jsonl"), rig):
+        print(snapshot.t_s, snapshot.id, snapshot.xyz_m[:, 0])
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from trecsim.calibration import read_rig as read_rig
+    from trecsim.calibration import write_rig as write_rig
+    from trecsim.config.check import check_site as check_site
+    from trecsim.errors import CalibrationError as CalibrationError
+    from trecsim.errors import ConfigError as ConfigError
+    from trecsim.errors import Error as Error
+    from trecsim.errors import InputError as InputError
+    from trecsim.errors import SetupError as SetupError
+    from trecsim.estimation import estimate as estimate
+    from trecsim.fusion import FusionSettings as FusionSettings
+    from trecsim.fusion import Tracker as Tracker
+    from trecsim.geometry import Camera as Camera
+    from trecsim.geometry import Rig as Rig
+    from trecsim.geometry import triangulate as triangulate
+    from trecsim.pipeline import run as run
+    from trecsim.pipeline import track as track
+    from trecsim.skeleton import COCO17 as COCO17
+    from trecsim.skeleton import Skeleton as Skeleton
+    from trecsim.sources import VideoFile as VideoFile
+    from trecsim.sources import read_poses as read_poses
+    from trecsim.store.tracks import export_tracks as export_tracks
+    from trecsim.store.tracks import read_tracks as read_tracks
+    from trecsim.sync import frame_sets as frame_sets
+    from trecsim.tracking import follow as follow
+    from trecsim.types import Frame as Frame
+    from trecsim.types import FrameSet as FrameSet
+    from trecsim.types import Poses2D as Poses2D
+    from trecsim.types import Snapshot as Snapshot
+
+_HOMES = {
+    "trecsim.calibration": ("read_rig", "write_rig"),
+    "trecsim.config.check": ("check_site",),
+    "trecsim.errors": ("CalibrationError", "ConfigError", "Error", "InputError", "SetupError"),
+    "trecsim.estimation": ("estimate",),
+    "trecsim.fusion": ("FusionSettings", "Tracker"),
+    "trecsim.geometry": ("Camera", "Rig", "triangulate"),
+    "trecsim.pipeline": ("run", "track"),
+    "trecsim.skeleton": ("COCO17", "Skeleton"),
+    "trecsim.sources": ("VideoFile", "read_poses"),
+    "trecsim.store.tracks": ("export_tracks", "read_tracks"),
+    "trecsim.sync": ("frame_sets",),
+    "trecsim.tracking": ("follow",),
+    "trecsim.types": ("Frame", "FrameSet", "Poses2D", "Snapshot"),
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = sorted(_HOME_OF)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])
