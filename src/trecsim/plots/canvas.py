@@ -20,6 +20,27 @@ LINES_WANTED = 14  # of the grid, along the longer side
 FINEST_STEP_M = 0.5
 
 
+def empty_figure(width_in: float, height_in: float) -> "Figure":
+    """Return an empty picture.
+
+    Parameters
+    ----------
+    width_in, height_in
+        Its size [inches].
+
+    Raises
+    ------
+    SetupError
+        Matplotlib is not installed.
+    """
+    try:
+        import matplotlib  # noqa: F401  the package itself, wherever its parts come from
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise SetupError("pictures need Matplotlib: pip install 'mc3d-trecsim[plot]'") from None
+    return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
 def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[Figure, Axes]":
     """Return a picture of a part of the floor from above, in equal metres, with a grid.
 
@@ -33,19 +54,28 @@ def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[F
     SetupError
         Matplotlib is not installed.
     """
-    try:
-        from matplotlib.figure import Figure
-        from matplotlib.ticker import MultipleLocator
-    except ImportError:
-        raise SetupError("pictures need Matplotlib: pip install 'mc3d-trecsim[plot]'") from None
     width, height = x_m[1] - x_m[0], y_m[1] - y_m[0]
     longest = max(width, height)
-    figure = Figure(
-        figsize=(1.5 + 7.5 * width / longest, 1.5 + 7.5 * height / longest), layout="constrained"
-    )
+    figure = empty_figure(1.5 + 7.5 * width / longest, 1.5 + 7.5 * height / longest)
     axes = figure.add_subplot()
+    lay_floor(axes, x_m, y_m)
+    return figure, axes
+
+
+def lay_floor(axes: "Axes", x_m: tuple[float, float], y_m: tuple[float, float]) -> None:
+    """Make axes a part of the floor from above, in equal metres, with a grid.
+
+    Parameters
+    ----------
+    axes
+        Empty ones.
+    x_m, y_m
+        From and to [m].
+    """
+    from matplotlib.ticker import MultipleLocator
+
     axes.set(xlim=x_m, ylim=y_m, aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    step_m = _round_step_m(longest / LINES_WANTED)
+    step_m = round_step(max(x_m[1] - x_m[0], y_m[1] - y_m[0]) / LINES_WANTED, FINEST_STEP_M)
     axes.xaxis.set_major_locator(MultipleLocator(step_m))
     axes.yaxis.set_major_locator(MultipleLocator(step_m))
     axes.grid(color="0.88", linewidth=0.8)
@@ -53,15 +83,20 @@ def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[F
     axes.tick_params(length=0, labelcolor="0.35")
     for spine in axes.spines.values():
         spine.set_color("0.7")
-    return figure, axes
 
 
-def _round_step_m(least_m: float) -> float:
-    """Return the smallest of 1, 2, 5, 10, 20, ... that is not less, or half a metre."""
-    if least_m <= FINEST_STEP_M:
-        return FINEST_STEP_M
-    decade = 10.0 ** math.floor(math.log10(least_m))
-    return next(factor * decade for factor in (1, 2, 5, 10) if factor * decade >= least_m * 0.999)
+def round_step(least: float, finest: float) -> float:
+    """Return the smallest of 1, 2, 5, 10, 20, ... that is not less, or the finest allowed.
+
+    Examples
+    --------
+    >>> round_step(3.0, 0.5), round_step(0.1, 0.5), round_step(200.0, 0.5)
+    (5.0, 0.5, 200.0)
+    """
+    if least <= finest:
+        return finest
+    decade = 10.0 ** math.floor(math.log10(least))
+    return next(factor * decade for factor in (1, 2, 5, 10) if factor * decade >= least * 0.999)
 
 
 @contextmanager

@@ -137,7 +137,7 @@ def _draw(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
         _draw_axis(axes, camera, colour, views.range_m)
     _draw_origin(axes)
     for camera, colour in zip(rig, _colours(rig), strict=True):
-        _draw_camera(axes, camera, colour)
+        draw_camera(axes, camera, colour)
     _write_title(axes, title, rig, views)
     labels = [
         Label(
@@ -177,7 +177,8 @@ def _draw_axis(axes: "Axes", camera: Camera, colour: str, range_m: float) -> Non
     axes.plot(*line.T, color=colour, linewidth=1.0, linestyle=(0, (4, 3)), zorder=3)
 
 
-def _draw_camera(axes: "Axes", camera: Camera, colour: str) -> None:
+def draw_camera(axes: "Axes", camera: Camera, colour: str) -> None:
+    """Draw a camera on the floor plan: an arrowhead the way it looks, a square if up or down."""
     ahead = camera.T_cam_world[2, :2]
     level = float(np.linalg.norm(ahead))
     shape = SQUARE
