@@ -124,7 +124,7 @@ class _Camera:
     def resumes(self) -> bool:
         """Whether its oldest waiting image is its first, or its first after a pause."""
         gap_s = self.images[0][1]
-        return gap_s == math.inf or gap_s > PAUSE_PERIODS * self.period_s
+        return bool(gap_s == math.inf or gap_s > PAUSE_PERIODS * self.period_s)
 
 
 def _mean_without_pauses(intervals_s: Iterable[float]) -> float:

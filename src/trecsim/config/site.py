@@ -15,7 +15,6 @@ from pydantic import (
     BeforeValidator,
     ConfigDict,
     Field,
-    ValidationInfo,
     create_model,
     model_validator,
 )
@@ -42,7 +41,7 @@ class Table(BaseModel):
     )
 
 
-def _beside_the_site_file(path: Path, info: ValidationInfo) -> Path:
+def _beside_the_site_file(path: Path, info: Any) -> Path:
     folder: Path = (info.context or {}).get("folder", Path())
     return folder / path.expanduser()
 

@@ -82,7 +82,7 @@ def candidates(model: Model, images: Images) -> Iterator[Candidate]:
             return
         if not (free[i] and free[k]):
             continue
-        xyz = _meet(origin, ray, i, k, flip[i, k] == 1, model)
+        xyz = _meet(origin, ray, i, k, bool(flip[i, k]), model)
         member = {int(view_of[i]): i, int(view_of[k]): k}
         mirrored = {int(view_of[i]): 0, int(view_of[k]): int(flip[i, k])}
         _absorb(model, images, leftover, free, xyz, member, mirrored)

@@ -1,7 +1,7 @@
 """A scene: cameras, people, a detector, clocks; simulated the same for the same seed."""
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -68,6 +68,7 @@ class Clock:
         return times_s[rng.uniform(size=len(turns)) >= self.dropped]
 
 
+@runtime_checkable
 class Cast(Protocol):
     """Decides who is in a scene."""
 

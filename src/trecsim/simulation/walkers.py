@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
@@ -23,6 +23,7 @@ Xyz = Float64[np.ndarray, "time 3"]
 Scalar = Float64[np.ndarray, " time"]
 
 
+@runtime_checkable
 class Motion(Protocol):
     """What one person does: joints at any time."""
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
@@ -25,6 +25,7 @@ from trecsim.types import Snapshot
 SUFFIXES = (".csv", ".parquet")
 
 
+@runtime_checkable
 class TracksWriter(Protocol):
     """Takes snapshots in order of time."""
 
