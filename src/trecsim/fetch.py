@@ -15,12 +15,11 @@ import sys
 import tempfile
 import zipfile
 import zlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
-from typing import IO
 
 from trecsim.errors import SetupError
 
@@ -182,7 +181,7 @@ def _run_pip(arguments: list[str], progress: Progress | None) -> tuple[int, str]
         return pip.returncode, _complaint(complaints.read())
 
 
-def _follow(output: IO[str] | None, progress: Progress | None) -> None:
+def _follow(output: Iterable[str] | None, progress: Progress | None) -> None:
     for line in output or ():
         words = line.split()
         if progress and len(words) == 4 and words[::2] == ["Progress", "of"]:

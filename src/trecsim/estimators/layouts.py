@@ -94,7 +94,7 @@ class Layout:
         pixels = image[..., ::-1] if self.colours == "bgr" else image
         if self.channels_first:
             pixels = pixels.transpose(2, 0, 1)
-        if self.full_scale == 255:
+        if self.full_scale == 255.0:
             return np.ascontiguousarray(pixels[None].astype(self.dtype))
         scaled = pixels[None].astype(np.float32) * np.float32(self.full_scale / 255.0)
         return np.ascontiguousarray(scaled.astype(self.dtype))
@@ -133,7 +133,7 @@ def _movenet(image: Tensor, outputs: Sequence[Tensor]) -> Layout | None:
         input_px=_fixed(image, image.shape[1:3]),
         dtype=image.dtype,
         channels_first=False,
-        full_scale=255,
+        full_scale=255.0,
         centred=False,
         fill=0,
         min_person_score=0.2,
@@ -153,7 +153,7 @@ def _rtmo(image: Tensor, outputs: Sequence[Tensor]) -> Layout | None:
         input_px=_fixed(image, image.shape[2:]) or (640, 640),  # what its makers train it at
         dtype=image.dtype,
         colours="bgr",
-        full_scale=255,
+        full_scale=255.0,
         centred=False,
         min_person_score=0.3,
     )
