@@ -106,7 +106,7 @@ def yolo_end_to_end(out: Float[np.ndarray, "*batch person 57"]) -> Detections:
 
 
 def rtmo(
-    dets: Float[np.ndarray, "1 person 5"], joints: Float[np.ndarray, "1 person 17 3"]
+    dets: Float[np.ndarray, "1 box 5"], joints: Float[np.ndarray, "1 person 17 3"]
 ) -> Detections:
     """Decode RTMO: boxes with a score, and key points with theirs, in two arrays."""
     boxes = _rows(dets, 5)
