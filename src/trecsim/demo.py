@@ -1,0 +1,218 @@
+"""The demo: a simulated room through the same code as a recording, held against the truth."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from trecsim.calibration import write_rig
+from trecsim.config.check import check_site
+from trecsim.errors import InputError, SetupError
+from trecsim.evaluation.truth import Comparison, compare
+from trecsim.pipeline import RunSummary, run
+from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
+from trecsim.simulation.truth import write_truth
+from trecsim.sources import PosesWriter
+from trecsim.store.atomic import atomic_write, disk_faults
+from trecsim.store.tracks import read_tracks
+from trecsim.types import Snapshot
+
+Progress = Callable[[int, int | None], None]
+
+MARK = "# Made by trecsim demo."
+SITE = f"""{MARK} Run it again as any other site: trecsim run site.toml
+format = "trecsim.site/1"
+name = "demo"
+rig = "rig.toml"
+poses = "poses.jsonl"
+"""
+RUN = "run"
+RUN_FILES = ("tracks.parquet", "summary.json", "paths.png")
+LONGEST_S, MOST_PEOPLE, MOST_CAMERAS = 3600.0, 100, 28
+SIDE_M = (8.0, 6.0)
+FLOOR_PER_PERSON_M2 = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class DemoSummary:
+    """What came of the demo.
+
+    Attributes
+    ----------
+    folder
+        Where everything lies.
+    picture
+        The picture of people and paths; None without Matplotlib.
+    people
+        How many were simulated.
+    run
+        What the run says of itself.
+    comparison
+        How its tracks agree with the truth.
+    """
+
+    folder: Path
+    picture: Path | None
+    people: int
+    run: RunSummary
+    comparison: Comparison
+
+
+def demo(
+    folder: Path,
+    *,
+    seconds: float = 20.0,
+    people: int = 4,
+    cameras: int = 4,
+    seed: int = 0,
+    progress: Progress | None = None,
+    remark: Callable[[str], None] = lambda text: None,
+) -> DemoSummary:
+    """Simulate a room, run it as any other site, and compare the result with the truth.
+
+    Parameters
+    ----------
+    folder
+        Gets everything: ``rig.toml``, ``poses.jsonl``, ``truth.npz``, ``site.toml``, ``paths.png``
+        and what a run keeps, in ``run/``. What an earlier demo made there is replaced.
+    seconds
+        Length of the scene [s].
+    people, cameras
+        How many.
+    seed
+        Another one gives other people on other paths.
+    progress
+        Told the number of images done, and of all.
+    remark
+        Is called with what is worth knowing without being wrong.
+
+    Raises
+    ------
+    InputError
+        A number that cannot be, or a folder with something else in it.
+    SetupError
+        The disk is full.
+    """
+    scene = _scene(seconds, people, cameras, seed)
+    _make_room(folder)
+    made = simulate(scene, seed)
+    _write(folder, made)
+
+    def told(done: int, _: int | None) -> None:
+        if progress is not None:
+            progress(done, len(made.poses))
+
+    summary = run(check_site(folder / "site.toml"), folder / RUN, progress=told, remark=remark)
+    snapshots = _with_empty_moments(read_tracks(folder / RUN), summary)
+    comparison = compare(snapshots, made.truth_t_s, made.truth_xyz_m)
+    picture = _draw(folder, made, comparison)
+    return DemoSummary(folder, picture, people, summary, comparison)
+
+
+def _scene(seconds: float, people: int, cameras: int, seed: int) -> Scene:
+    faults = [
+        f"{name} must lie between {low:g} and {high:g}, got {value:g}"
+        for name, value, low, high in (
+            ("seconds", seconds, 1.0, LONGEST_S),
+            ("people", people, 0, MOST_PEOPLE),
+            ("cameras", cameras, 2, MOST_CAMERAS),
+            ("seed", seed, 0, 2**32 - 1),
+        )
+        if not low <= value <= high
+    ]
+    if faults:
+        raise InputError("the demo cannot be made: " + "; ".join(faults))
+    larger = max(1.0, math.sqrt(people * FLOOR_PER_PERSON_M2 / (SIDE_M[0] * SIDE_M[1])))
+    width_m, depth_m = (larger * side_m for side_m in SIDE_M)
+    return room_scene(
+        people=people, cameras=cameras, seconds=seconds, width_m=width_m, depth_m=depth_m
+    )
+
+
+def _make_room(folder: Path) -> None:
+    """Make the folder, or clear away what an earlier demo left there, and nothing else.
+
+    Raises
+    ------
+    InputError
+        There is something in it that no demo has made.
+    """
+    with disk_faults(folder):
+        if folder.exists() and any(folder.iterdir()) and not _is_ours(folder):
+            raise InputError(
+                f"{folder} holds something that trecsim demo has not made; nothing is "
+                "overwritten: give another directory with --out"
+            )
+        folder.mkdir(parents=True, exist_ok=True)
+        made = [folder / "paths.png", *(folder / RUN / name for name in RUN_FILES)]
+        made += (folder / RUN / "tracks.parquet.parts").glob("*.parquet")
+        for path in made:
+            path.unlink(missing_ok=True)
+        parts = folder / RUN / "tracks.parquet.parts"
+        if parts.is_dir() and not any(parts.iterdir()):
+            parts.rmdir()
+
+
+def _is_ours(folder: Path) -> bool:
+    site = folder / "site.toml"
+    if not site.is_file():
+        return False
+    with site.open("rb") as file:
+        return file.read(len(MARK)) == MARK.encode()
+
+
+def _write(folder: Path, made: Simulation) -> None:
+    """Write what a site needs; the site file first, since it marks the folder as ours."""
+    with atomic_write(folder / "site.toml") as file:
+        file.write(SITE)
+    write_rig(made.rig, folder / "rig.toml")
+    write_truth(folder / "truth.npz", made.truth_t_s, made.truth_xyz_m)
+    with PosesWriter(folder / "poses.jsonl") as writer:
+        for poses in made.poses:
+            writer.write(poses)
+
+
+def _with_empty_moments(snapshots: Iterable[Snapshot], summary: RunSummary) -> Iterator[Snapshot]:
+    """Yield the snapshots and, where files of tracks have none, moments without anybody."""
+    if summary.first_s is None or summary.last_s is None:
+        return
+    step_s = (summary.last_s - summary.first_s) / max(summary.frame_sets - 1, 1)
+    next_s = summary.first_s
+    for snapshot in snapshots:
+        yield from _nobody(next_s, snapshot.t_s, step_s)
+        yield snapshot
+        next_s = snapshot.t_s + step_s
+    yield from _nobody(next_s, summary.last_s + step_s, step_s)
+
+
+def _nobody(from_s: float, to_s: float, step_s: float) -> Iterator[Snapshot]:
+    """Yield empty moments from a time until half a step before another."""
+    missing = int((to_s - from_s) / step_s + 0.5) if step_s > 0 else 0
+    for number in range(missing):
+        yield Snapshot(
+            from_s + number * step_s,
+            np.empty(0, np.int64),
+            np.empty((0, 17, 3)),
+            np.empty((0, 17, 3, 3)),
+            np.empty((0, 17), np.int64),
+        )
+
+
+def _draw(folder: Path, made: Simulation, comparison: Comparison) -> Path | None:
+    from trecsim.plots.paths import plot_paths
+
+    picture = folder / "paths.png"
+    title = "trecsim demo: a simulated room"
+    remark = ""
+    if comparison.matched:
+        remark = (
+            f"error against the known truth: median {100 * comparison.median_m:.1f} cm, "
+            f"95 % of the joints within {100 * comparison.p95_m:.1f} cm"
+        )
+    try:
+        plot_paths(read_tracks(folder / RUN), made.rig, picture, title=title, remark=remark)
+    except SetupError:  # the run has remarked on it already
+        return None
+    return picture
