@@ -1,0 +1,49 @@
+"""Who hides whom."""
+
+import numpy as np
+
+from trecsim.simulation.body import body
+from trecsim.simulation.occlusion import faces_away, hidden_behind_others
+from trecsim.simulation.paths import through
+from trecsim.simulation.walkers import walker
+
+CAMERA_M = np.array([0.0, 0.0, 1.5])
+
+
+def standing(x_m: float, y_m: float, stature_m: float = 1.8) -> np.ndarray:
+    """Return somebody who stands facing along +x, (joint, 3) [m]."""
+    path = through(np.array([0.0, 1.0]), np.array([[x_m, y_m], [x_m, y_m]]))
+    return walker(body(stature_m), path)(np.array([0.5]))[0]
+
+
+def test_who_stands_behind_another_is_hidden_and_not_the_other_way_round() -> None:
+    people = np.stack((standing(5.0, 0.0), standing(2.5, 0.0)))[None]
+    hidden = hidden_behind_others(CAMERA_M, people)[0]
+    assert hidden[0].mean() > 0.6
+    assert not hidden[1].any()
+
+
+def test_who_stands_beside_another_is_seen() -> None:
+    people = np.stack((standing(5.0, 1.5), standing(2.5, 0.0)))[None]
+    assert not hidden_behind_others(CAMERA_M, people).any()
+
+
+def test_a_head_over_a_smaller_one_is_seen() -> None:
+    people = np.stack((standing(5.0, 0.0, 1.95), standing(4.0, 0.0, 1.0)))[None]
+    hidden = hidden_behind_others(np.array([0.0, 0.0, 2.5]), people)[0, 0]
+    assert not hidden[:5].any()
+    assert hidden[13:].all()
+
+
+def test_absent_people_hide_nobody_and_are_not_hidden() -> None:
+    people = np.stack((standing(5.0, 0.0), np.full((17, 3), np.nan)))[None]
+    assert not hidden_behind_others(CAMERA_M, people).any()
+
+
+def test_a_face_is_seen_from_the_front_only() -> None:
+    person = standing(3.0, 0.0)[None, None]
+    ahead, behind = np.array([6.0, 0.0, 1.7]), np.array([0.0, 0.0, 1.7])
+    assert not faces_away(ahead, person)[..., :3].any()
+    assert faces_away(behind, person)[..., :3].all()
+    left = np.array([3.0, 4.0, 1.7])
+    assert faces_away(left, person)[0, 0].tolist()[3:] == [False, True]
