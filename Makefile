@@ -5,6 +5,12 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
+# Where arrays live, shapes, dtypes and types are checked at every call while the tests run. Not
+# where the doors are: what comes in there may be anything, and is refused with better words.
+SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
+  trecsim.geometry.triangulation,trecsim.sources,trecsim.sync,trecsim.estimation,$\
+  trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots
+
 .DEFAULT_GOAL := help
 .PHONY: help demo test check bench docs constraints clean
 
@@ -15,7 +21,7 @@ demo: .venv/installed-plot  ## Follow people through a simulated room and show t
 	$(BIN)/trecsim demo
 
 test: .venv/installed-test  ## Run all tests.
-	$(BIN)/python -m pytest --quiet
+	$(BIN)/python -m pytest --quiet --jaxtyping-packages=$(SHAPES),shape_checker.check
 
 check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/ruff format --check

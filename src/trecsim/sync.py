@@ -240,7 +240,7 @@ def _in_phase(camera: _Camera, opener: _Camera, limit_s: float) -> bool:
         )
     ]
     if not 1.0 / OTHER_RATE < camera.period_s / opener.period_s < OTHER_RATE:
-        return lags_s[0] <= limit_s
+        return bool(lags_s[0] <= limit_s)
     if camera.resumes or opener.resumes:
-        return min(lags_s[0], abs(median(lags_s))) <= limit_s
+        return bool(min(lags_s[0], abs(median(lags_s))) <= limit_s)
     return True

@@ -153,9 +153,10 @@ def test_the_limits_of_the_file_are_those_of_the_fusion() -> None:
     assert list(table) == [field.name for field in fields(FusionSettings)]
     for name, schema in table.items():
         assert schema["default"] == getattr(FusionSettings(), name)
+        kind = type(schema["default"])
         for limit in {schema["exclusiveMinimum"], schema.get("exclusiveMaximum", 0.0)}:
             with pytest.raises(ConfigError, match=name):
-                FusionSettings(**{name: limit})
+                FusionSettings(**{name: kind(limit)})
 
 
 def test_every_key_is_described() -> None:
