@@ -59,7 +59,7 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         rig=rig,
         skeleton=skeleton,
         settings=settings,
-        P=np.ascontiguousarray(rig.P, np.float64),
+        P=np.array(rig.P, np.float64),
         focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
         size_px=np.array([c.size_px for c in rig], np.float64),
         noise=_noise(skeleton, settings),

@@ -32,7 +32,7 @@ class Limbs(NamedTuple):
     slack_m2: Float64[np.ndarray, " limb"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def length_along(x, cov_m2, a, b, d):
     """Write the unit vector from joint `a` to `b` to `d`; return length and its variance."""
@@ -52,7 +52,7 @@ def length_along(x, cov_m2, a, b, d):
     return length, var
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
     """Update, in place, one person's limb lengths `limb_m` and their variances `limb_m2`.
@@ -76,7 +76,7 @@ def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
         limb_m2[i] *= 1.0 - gain
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def stretch(j, k, x, d, length_m, u):
     """Return by how much the shifted joints `j`, `k` are too close, linearised about no shift.
@@ -95,7 +95,7 @@ def stretch(j, k, x, d, length_m, u):
     return rest
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def along_m2(u, cov_m2):
     """Return the variance of a joint in the direction `u`."""
@@ -106,7 +106,7 @@ def along_m2(u, cov_m2):
     return var
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def add_limb(A, b, first, second, u, rest, var):
     """Add "the second joint is `rest` further along `u` than the first" to ``A d = b``.
@@ -127,7 +127,7 @@ def add_limb(A, b, first, second, u, rest, var):
                 A[second + p, first + q] -= u[p] * u[q] / var
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     """Write the normal equations of the weak joints' shifts to `A`, `b`.
@@ -155,7 +155,7 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
         add_limb(A, b, place[j], place[k], u, rest, var)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def factor_and_invert(A, inverse):
     """Write the inverse of the symmetric positive `A` to `inverse`.
@@ -185,7 +185,7 @@ def factor_and_invert(A, inverse):
             inverse[k, i] = s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def quotient(before_m2, after_m2, shift_m, gain, vector):
     """Write ``after^-1 - before^-1`` and ``after^-1 shift``; return the size of ``after^-1``."""
@@ -201,7 +201,7 @@ def quotient(before_m2, after_m2, shift_m, gain, vector):
     return size
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, row):
     """Fold into a joint what the body says about it beyond what its trajectory says already.
@@ -245,7 +245,7 @@ def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, ro
         fold_row(R, z, row, y * math.sqrt(worth))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def move(inverse, b, place, d):
     """Write the shifts ``inverse @ b`` of the weak joints to `d` (joint, 3)."""
@@ -258,7 +258,7 @@ def move(inverse, b, place, d):
                 d[j, p] += inverse[place[j] + p, q] * b[q]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, row):
     """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
@@ -300,14 +300,15 @@ def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, w
         gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2)
         factor_and_invert(A, inverse)
         move(inverse, b, place, d)
+    after = np.empty((3, 3))
     for j in range(n_joint):
         if place[j] < 0:
             continue
-        after = inverse[place[j] : place[j] + 3, place[j] : place[j] + 3]
+        copy(inverse[place[j] : place[j] + 3, place[j] : place[j] + 3], after)
         fold_message(R[j], z[j], x[j], cov_m2[j], after, d[j], span, weights, worth, row)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def constrain_all(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, elapsed_s, worth):
     """Learn everybody's limb lengths and use them, in place.

@@ -9,7 +9,7 @@ from numba import njit
 _NEVER = 1e9
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def cost_of(gain, row, column):
     """Return the cost of a pair; columns past the last are each row's private empty one."""
@@ -19,7 +19,7 @@ def cost_of(gain, row, column):
     return 0.0 if column - n_column == row else _NEVER
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def relax(gain, row, column, u, v, used, low, way):
     """Update the shortest ways to the unused columns; return the nearest and its distance."""
@@ -36,7 +36,7 @@ def relax(gain, row, column, u, v, used, low, way):
     return nearest, delta
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def assign(gain, best):
     """Assign rows to columns so that the sum of gains is largest; write column or -1 to `best`.

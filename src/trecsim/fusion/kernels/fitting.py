@@ -19,8 +19,8 @@ from trecsim.fusion.kernels.mixture import (
 # By how much the variance of a joint grows when its key points say it has turned sharply.
 LOOSEN = 25.0
 LOOSEN_M2 = 0.01
-_STEPS = 3
-_LOOSE_STEPS = 6
+# Typed, so that one compiled function serves both.
+_STEPS = np.array([3, 6])
 
 
 class Observed(NamedTuple):
@@ -66,7 +66,7 @@ class Scratch(NamedTuple):
     row: Float64[np.ndarray, " n"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
@@ -76,7 +76,7 @@ def scratch(n):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def tail_weight(e, var, tail):
     """Return what a residual is worth under Student's t, relative to a Gaussian of its scale.
@@ -88,7 +88,7 @@ def tail_weight(e, var, tail):
     return (tail + 2.0) / (tail + (e[0] * e[0] + e[1] * e[1]) / var)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def weigh(seen, v, shift_m, cov_m2, noise, tmp):
     """Return the inlier responsibility of image `v` (E step) and the weight of its equations.
@@ -112,7 +112,7 @@ def weigh(seen, v, shift_m, cov_m2, noise, tmp):
     return r, r * seen.worth[v] * tail_weight(tmp.e, var, noise.tail) / var
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
     """Find one joint from its key points in several images and its predicted place, by EM.
@@ -163,7 +163,7 @@ def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
             )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def fold_joint(R, z, seen, shift_m, inlier, noise, tmp):
     """Fold the key points of one joint into its trajectory, each at its image's own time.
@@ -206,7 +206,7 @@ def fold_joint(R, z, seen, shift_m, inlier, noise, tmp):
             fold_row(R, z, tmp.row, gain * y)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial, tmp):
     """Seek a joint again with a wide prior where its key points agree, but not with the curve.
@@ -221,7 +221,7 @@ def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial
         for b in range(3):
             wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
     loose_shift, loose_inlier = trial[:3], trial[3:]
-    locate_joint(seen, wide, noise, _LOOSE_STEPS, loose_shift, cov_m2, loose_inlier, tmp)
+    locate_joint(seen, wide, noise, _STEPS[1], loose_shift, cov_m2, loose_inlier, tmp)
     before, after = 0.0, 0.0
     for v in range(n):
         before += inlier[v]
@@ -234,7 +234,7 @@ def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial
             inlier[v] = loose_inlier[v]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def fit_joint(R, z, seen, prior_m2, noise, inlier, trial, tmp):
     """Locate one joint and fold its key points into the trajectory, in place."""
@@ -247,7 +247,7 @@ def fit_joint(R, z, seen, prior_m2, noise, inlier, trial, tmp):
         return
     shift_m = np.empty(3)
     cov_m2 = np.empty((3, 3))
-    locate_joint(seen, prior_m2, noise, _STEPS, shift_m, cov_m2, inlier, tmp)
+    locate_joint(seen, prior_m2, noise, _STEPS[0], shift_m, cov_m2, inlier, tmp)
     agree = 0.0
     for v in range(seen.P.shape[0]):
         agree += inlier[v]
@@ -256,7 +256,7 @@ def fit_joint(R, z, seen, prior_m2, noise, inlier, trial, tmp):
     fold_joint(R, z, seen, shift_m, inlier, noise, tmp)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def fit_all(
     R, z, xyz_m, prior_m2, cam, P, focal_px, span, weights,

@@ -17,7 +17,7 @@ BLOCK = 3
 REACH = 4 * BLOCK
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def fold_row(R, z, row, y):
     """Fold the equation ``row @ c = y`` into ``R c = z``, in place; `row` is destroyed.
@@ -46,7 +46,7 @@ def fold_row(R, z, row, y):
         y = c * y - s * r
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def extend(R, z, stiffness, memory, drift_m, work):
     """Marginalise the oldest control point of one joint and append a new one, in place.
@@ -84,7 +84,7 @@ def extend(R, z, stiffness, memory, drift_m, work):
         fold_row(R, z, work, (1.0 - memory) * drift_m[a] * stiffness)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
     """Set up a joint that rests at `xyz_m`, with wide uncertainty, in place.
@@ -111,7 +111,7 @@ def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
             fold_row(R, z, work, 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def control_points(R, z, c):
     """Solve ``R c = z`` by back substitution into `c` (n,)."""
@@ -124,7 +124,7 @@ def control_points(R, z, c):
         c[i] = s / R[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def curve_covariance(R, span, weights, y, cov_m2):
     """Write the covariance of the curve's point at ``span, weights`` to `cov_m2` (3, 3).
@@ -152,7 +152,7 @@ def curve_covariance(R, span, weights, y, cov_m2):
             cov_m2[a, b] = s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def extend_all(R, z, stiffness, memory, drift_m):
     """Move every track and joint on by one control point, in place.
@@ -165,7 +165,7 @@ def extend_all(R, z, stiffness, memory, drift_m):
             extend(R[k, j], z[k, j], stiffness[j], memory[k, j], drift_m[k], work)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def start_all(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness):
     """Set up all joints of one new track, in place; see `start`."""
@@ -174,7 +174,7 @@ def start_all(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness):
         start(R[j], z[j], xyz_m[j], position_sigma_m[j], step_sigma_m, stiffness[j], work)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def solve_all(R, z, c):
     """Write the control points of every track and joint to `c` (track, joint, n)."""
@@ -183,7 +183,7 @@ def solve_all(R, z, c):
             control_points(R[k, j], z[k, j], c[k, j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def evaluate_all(c, span, weights, xyz_m):
     """Write the curves' points at ``span, weights`` to `xyz_m` (track, joint, 3)."""
@@ -196,7 +196,7 @@ def evaluate_all(c, span, weights, xyz_m):
                 xyz_m[k, j, a] = s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def covariance_all(R, span, weights, cov_m2):
     """Write the curves' covariances at ``span, weights`` to `cov_m2` (track, joint, 3, 3)."""
@@ -206,7 +206,7 @@ def covariance_all(R, span, weights, cov_m2):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def invert3(A, out):
     """Write the inverse of a symmetric positive 3 x 3 matrix to `out`."""
@@ -219,7 +219,7 @@ def invert3(A, out):
     out[2, 0], out[2, 1], out[2, 2] = r / det, (b * c - a * e) / det, (a * d - b * b) / det
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def copy(source, out):
     """Copy a matrix; explicit loops compile many times faster than array expressions."""
@@ -228,7 +228,7 @@ def copy(source, out):
             out[i, k] = source[i, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def scale(R, z, factor):
     """Multiply a joint's square-root information by `factor`, in place."""
@@ -238,7 +238,7 @@ def scale(R, z, factor):
             R[i, k] *= factor
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def marked(match, out):
     """Write the indices of the entries of `match` that are not negative to `out`; count them."""

@@ -44,7 +44,7 @@ class Noise(NamedTuple):
     tail: float
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def project(P, x, uv, J):
     """Project the world point `x` by `P` (3, 4); write pixel and Jacobian, return the depth [m].
@@ -62,7 +62,7 @@ def project(P, x, uv, J):
     return w
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def image_covariance(J, cov_m2, var_px2, out):
     """Write ``J cov J^T + var I``, the covariance of a residual, to `out` (2, 2) [px^2]."""
@@ -75,7 +75,7 @@ def image_covariance(J, cov_m2, var_px2, out):
             out[a, b] = s
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def score_to_factor(score, good_score):
     """Return by how much a key point of this score is less certain than a good one.
@@ -90,7 +90,7 @@ def score_to_factor(score, good_score):
     return min((good_score / max(score, 1e-3)) ** 1.7, 6.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def inlier_log_ratio(e, C, m_per_px, log_inlier, outlier_share):
     """Return the log density of a residual, relative to clutter, and the inlier responsibility.
@@ -121,7 +121,7 @@ def inlier_log_ratio(e, C, m_per_px, log_inlier, outlier_share):
     return total, math.exp(a - total)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def project_person(P, xyz_m, cov_m2, uv, S, depth_m):
     """Write a person's projected joints, their covariance and depth to `uv`, `S`, `depth_m`."""
@@ -131,7 +131,7 @@ def project_person(P, xyz_m, cov_m2, uv, S, depth_m):
         image_covariance(J, cov_m2[j], 0.0, S[j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def mean_distance_m(uv, depth_m, focal_px, xy_px):
     """Return the mean distance between joints and key points at the person's distance [m]."""
@@ -145,7 +145,7 @@ def mean_distance_m(uv, depth_m, focal_px, xy_px):
     return total / n if n else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def person_log_ratio(uv, S, depth_m, focal_px, xy_px, score, noise, flipped, e, C):
     """Return the log likelihood ratio of one detection and one person to clutter."""
@@ -165,7 +165,7 @@ def person_log_ratio(uv, S, depth_m, focal_px, xy_px, score, noise, flipped, e, 
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def score_view(P, focal_px, xyz_m, cov_m2, xy_px, score, noise, reach_m, out, flip):
     """Score every detection of one image against every track: log likelihood ratio to clutter.

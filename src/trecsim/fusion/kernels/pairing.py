@@ -13,7 +13,7 @@ _FEWEST = 4
 _LIMB_BEST, _LIMB_CURVE, _LIMB_WORST = 1.3, 4.0, -4.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def ray_midpoint(p, u, q, v, out):
     """Write the point halfway between two rays to `out`; return their distance there [m].
@@ -42,7 +42,7 @@ def ray_midpoint(p, u, q, v, out):
     return math.sqrt(gap)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     """Return how well the rays of detections `i` and `k` meet, and how many joints do.
@@ -67,7 +67,7 @@ def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     return total, close
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def limb_score(x, limbs, limb_m):
     """Return how much the limbs of the joints `x` (joint, 3) have the lengths of a body."""
@@ -82,7 +82,7 @@ def limb_score(x, limbs, limb_m):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
     """Score how well any two detections of different cameras are one person.
