@@ -8,7 +8,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 # Where arrays live, shapes, dtypes and types are checked at every call while the tests run. Not
 # where the doors are: what comes in there may be anything, and is refused with better words.
 SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
-  trecsim.geometry.triangulation,trecsim.sources,trecsim.sync,trecsim.estimation,$\
+  trecsim.geometry.triangulation,trecsim.sources,trecsim.estimation,$\
   trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots
 
 .DEFAULT_GOAL := help
@@ -42,7 +42,7 @@ constraints: .venv/installed-check .venv/installed-docs  ## Pin the versions tha
 	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' >> constraints.txt
 
 clean:  ## Remove everything that was made here.
-	rm -rf .venv build dist out recordings docs/_build docs/reference/generated
+	rm -rf .venv build dist out recordings sample trecsim-demo docs/_build docs/reference/generated
 	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find src tests benchmarks examples -name __pycache__ -type d -exec rm -rf {} +
 

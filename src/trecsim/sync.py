@@ -124,7 +124,7 @@ class _Camera:
     def resumes(self) -> bool:
         """Whether its oldest waiting image is its first, or its first after a pause."""
         gap_s = self.images[0][1]
-        return bool(gap_s == math.inf or gap_s > PAUSE_PERIODS * self.period_s)
+        return gap_s == math.inf or gap_s > PAUSE_PERIODS * self.period_s
 
 
 def _mean_without_pauses(intervals_s: Iterable[float]) -> float:
@@ -240,7 +240,7 @@ def _in_phase(camera: _Camera, opener: _Camera, limit_s: float) -> bool:
         )
     ]
     if not 1.0 / OTHER_RATE < camera.period_s / opener.period_s < OTHER_RATE:
-        return bool(lags_s[0] <= limit_s)
+        return lags_s[0] <= limit_s
     if camera.resumes or opener.resumes:
-        return bool(min(lags_s[0], abs(median(lags_s))) <= limit_s)
+        return min(lags_s[0], abs(median(lags_s))) <= limit_s
     return True

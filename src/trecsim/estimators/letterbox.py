@@ -33,9 +33,8 @@ class Letterbox:
     >>> box = Letterbox.within((1920, 1080), (640, 640))
     >>> box.scaled_px, box.offset_px
     ((640, 360), (0, 140))
-    >>> box.to_image(np.array([[-0.5, 139.5], [639.5, 499.5]])).round(9)
-    array([[  -0.5,   -0.5],
-           [1919.5, 1079.5]])
+    >>> box.to_image(np.array([[-0.5, 139.5], [639.5, 499.5]])).round(9).tolist()
+    [[-0.5, -0.5], [1919.5, 1079.5]]
     """
 
     image_px: Size
