@@ -1,0 +1,69 @@
+"""What the pages of the documentation say is so."""
+
+import re
+from importlib import import_module
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trecsim.calibration import read_rig
+
+DOCS = Path(__file__).parents[2] / "docs"
+THESIS = (DOCS / "thesis-to-code.md").read_text()
+SECTIONS = """
+    2.1.1 2.1.2 2.1.3 2.2 2.3 2.4 2.5 3.1.1 3.1.2 3.1.3 3.1.4 3.2 3.3 3.4 3.5.1 3.5.2 3.5.3 3.5.4
+    3.5.5 3.6.1 3.6.2 3.6.3 3.6.4 3.6.5 3.6.6 3.6.7 3.7.1 3.7.2 3.7.3 3.7.4 4.1 4.2 4.2.1 4.3.1
+    4.3.2 4.3.3 4.4.1 4.4.2
+"""
+ROOMS = (
+    "calibration|config|estimation|estimators|evaluation|fusion|geometry|pipeline|plots|simulation|"
+    "skeleton|sources|store|sync"
+)
+
+
+def code_names() -> list[str]:
+    return sorted(set(re.findall(rf"`((?:{ROOMS})(?:\.[A-Za-z_]+)*)`", THESIS)))
+
+
+@pytest.mark.parametrize("section", SECTIONS.split())
+def test_every_section_of_the_thesis_has_its_row(section: str) -> None:
+    assert re.search(rf"^\| {re.escape(section)}[ ,|]", THESIS, re.MULTILINE)
+
+
+def test_every_equation_of_the_thesis_has_its_place() -> None:
+    cells = re.findall(r"^\|[^|]*\| ([0-9, -]+?)(?: \([^)]*\))? \|", THESIS, re.MULTILINE)
+    found: set[int] = set()
+    for cell in cells:
+        for part in re.findall(r"\d+(?:-\d+)?", cell):
+            first, _, last = part.partition("-")
+            found.update(range(int(first), int(last or first) + 1))
+    assert set(range(1, 59)) <= found
+
+
+@pytest.mark.parametrize("name", code_names())
+def test_every_place_in_the_code_that_is_named_exists(name: str) -> None:
+    thing: object = import_module("trecsim")
+    path = "trecsim"
+    for part in name.split("."):
+        path += f".{part}"
+        try:
+            thing = import_module(path)
+        except ModuleNotFoundError:
+            thing = getattr(thing, part)
+
+
+def test_the_rig_of_the_conventions_can_be_read(tmp_path: Path) -> None:
+    text = (DOCS / "conventions.md").read_text().partition("```toml\n")[2].partition("```")[0]
+    (tmp_path / "rig.toml").write_text(text)
+    rig = read_rig(tmp_path / "rig.toml")
+    assert rig.names == ("north",)
+    np.testing.assert_allclose(rig["north"].position_m, [0.0, -3.0, 1.5])
+
+
+@pytest.mark.parametrize("page", sorted(DOCS.glob("**/*.md")), ids=lambda page: page.name)
+def test_links_between_pages_lead_somewhere(page: Path) -> None:
+    if "_build" in page.parts or "generated" in page.parts:
+        pytest.skip("made by a build")
+    for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text()):
+        assert (page.parent / target).exists(), target
