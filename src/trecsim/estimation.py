@@ -15,6 +15,7 @@ from pathlib import Path
 
 from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, load, workers
+from trecsim.estimators.settings import cores
 from trecsim.sources import VideoFile, prefetched
 from trecsim.types import Frame, Poses2D
 
@@ -69,11 +70,12 @@ def open_videos(videos: Mapping[str, Path], estimator: Estimator2D) -> list[Vide
         When there is no video, or some cannot be read; the text names all such.
     """
     limit_px = image_limit_px(estimator)
+    threads = max(1, cores() // max(1, len(videos)))
     opened: list[VideoFile] = []
     faults: list[str] = []
     for camera, path in videos.items():
         try:
-            opened.append(VideoFile(path, camera, decode_size_px=limit_px, threads=1))
+            opened.append(VideoFile(path, camera, decode_size_px=limit_px, threads=threads))
         except InputError as error:
             faults.append(str(error))
     if faults:
