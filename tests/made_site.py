@@ -28,7 +28,7 @@ def body_at(t_s: float) -> np.ndarray:
 
 
 def walking(rig: Rig, moments: int) -> Iterator[Poses2D]:
-    """Yield what every camera sees of somebody who walks to and fro along y."""
+    """Yield what every camera sees of somebody who walks back and forth along y."""
     for i in range(moments):
         t_s = i / FPS
         xyz_m = body_at(t_s)
