@@ -28,7 +28,7 @@ check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/codespell src tests docs benchmarks *.md
+	$(BIN)/codespell --skip docs/_build src tests docs benchmarks *.md
 
 bench: .venv/installed-test  ## Run the benchmarks; the figures of the README come from here.
 	@set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script; done
