@@ -109,7 +109,7 @@ def test_rtmo_gives_boxes_and_key_points_apart():
     ],
 )
 def test_nobody_stays_nobody(nobody):
-    chosen = decode.choose(nobody, 0.2, 10, max_overlap=0.7)
+    chosen = decode.choose(nobody, 0.2, 10)
     poses = decode.to_poses(chosen, 0.2, "north", 1.0)
     assert poses.xy_px.shape == (0, 17, 2)
     assert poses.score.shape == (0, 17)
@@ -122,7 +122,7 @@ anything = st.floats(width=32, allow_nan=True, allow_infinity=True)
 @given(arrays(np.float32, (1, 5, 56), elements=anything))
 def test_whatever_a_network_puts_out_becomes_sound_poses(out):
     for found in (decode.movenet(out, (64, 64)), decode.yolo_raw(np.swapaxes(out, 1, 2))):
-        chosen = decode.choose(found, 0.0, 3, max_overlap=0.7)
+        chosen = decode.choose(found, 0.0, 3)
         poses = decode.to_poses(chosen.in_image(Letterbox.along((90, 70), 64, 32)), 0.1, "a", 0.0)
         assert len(poses.person_score) <= 3
         assert ((poses.score >= 0) & (poses.score <= 1)).all()
@@ -155,12 +155,22 @@ def test_two_people_whose_boxes_overlap_stay_two():
     assert len(decode.choose(found, 0.0, 10)) == 2
 
 
-def test_boxes_that_overlap_too_much_become_one_where_that_is_asked():
-    a = skeleton(100, 50)
+def test_of_the_many_boxes_that_raw_yolo_has_for_a_person_the_best_is_taken():
+    a, b = skeleton(100, 50), skeleton(400, 80)
     other = np.random.default_rng(8).permutation(a)  # the same box, another pose
-    found = detections([a, other], [0.9, 0.8])
-    assert len(decode.choose(found, 0.0, 10)) == 2
-    assert len(decode.choose(found, 0.0, 10, max_overlap=0.7)) == 1
+    people = [(a, 0.6), (b, 0.5), (other, 0.7), (b + 1.0, 0.4)]
+    raw = np.array([yolo_row(xy, [*centre_and_size(xy), score]) for xy, score in people])
+    found = decode.yolo_raw(raw.T[None])
+    np.testing.assert_allclose(found.person_score, [0.7, 0.5], rtol=1e-6)
+    v7 = np.insert(raw, 5, 1.0, axis=1)
+    np.testing.assert_allclose(decode.yolov7_raw(v7[None]).person_score, [0.7, 0.5], rtol=1e-6)
+
+
+def test_networks_that_suppress_by_themselves_may_let_boxes_overlap():
+    a = skeleton(100, 50)
+    other = np.random.default_rng(8).permutation(a)
+    people = np.array([yolo_row(xy, [*box_around(xy), 0.8, 0.0]) for xy in (a, other)])
+    assert len(decode.choose(decode.yolo_end_to_end(people), 0.0, 10)) == 2
 
 
 def test_skeletons_that_share_too_few_joints_are_not_compared():

@@ -26,7 +26,8 @@ _SIGMA = np.array(
 _MOVENET_SHIFT_PX = 0.25
 _MOST_CANDIDATES = 300  # comparing all with all must not take for ever on a bad image
 _SAME_PERSON = 0.6  # OKS
-_COVERS = 0.4  # of two boxes, relative to what they cover together
+_SAME_BOX = 0.7  # of two boxes, relative to what they cover together
+_COVERS = 0.4  # in the same measure
 _FEWEST_SHARED_JOINTS = 3  # fewer say nothing about whether two skeletons are one person
 
 
@@ -90,13 +91,14 @@ def movenet(out: Float[np.ndarray, "1 person 56"], input_px: Size) -> Detections
 def yolo_raw(out: Float[np.ndarray, "1 56 candidate"]) -> Detections:
     """Decode YOLOv8-pose and YOLO11-pose before suppression: box centre and size, score, joints."""
     rows = _rows(np.swapaxes(np.asarray(out), 1, 2), 56)
-    return _yolo(rows, _corners(rows[:, :4]), rows[:, 4], rows[:, 5:])
+    return _best_boxes(_yolo(rows, _corners(rows[:, :4]), rows[:, 4], rows[:, 5:]))
 
 
 def yolov7_raw(out: Float[np.ndarray, "1 candidate 57"]) -> Detections:
     """Decode YOLOv7-pose before suppression: box centre and size, object, class score, joints."""
     rows = _rows(out, 57)
-    return _yolo(rows, _corners(rows[:, :4]), rows[:, 4] * rows[:, 5], rows[:, 6:])
+    score = rows[:, 4] * rows[:, 5]
+    return _best_boxes(_yolo(rows, _corners(rows[:, :4]), score, rows[:, 6:]))
 
 
 def yolo_end_to_end(out: Float[np.ndarray, "*batch person 57"]) -> Detections:
@@ -114,9 +116,7 @@ def rtmo(
     return detections(people[..., :2], people[..., 2], boxes[:, 4], boxes[:, :4])
 
 
-def choose(
-    found: Detections, min_person_score: float, max_people: int, *, max_overlap: float | None = None
-) -> Detections:
+def choose(found: Detections, min_person_score: float, max_people: int) -> Detections:
     """Return the best people: those that score enough, each of them once.
 
     Parameters
@@ -127,13 +127,8 @@ def choose(
         Who scores less is left out.
     max_people
         At most so many.
-    max_overlap
-        Of two boxes that overlap as much as this, the better one stays: for networks that put out
-        many boxes per person; None lets boxes overlap.
     """
     good = found.take(np.flatnonzero(found.person_score >= min_person_score)[:_MOST_CANDIDATES])
-    if max_overlap is not None:
-        good = good.take(suppress(overlap(good.box_px), max_overlap))
     return good.take(suppress(similarity(good), _SAME_PERSON)[:max_people])
 
 
@@ -239,6 +234,12 @@ def _yolo(
     people = joints.reshape(len(rows), JOINTS, 3)
     # YOLO counts from the corner of the first pixel, not from its centre.
     return detections(people[..., :2] - 0.5, people[..., 2], person_score, box_px - 0.5)
+
+
+def _best_boxes(found: Detections) -> Detections:
+    """Return the best of the many boxes that such a network has for each person."""
+    best = found.first(_MOST_CANDIDATES)
+    return best.take(suppress(overlap(best.box_px), _SAME_BOX))
 
 
 def detections(

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -12,6 +11,8 @@ from trecsim.errors import ConfigError
 from trecsim.estimators import decode
 from trecsim.estimators.decode import Detections
 from trecsim.estimators.letterbox import Size
+
+Read = Callable[[Sequence[np.ndarray], Size], Detections]
 
 _ANCHORS = 3
 _MOST_INPUT_PX = 8192  # per side; a file that asks for more is damaged
@@ -70,13 +71,11 @@ class Layout:
         Where the padding goes, and its grey.
     min_person_score, min_joint_score
         Who or what scores less is left out, unless the user says otherwise.
-    max_overlap
-        See `trecsim.estimators.decode.choose`.
     """
 
     name: str
     outputs: tuple[str, ...]
-    read: Callable[[Sequence[np.ndarray], Size], Detections]
+    read: Read
     input_px: Size | None
     dtype: str
     multiple: int = 32
@@ -87,7 +86,6 @@ class Layout:
     fill: int = 114
     min_person_score: float = 0.25
     min_joint_score: float = 0.3
-    max_overlap: float | None = None
 
     def feed(self, image: UInt8[np.ndarray, "h w 3"]) -> np.ndarray:
         """Return `image`, RGB and of the right size, as the network wants it."""
@@ -162,31 +160,20 @@ def _rtmo(image: Tensor, outputs: Sequence[Tensor]) -> Layout | None:
 def _yolo(image: Tensor, outputs: Sequence[Tensor]) -> Layout | None:
     for out in outputs:
         if len(out.shape) == 3 and out.shape[1] == 56:
-            form = partial(_yolo_layout, "YOLO-pose", 32, lambda o, _: decode.yolo_raw(o[0]), 0.7)
-        elif len(out.shape) in (2, 3) and out.shape[-1] == 57:
-            form = partial(_yolo_layout, "YOLO-pose", 64, _read_57, 0.7)
-        else:
-            continue
-        return form(image, out)
+            return _yolo_layout(image, out, 32, lambda array, _: decode.yolo_raw(array[0]))
+        if len(out.shape) in (2, 3) and out.shape[-1] == 57:
+            return _yolo_layout(image, out, 64, _read_57)
     return None
 
 
-def _yolo_layout(
-    name: str,
-    multiple: int,
-    read: Callable[[Sequence[np.ndarray], Size], Detections],
-    max_overlap: float,
-    image: Tensor,
-    out: Tensor,
-) -> Layout:
+def _yolo_layout(image: Tensor, out: Tensor, multiple: int, read: Read) -> Layout:
     return Layout(
-        name=name,
+        name="YOLO-pose",
         outputs=(out.name,),
         read=read,
         input_px=_fixed(image, image.shape[2:]),
         dtype=image.dtype,
         multiple=multiple,
-        max_overlap=max_overlap,
     )
 
 

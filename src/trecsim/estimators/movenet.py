@@ -50,9 +50,9 @@ class MoveNetSettings:
     threads
         Processor threads to use; None takes all cores.
     precision
-        ``auto`` computes in bfloat16 where the processor can, which takes two thirds of the time
-        and moves key points by less than they are uncertain; ``f32`` gives the same numbers on
-        every machine.
+        ``auto`` computes in bfloat16 where the processor can, which takes about half the time and
+        moves key points by less than they are uncertain; ``f32`` gives the same numbers on every
+        machine.
     """
 
     long_side: LongSide = 512
@@ -162,7 +162,7 @@ def _compile(path: Path, settings: MoveNetSettings, threads: int) -> "ov.Compile
         model = core.read_model(path)
         _lift_limit(model, settings.max_people)
         return core.compile_model(model, "CPU", config)
-    except RuntimeError as error:
+    except (RuntimeError, ValueError) as error:
         reason = str(error).strip().splitlines()[-1:] or ["no reason given"]
         raise SetupError(f"OpenVINO does not take the model {path}: {reason[0]}") from error
 

@@ -106,12 +106,8 @@ class OnnxEstimator:
         out = self._run(self.layout.feed(box.apply(frame.image, self.layout.fill)))
         found = self._read(out, box).in_image(box)
         chosen, layout = self.settings, self.layout
-        people = decode.choose(
-            found,
-            _or(chosen.min_person_score, layout.min_person_score),
-            chosen.max_people,
-            max_overlap=layout.max_overlap,
-        )
+        min_person_score = _or(chosen.min_person_score, layout.min_person_score)
+        people = decode.choose(found, min_person_score, chosen.max_people)
         min_joint_score = _or(chosen.min_joint_score, layout.min_joint_score)
         return decode.to_poses(people, min_joint_score, frame.camera, frame.t_s)
 
