@@ -28,12 +28,6 @@ def checked(tmp_path: Path) -> CheckedSite:
     return check_site(make_site(tmp_path))
 
 
-def truncate(poses: Path, lines: int) -> None:
-    """Cut a file of poses in the middle of the line after `lines`."""
-    kept = poses.read_text().splitlines(keepends=True)[: lines + 1]
-    poses.write_text("".join(kept)[:-40] + "\n")
-
-
 def test_a_run_keeps_tracks_summary_and_picture(checked: CheckedSite, tmp_path: Path) -> None:
     seen: list[tuple[int, int | None]] = []
     out = tmp_path / "out"
@@ -146,6 +140,18 @@ def test_track_writes_either_format(checked: CheckedSite, tmp_path: Path, name: 
     summary = track(checked.rig, tmp_path / "walk.poses.jsonl", tmp_path / name)
     assert (summary["frame_sets"], summary["people"]) == (40, 1)
     assert len(list(read_tracks(tmp_path / name))) > 30
+
+
+@pytest.mark.parametrize("name", ["tracks.csv", "tracks.parquet"])
+def test_poses_that_are_wrong_at_once_leave_nothing(
+    checked: CheckedSite, tmp_path: Path, name: str
+) -> None:
+    poses = tmp_path / "walk.poses.jsonl"
+    poses.write_text(poses.read_text().replace('"t_s"', '"time"'))
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(InputError, match="line 2"):
+        track(checked.rig, poses, tmp_path / name)
+    assert sorted(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize("name", ["tracks.csv", "tracks.parquet"])

@@ -98,9 +98,9 @@ def track(
                 if progress is not None:
                     progress(tally.frame_sets, None)
     except InputError as error:
-        raise type(error)(_with_kept(error, kept)) from error
+        raise type(error)(_with_kept(error, kept, tally)) from error
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept)) from None
+        raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept, tally)) from None
     return TrackSummary(
         out=out, frame_sets=tally.frame_sets, people=len(tally.people), fusion_ms=tally.fusion_ms()
     )
@@ -188,7 +188,7 @@ def run(
     _write_summary(summary, checked)
     _draw_paths(summary, checked.rig, remark)
     if fault is not None:
-        raise type(fault)(_with_kept(fault, folder)) from fault
+        raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
     return summary
 
 
@@ -348,5 +348,9 @@ def _draw_paths(summary: RunSummary, rig: Rig, remark: Callable[[str], None]) ->
         remark(f"no picture of the paths: {error}")
 
 
-def _with_kept(what: object, kept: Path) -> str:
-    return f"{what}; what was finished before is kept in {kept}" if kept.exists() else str(what)
+def _with_kept(what: object, kept: Path, tally: Tally) -> str:
+    if tally.frame_sets:
+        return f"{what}; what was finished before is kept in {kept}"
+    if kept.is_file():  # it has a heading and nothing else
+        kept.unlink()
+    return str(what)
