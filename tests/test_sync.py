@@ -237,3 +237,18 @@ def test_whatever_comes_no_image_is_lost_doubled_or_overtaken(
     assert all(len(set(seen(one))) == len(one.views) > 0 for one in sets)
     again = list(frame_sets(images, **arguments))
     assert [seen(one) for one in again] == [seen(one) for one in sets]
+
+
+def test_a_fault_in_the_stream_comes_after_everything_before_it():
+    from trecsim.errors import InputError
+
+    def stream():
+        for n in range(3):
+            yield Poses2D("north", 0.04 * n, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
+        raise InputError("line 4 is wrong")
+
+    given = []
+    with pytest.raises(InputError, match="line 4"):
+        for frame_set in frame_sets(stream()):
+            given.append(frame_set.t_s)
+    assert given == [0.0, 0.04, 0.08]

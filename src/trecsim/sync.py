@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice
 from statistics import median
 
+from trecsim.errors import Error
 from trecsim.types import FrameSet, Poses2D
 
 logger = logging.getLogger(__name__)
@@ -84,13 +85,19 @@ def frame_sets(
     if max_delay_s > 0.0 and offsets_s:  # offsets disturb the order that a recording came in
         max_delay_s += max(0.0, *offsets_s.values()) - min(0.0, *offsets_s.values())
     waiting = _WaitingRoom(window_s, max_delay_s)
-    for image in poses:
-        offset_s = offsets_s.get(image.camera, 0.0)
-        waiting.add(replace(image, t_s=image.t_s + offset_s) if offset_s else image)
-        while waiting.can_close():
-            yield waiting.take()
+    fault: Error | None = None
+    try:
+        for image in poses:
+            offset_s = offsets_s.get(image.camera, 0.0)
+            waiting.add(replace(image, t_s=image.t_s + offset_s) if offset_s else image)
+            while waiting.can_close():
+                yield waiting.take()
+    except Error as error:  # what came before it is good, and is given first
+        fault = error
     while waiting.count:
         yield waiting.take()
+    if fault is not None:
+        raise fault
 
 
 @dataclass(slots=True)

@@ -1,6 +1,7 @@
 """2D poses in, people in 3D out: frame sets and the tracker, timed."""
 
 import time
+from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
@@ -12,6 +13,8 @@ from trecsim.geometry import Rig
 from trecsim.sync import frame_sets
 from trecsim.types import Poses2D, Snapshot
 
+_REMEMBERED = 100_000  # an hour and more at 25 frame sets a second
+
 
 @dataclass(slots=True)
 class Tally:
@@ -20,18 +23,16 @@ class Tally:
     Attributes
     ----------
     fusion_s
-        Time that association and fit took, per frame set [s].
+        Time that association and fit took, for the last frame sets [s].
     people
         Every identity reported.
+    frame_sets
+        Number of frame sets.
     """
 
-    fusion_s: list[float] = field(default_factory=list)
+    fusion_s: deque[float] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
     people: set[int] = field(default_factory=set)
-
-    @property
-    def frame_sets(self) -> int:
-        """Number of frame sets."""
-        return len(self.fusion_s)
+    frame_sets: int = 0
 
     def fusion_ms(self) -> dict[str, float]:
         """Return median, 95th percentile, maximum and mean of the fusion's time [ms]."""
@@ -82,5 +83,6 @@ def follow(
         began_s = time.perf_counter()
         snapshot = tracker.step(frame_set)
         tally.fusion_s.append(time.perf_counter() - began_s)
+        tally.frame_sets += 1
         tally.people.update(snapshot.id.tolist())
         yield snapshot

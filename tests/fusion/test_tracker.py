@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fusion.made import NOISE, frame_sets, made, outcome, path
-from trecsim.errors import CalibrationError, ConfigError
+from trecsim.errors import CalibrationError, ConfigError, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.geometry import Camera, Rig
 from trecsim.simulation.detector import PERFECT, Detector
@@ -308,3 +308,68 @@ def test_nobody_is_reported_of_an_empty_room():
     nobody = Detector(false_people=0.0)
     scene = made([path((20, 0, 0), (21, 1, 0))], seconds=1.0, detector=nobody)
     assert all(len(s.id) == 0 for s in follow(scene))
+
+
+def _shifted(frame_set, shift_s, cameras):
+    views = tuple(
+        Poses2D(v.camera, v.t_s + shift_s, v.xy_px, v.score, v.person_score)
+        if v.camera in cameras
+        else v
+        for v in frame_set.views
+    )
+    return FrameSet(max(v.t_s for v in views), views)
+
+
+@pytest.mark.parametrize("shift_s", [1000.0, -1000.0])
+def test_one_camera_whose_clock_jumps_is_left_out_and_the_others_go_on(shift_s):
+    scene = made([ACROSS, BESIDE], seconds=4.0)
+    wrong = {scene.rig.names[1]}
+    sets = [_shifted(s, shift_s, wrong) if s.t_s > 1.5 else s for s in frame_sets(scene)]
+    snapshots = follow(scene, sets)
+    result = outcome(scene, snapshots)
+    assert result.ids == {0, 1}
+    assert result.switches == 0
+    assert max(s.t_s for s in snapshots) < 5.0
+    assert np.nanmean(result.error_m[50:]) < 0.06
+
+
+def test_all_clocks_set_back_together_begin_anew():
+    scene = made([ACROSS], seconds=2.0)
+    everybody = set(scene.rig.names)
+    sets = [_shifted(s, -3600.0, everybody) if s.t_s > 1 else s for s in frame_sets(scene)]
+    snapshots = follow(scene, sets)
+    assert {int(i) for s in snapshots for i in s.id} == {0, 1}
+    assert snapshots[-1].t_s < 0
+    assert len(snapshots[-1].id) == 1
+
+
+@pytest.mark.parametrize("lag_s", [0.3, 1.5])
+def test_a_lag_changes_nobodys_first_and_last_moment(lag_s):
+    scene = made([path((0, -2, 0), (2, 0, 0)), BESIDE], detector=PERFECT)
+
+    def extent(snapshots):
+        times = [s.t_s for s in snapshots if 0 in s.id]
+        return min(times), max(times)
+
+    now, late = extent(follow(scene)), extent(follow(scene, lag_s=lag_s))
+    assert late == pytest.approx(now, abs=0.1)
+
+
+def test_cameras_that_deliver_nothing_do_not_count_as_looking():
+    scene = made([ACROSS], detector=PERFECT, seconds=6.0)
+    eye = scene.rig.names[0]
+    sets = [
+        FrameSet(s.t_s, tuple(v for v in s.views if s.t_s < 2 or v.camera == eye))
+        for s in frame_sets(scene)
+    ]
+    snapshots = follow(scene, [s for s in sets if s.views])
+    assert {int(i) for s in snapshots for i in s.id} == {0}
+    assert len(snapshots[-1].id) == 1
+
+
+def test_poses_of_another_skeleton_are_an_error_that_says_so():
+    scene = made([ACROSS], seconds=1.0)
+    name = scene.rig.names[0]
+    wrong = Poses2D(name, 0.0, np.zeros((1, 26, 2)), np.ones((1, 26)), np.ones(1))
+    with pytest.raises(InputError, match="26 joints"):
+        Tracker(scene.rig).step(FrameSet(0.0, (wrong,)))

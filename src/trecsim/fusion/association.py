@@ -37,12 +37,6 @@ class Association:
     flip: Int64[np.ndarray, "track view"]
     responsibility: Float64[np.ndarray, "track view"]
 
-    def leftover(self, n_detection: int) -> Int64[np.ndarray, " person"]:
-        """Return the detections that belong to nobody."""
-        free = np.ones(n_detection, bool)
-        free[self.match[self.match >= 0]] = False
-        return np.flatnonzero(free)
-
 
 def responsibilities(
     log_ratio: Float64[np.ndarray, "track person"],
@@ -64,7 +58,7 @@ def responsibilities(
     array([[0.5, 0.5],
            [0. , 0.5]])
     """
-    top = np.maximum(log_ratio.max(axis=0, initial=0.0), 0.0)
+    top = log_ratio.max(axis=0, initial=0.0)
     share = np.exp(log_ratio - top)
     return np.asarray(share / (share.sum(axis=0) + np.exp(-top)))
 

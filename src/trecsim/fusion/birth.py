@@ -20,6 +20,9 @@ _PAIR_SCORE = 10.0
 _ABSORB_SCORE = 3.0
 _SEED_SIGMA_M = 0.08
 _MOST = 60
+# Rays that pass further from each other do not meet [m]; so many joints make a body.
+_MEET_M = 0.25
+_FEWEST = 4
 _START_SIGMA_M = 0.4
 _GUESS_SIGMA_M = 0.6
 _START_SPEED_MPS = 1.5
@@ -83,6 +86,8 @@ def candidates(model: Model, images: Images) -> Iterator[Candidate]:
         if not (free[i] and free[k]):
             continue
         xyz = _meet(origin, ray, i, k, bool(flip[i, k]), model)
+        if np.isfinite(xyz[:, 0]).sum() < _FEWEST:
+            continue
         member = {int(view_of[i]): i, int(view_of[k]): k}
         mirrored = {int(view_of[i]): 0, int(view_of[k]): int(flip[i, k])}
         _absorb(model, images, leftover, free, xyz, member, mirrored)
@@ -135,7 +140,7 @@ def _meet(
         m = model.noise.mirror[j] if flipped else j
         point = np.empty(3)
         gap = kernels.ray_midpoint(origin[i], ray[i, j], origin[k], ray[k, m], point)
-        if gap < 0.25:
+        if gap < _MEET_M:
             xyz[j] = point
     return xyz
 

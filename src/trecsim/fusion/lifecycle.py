@@ -81,15 +81,17 @@ def confirm(people: Population, model: Model, t_s: float) -> None:
 
 
 def expected_cameras(
-    model: Model, xyz_m: Float64[np.ndarray, "track joint 3"]
+    model: Model,
+    xyz_m: Float64[np.ndarray, "track joint 3"],
+    looking: Bool[np.ndarray, " cam"],
 ) -> Int64[np.ndarray, " track"]:
-    """Return in how many cameras' images each person should be, going by the torso."""
+    """Return in how many of the cameras that are looking each person should be, by the torso."""
     torso = np.concatenate([xyz_m, np.ones_like(xyz_m[..., :1])], axis=-1)[:, model.torso]
     h = np.einsum("cab,kjb->ckja", model.P, torso)
     with np.errstate(divide="ignore", invalid="ignore"):
         uv = h[..., :2] / h[..., 2:]
     inside = (h[..., 2] > 0.1) & (uv >= 0).all(-1) & (uv < model.size_px[:, None, None]).all(-1)
-    return np.asarray((inside.mean(axis=2) >= _OUT_OF_VIEW_SHARE).sum(axis=0))
+    return np.asarray((inside.mean(axis=2) >= _OUT_OF_VIEW_SHARE)[looking].sum(axis=0))
 
 
 def survivors(

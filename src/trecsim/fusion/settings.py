@@ -15,7 +15,7 @@ class FusionSettings:
         Distance between the knots of the trajectories [s] (the thesis' knot delta).
     window_s
         How far back the live part of a trajectory reaches [s]; older control points are
-        marginalised. Also the longest lag and the oldest late image (the thesis' frame buffer).
+        marginalised. An image that comes later than this is left out (the thesis' frame buffer).
     accel_torso, accel_head, accel_arm, accel_leg
         Root of the white-acceleration density that bends the trajectories [m/s^2/sqrt(Hz)]
         (the thesis' smoothing factor lambda, with a physical unit).
@@ -46,12 +46,13 @@ class FusionSettings:
     min_joints
         Fewest key points that make a detection worth looking at.
     confirm_s
-        Two cameras must support a new person for so long before it is reported [s].
+        Two cameras must support a new person for so long before it is reported; three report it
+        at once [s].
     death_s
         A person whom no camera supports is dropped after this time [s].
     doubt_s
-        A person whom one camera supports, while most others look at the place, is dropped after
-        this time [s].
+        A person whom one camera supports, while two or more others look at the place, is dropped
+        after this time [s].
     recall_s
         Somebody who appears where a dropped person should be by now, within this time, gets the
         old identity back [s].

@@ -3,8 +3,10 @@
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.errors import InputError
 from trecsim.fusion import birth, kernels, lifecycle
 from trecsim.fusion.association import Association, associate
+from trecsim.fusion.clocks import JUMP_S, Clocks
 from trecsim.fusion.images import Images, prepare
 from trecsim.fusion.lifecycle import Lost
 from trecsim.fusion.model import build
@@ -42,8 +44,10 @@ class Tracker:
     ::
 
         tracker = Tracker(rig)
-        for frame_set in frame_sets(read_poses(path), rig):
+        for frame_set in frame_sets(read_poses(path)):
             snapshot = tracker.step(frame_set)
+
+    `trecsim.follow` does the same, and takes the rig's time offsets into account.
     """
 
     def __init__(
@@ -60,28 +64,33 @@ class Tracker:
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._grid: KnotGrid | None = None
         self._people = self._nobody()
-        self._last_image_s = np.full(len(rig), -np.inf)
-        self._t_s = -np.inf
+        self._clocks = Clocks(len(rig))
         self._leftover = Images.nothing(len(skeleton.joints))
         self._lost: list[Lost] = []
+        self._departed: list[tuple[float, KnotGrid, Population]] = []
         self._close_since: dict[tuple[int, int], float] = {}
         self._next_id = 0
 
     def step(self, frame_set: FrameSet) -> Snapshot:
         """Take in one frame set and return where everybody is, at its time minus the lag."""
+        before_s = self._clocks.now_s
         views = self._usable(frame_set)
         if not views:
-            return self._snapshot(max(self._t_s, frame_set.t_s))
-        elapsed_s = max(0.0, frame_set.t_s - self._t_s) if np.isfinite(self._t_s) else 0.0
-        self._t_s = max(self._t_s, frame_set.t_s)
+            return self._snapshot(self._clocks.now_s if self._grid else frame_set.t_s)
+        elapsed_s = max(0.0, self._t_s - before_s) if np.isfinite(before_s) else 0.0
         self._advance(self._t_s)
         n_joint = len(self._model.skeleton.joints)
         images = prepare(views, self._model.rig, n_joint, self._model.settings)
-        association = self._update(images, elapsed_s)
+        association = self._update(images, min(elapsed_s, JUMP_S))
         replaced = self._begin(images, association)
         lifecycle.confirm(self._people, self._model, self._t_s)
         self._end(association, replaced)
         return self._snapshot(self._t_s)
+
+    @property
+    def _t_s(self) -> float:
+        """Time of the newest image used [s]."""
+        return self._clocks.now_s
 
     @property
     def _knots(self) -> KnotGrid:
@@ -93,24 +102,38 @@ class Tracker:
         return Population.nobody(len(m.skeleton.joints), self._live, len(m.rig), len(m.body.joints))
 
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
-        """Return the views that bring something new and are not too late."""
-        views = []
-        for view in frame_set.views:
-            cam = self._model.rig.index(view.camera)
-            too_late = self._grid is not None and view.t_s < self._grid.start_s
-            if too_late or view.t_s == self._last_image_s[cam]:
-                continue
-            views.append(view)
-        return views
+        """Return the views that bring something new, are not too late and whose time is right."""
+        views = frame_set.views
+        n_joint = len(self._model.skeleton.joints)
+        for view in views:
+            if view.xy_px.shape[1:] != (n_joint, 2) or not np.isfinite(view.t_s):
+                raise InputError(
+                    f"camera {view.camera!r}: expected poses of {n_joint} joints at a finite time, "
+                    f"found {view.xy_px.shape[1]} joints at t_s = {view.t_s}"
+                )
+        cam = np.array([self._model.rig.index(view.camera) for view in views], np.int64)
+        t_s = np.array([view.t_s for view in views], np.float64)
+        use, anew = self._clocks.judge(cam, t_s)
+        if anew:
+            self._restart()
+        if self._grid is not None:
+            use &= t_s >= self._grid.start_s
+        return [view for view, good in zip(views, use, strict=True) if good]
+
+    def _restart(self) -> None:
+        """Forget everybody, as nobody can be followed over a jump in time; identities go on."""
+        self._grid = None
+        self._departed = []
+        self._people = self._nobody()
+        self._leftover = Images.nothing(len(self._model.skeleton.joints))
+        self._lost = []
+        self._close_since = {}
 
     def _advance(self, t_s: float) -> None:
         """Move the knot grid on to `t_s`; every joint gets new control points as needed."""
         s = self._model.settings
-        if self._grid is None or self._grid.steps_to(t_s) * s.knot_s > max(s.death_s, 2.0):
-            # Nobody can be followed over so long a gap; begin anew, identities go on.
+        if self._grid is None:
             self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
-            self._people = self._nobody()
-            return
         for _ in range(self._grid.steps_to(t_s)):
             self._extend(t_s)
         self._grid = self._grid.moved_to(t_s)
@@ -140,7 +163,7 @@ class Tracker:
         lifecycle.note_support(self._people, images, association, inlier, self._t_s, elapsed_s)
         lifecycle.mend_mirrored(self._people, association, self._model, elapsed_s)
         self._constrain(elapsed_s)
-        self._last_image_s[images.cam] = images.t_s
+        self._clocks.note(images.cam, images.t_s)
         return association
 
     def _fit(
@@ -153,7 +176,7 @@ class Tracker:
     ) -> Float64[np.ndarray, "track view joint"]:
         """Fit `people` to their detections and return the joints' responsibilities."""
         m, s = self._model, self._model.settings
-        since = images.t_s - self._last_image_s[images.cam]
+        since = self._clocks.since_s(images.cam, images.t_s)
         worth = association.responsibility * np.clip(since / s.error_memory_s, 0.05, 1.0)
         inlier = np.zeros((len(people), len(images), len(m.skeleton.joints)))
         span, weights = images.placed(self._knots)
@@ -203,6 +226,7 @@ class Tracker:
             members = list(candidate.member.values())
             owners = np.unique(owner[members])
             owners = owners[owners >= 0]
+            owners = owners[~replaced[owners]]  # each is replaced once
             self._add(candidate, pool, owners)
             replaced[owners] = True
             used.extend(members)
@@ -257,6 +281,7 @@ class Tracker:
         """Drop duplicates and those whom nobody sees any more."""
         people = self._people
         if not len(people):
+            self._close_since = {}
             return
         xyz = self._evaluate(people, self._control_points(), self._t_s)
         alive = np.ones(len(people), bool)
@@ -269,10 +294,18 @@ class Tracker:
         for pair, younger in close.items():
             if self._t_s - self._close_since[pair] >= _CLOSE_S:
                 alive[younger] = False
-        expected = lifecycle.expected_cameras(self._model, xyz)
+        expected = lifecycle.expected_cameras(self._model, xyz, self._clocks.looking())
         gone = ~lifecycle.survivors(people, self._model, expected, self._t_s)
         self._remember(people, xyz, gone & alive & people.confirmed & (expected > 0))
+        left = gone & alive
+        left[: len(replaced)] |= replaced
+        self._depart(people.keep(left & people.confirmed))
         self._people = people.keep(alive & ~gone)
+
+    def _depart(self, people: Population) -> None:
+        """Keep people who are gone until the lag has reached their end."""
+        if self._lag_s > 0.0 and len(people) and self._grid is not None:
+            self._departed.append((self._t_s, self._grid, people))
 
     def _remember(
         self,
@@ -295,25 +328,29 @@ class Tracker:
             self._lost.append(Lost(int(people.id[k]), then, at[1], (at[1] - at[0]) / 0.1))
 
     def _snapshot(self, now_s: float) -> Snapshot:
+        """Return everybody who was there at `now_s` minus the lag, gone since or not."""
         t_s = now_s - self._lag_s
-        people = self._people.keep(self._people.confirmed & (self._people.born_s <= t_s + 1e-9))
-        if self._grid is None or not len(people):
-            people = self._nobody()
-        n_joint = len(self._model.skeleton.joints)
-        if not len(people):
-            return Snapshot(
-                t_s,
-                people.id,
-                np.empty((0, n_joint, 3)),
-                np.empty((0, n_joint, 3, 3)),
-                np.empty((0, n_joint), np.int64),
-            )
+        self._departed = [one for one in self._departed if one[0] > t_s]
+        there = [(one[1], one[2]) for one in self._departed]
+        if self._grid is not None:
+            there.append((self._grid, self._people.keep(self._people.confirmed)))
+        parts = []
+        for grid, people in there:
+            known = people.keep(people.born_s <= t_s + 1e-9)
+            if len(known):
+                parts.append((known, grid))
+        if not parts:
+            return nobody_at(t_s, len(self._model.skeleton.joints))
         return Snapshot(
             t_s=t_s,
-            id=people.id,
-            xyz_m=self._evaluate(people, self._solve(people), t_s),
-            cov_m2=self._covariance_of(people, t_s),
-            support=lifecycle.support(people, t_s),
+            id=np.concatenate([people.id for people, _ in parts]),
+            xyz_m=np.concatenate(
+                [self._evaluate(people, self._solve(people), t_s, grid) for people, grid in parts]
+            ),
+            cov_m2=np.concatenate(
+                [self._covariance_of(people, t_s, grid) for people, grid in parts]
+            ),
+            support=np.concatenate([lifecycle.support(people, t_s) for people, _ in parts]),
         )
 
     def _solve(self, people: Population) -> Float64[np.ndarray, "track joint n"]:
@@ -325,9 +362,13 @@ class Tracker:
         return self._solve(self._people)
 
     def _evaluate(
-        self, people: Population, c: Float64[np.ndarray, "track joint n"], t_s: float
+        self,
+        people: Population,
+        c: Float64[np.ndarray, "track joint n"],
+        t_s: float,
+        grid: KnotGrid | None = None,
     ) -> Float64[np.ndarray, "track joint 3"]:
-        span, weights = self._knots.locate(t_s)
+        span, weights = (grid or self._knots).locate(t_s)
         xyz = np.empty((len(people), c.shape[1], 3))
         kernels.evaluate_all(c, span, weights, xyz)
         return xyz
@@ -348,9 +389,20 @@ class Tracker:
         return self._covariance_of(self._people, t_s)
 
     def _covariance_of(
-        self, people: Population, t_s: float
+        self, people: Population, t_s: float, grid: KnotGrid | None = None
     ) -> Float64[np.ndarray, "track joint 3 3"]:
-        span, weights = self._knots.locate(t_s)
+        span, weights = (grid or self._knots).locate(t_s)
         cov = np.empty((len(people), people.R.shape[1], 3, 3))
         kernels.covariance_all(people.R, span, weights, cov)
         return cov
+
+
+def nobody_at(t_s: float, n_joint: int) -> Snapshot:
+    """Return a moment without anybody."""
+    return Snapshot(
+        t_s,
+        np.empty(0, np.int64),
+        np.empty((0, n_joint, 3)),
+        np.empty((0, n_joint, 3, 3)),
+        np.empty((0, n_joint), np.int64),
+    )

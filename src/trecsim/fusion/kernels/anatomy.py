@@ -12,6 +12,8 @@ from trecsim.fusion.kernels.information import BLOCK, copy, fold_row, invert3
 # How a length is learnt: spread of one measurement, and time after which the next is new [s].
 _MEASURE_M2 = 0.02**2
 _MEASURE_S = 0.5
+# A length is never surer than this, so that it can be learnt anew [m^2].
+_SUREST_M2 = 0.005**2
 # A limb's equation is never surer than this [m^2].
 _TIE_M2 = 0.01**2
 _STEPS = 3
@@ -73,7 +75,7 @@ def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
         length, var = length_along(x, cov_m2, a, b, d)
         gain = limb_m2[i] / (limb_m2[i] + (var + _MEASURE_M2 + limbs.slack_m2[i]) / share)
         limb_m[i] += gain * (length - limb_m[i])
-        limb_m2[i] *= 1.0 - gain
+        limb_m2[i] = max(limb_m2[i] * (1.0 - gain), _SUREST_M2)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
