@@ -28,3 +28,11 @@ def test_importing_the_package_imports_neither_numpy_nor_numba():
     code = "import sys, trecsim; print(sorted({'numpy', 'numba', 'pydantic'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_paths_may_be_given_as_text(tmp_path):
+    poses = tmp_path / "a.poses.jsonl"
+    poses.write_text('{"format": "trecsim.poses2d/1", "skeleton": "coco17"}\n')
+    assert list(trecsim.read_poses(str(poses))) == []
+    with pytest.raises(trecsim.InputError, match="no tracks"):
+        trecsim.read_tracks(str(tmp_path / "none.csv"))

@@ -247,8 +247,7 @@ def test_a_fault_in_the_stream_comes_after_everything_before_it():
             yield Poses2D("north", 0.04 * n, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
         raise InputError("line 4 is wrong")
 
-    given = []
+    given = frame_sets(stream())
+    assert [next(given).t_s for _ in range(3)] == [0.0, 0.04, 0.08]
     with pytest.raises(InputError, match="line 4"):
-        for frame_set in frame_sets(stream()):
-            given.append(frame_set.t_s)
-    assert given == [0.0, 0.04, 0.08]
+        next(given)

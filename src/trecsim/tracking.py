@@ -78,6 +78,7 @@ def follow(
     tally = tally if tally is not None else Tally()
     warm_up()
     tracker = Tracker(rig, settings, lag_s=lag_s)
+    given_s = float("nan")
     offsets_s = {camera.name: camera.time_offset_s for camera in rig}
     for frame_set in frame_sets(poses, offsets_s=offsets_s):
         began_s = time.perf_counter()
@@ -85,4 +86,6 @@ def follow(
         tally.fusion_s.append(time.perf_counter() - began_s)
         tally.frame_sets += 1
         tally.people.update(snapshot.id.tolist())
-        yield snapshot
+        if snapshot.t_s != given_s:  # else no image of the set could be used
+            given_s = snapshot.t_s
+            yield snapshot

@@ -245,7 +245,7 @@ def test_cameras_that_the_rig_lacks_are_all_named_at_once(tmp_path):
     with pytest.raises(InputError) as caught:
         read_poses(tmp_path, rig_cameras=["cam1", "cam3"], fps=25)
     assert "camera 'cam2' is not in the rig; known: cam1, cam3" in str(caught.value)
-    assert "camera 'came3' is not in the rig; known: cam1, cam3; did you mean" in str(caught.value)
+    assert "camera 'came3' is not in the rig; known: cam1, cam3; rename it" in str(caught.value)
 
 
 def test_a_missing_path_is_told_at_once(tmp_path):

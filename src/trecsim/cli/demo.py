@@ -43,7 +43,7 @@ def demo(
     from trecsim.demo import demo as run_demo
 
     if not json:
-        note("the first run compiles the kernels of the fusion, some ten seconds")
+        note("on its first run the kernels of the fusion are compiled: some ten seconds more")
     with progress_bar("images", quiet=json) as bar:
         result = run_demo(
             out,

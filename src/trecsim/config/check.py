@@ -38,7 +38,7 @@ class CheckedSite:
     remarks: tuple[str, ...]
 
 
-def check_site(path: Path) -> CheckedSite:
+def check_site(path: Path | str) -> CheckedSite:
     """Read a site file and look at everything that it names.
 
     Parameters
@@ -53,6 +53,7 @@ def check_site(path: Path) -> CheckedSite:
     SetupError
         When something that is needed to look is not installed.
     """
+    path = Path(path)
     file = read_site(path)
     remarks: list[str] = []
     faults: list[Fault] = []

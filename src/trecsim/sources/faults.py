@@ -59,14 +59,19 @@ class Faults:
 def unknown_camera(name: str, known: Collection[str]) -> str:
     """Say that the rig has no camera called `name`, and which one may be meant.
 
+    Nothing is guessed where numbers tell cameras apart: taking one for another ruins everything.
+
     Examples
     --------
     >>> unknown_camera("nord", ["north", "south"])
     "camera 'nord' is not in the rig; known: north, south; did you mean 'north'?"
     """
     text = f"camera {name!r} is not in the rig; known: {', '.join(sorted(known)) or 'none'}"
-    near = difflib.get_close_matches(name, sorted(known), n=1)
-    return f"{text}; did you mean {near[0]!r}?" if near else text
+    numbered = any(character.isdigit() for character in name)
+    near = [] if numbered else difflib.get_close_matches(name, sorted(known), n=1)
+    if near:
+        return f"{text}; did you mean {near[0]!r}?"
+    return f"{text}; rename it in the rig or where the poses come from"
 
 
 def sound(

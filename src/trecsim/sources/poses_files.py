@@ -30,7 +30,7 @@ class _Reader(Protocol):
 
 
 def read_poses(
-    path: Path, *, rig_cameras: Collection[str] | None = None, fps: float | None = None
+    path: Path | str, *, rig_cameras: Collection[str] | None = None, fps: float | None = None
 ) -> Iterator[Poses2D]:
     """Yield the images of all cameras in `path`, one by one.
 
@@ -55,6 +55,7 @@ def read_poses(
         At once when `path` holds no 2D poses or a camera that is not in the rig; while reading,
         when something in the files is wrong.
     """
+    path = Path(path)
     if fps is not None and not 0.0 < fps <= MAX_FPS:
         raise InputError(f"the frame rate must be between 0 and {MAX_FPS:g} per second, got {fps}")
     if not path.exists():

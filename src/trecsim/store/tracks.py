@@ -90,7 +90,7 @@ def kept_of(path: Path) -> Path:
     return partial_path(path) if _suffix(path) == ".csv" else parts_of(path)
 
 
-def read_tracks(path: Path) -> Iterator[Snapshot]:
+def read_tracks(path: Path | str) -> Iterator[Snapshot]:
     """Read recorded tracks one moment at a time; moments without anybody are not recorded.
 
     Parameters
@@ -104,12 +104,12 @@ def read_tracks(path: Path) -> Iterator[Snapshot]:
     InputError
         When it is not there or not right.
     """
-    path = _file_of(path)
+    path = _file_of(Path(path))
     return read_csv(path, COCO17) if _suffix(path) == ".csv" else read_parquet(path)
 
 
 def export_tracks(
-    path: Path, out: Path, progress: Callable[[int, int | None], None] | None = None
+    path: Path | str, out: Path | str, progress: Callable[[int, int | None], None] | None = None
 ) -> TracksExtent:
     """Write recorded tracks in the format that the suffix of `out` names.
 
@@ -132,7 +132,7 @@ def export_tracks(
     SetupError
         When the disk has no room.
     """
-    path = _file_of(path)
+    path, out = _file_of(Path(path)), Path(out)
     suffix = _suffix(out)
     info = TracksInfo() if _suffix(path) == ".csv" else read_info(path)
     extent = _Extent(progress)
@@ -180,7 +180,8 @@ def _file_of(path: Path) -> Path:
 
 
 def _suffix(path: Path) -> str:
-    suffix = path.suffix.lower()
+    kept = path.suffix == ".partial"  # what an interrupted run left
+    suffix = Path(path.stem).suffix.lower() if kept else path.suffix.lower()
     if suffix in SUFFIXES:
         return suffix
     if path.is_dir():
