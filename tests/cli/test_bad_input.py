@@ -63,7 +63,7 @@ POSES = {
     "a wrong number of key points": (r"\], \[[^\]]*\]\]", "]]", "17"),
     "a number that is not finite": (r"\[\[\d+\.\d+", "[[NaN", "NaN"),
     "a huge number": (r"\[\[\d+\.\d+", "[[1e308", "1e"),
-    "an unknown camera": (r'"cam1"', '"cam9"', "cam9.*did you mean"),
+    "an unknown camera": (r'"cam1"', '"cam9"', "cam9.*rename it"),
     "time running backwards": (r'("cam0", "t_s": )1\.0', r"\g<1>0.1", "backwards|order"),
     "text for a time": (r'("t_s": )0\.0', r'\1"noon"', "t_s"),
     "half a line": (r"\]\}\n", "\n", "JSON"),
