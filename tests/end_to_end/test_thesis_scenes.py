@@ -10,10 +10,21 @@ from trecsim.cli import main
 from trecsim.evaluation.truth import compare
 from trecsim.store.tracks import read_tracks
 
-SCENES = ("walk_J1_C2", "walk_J3_C4", "cross_lateral_50cm_C2", "close_entry_J1_C2")
+# Share of the true joints found within 15 cm, at least; two cameras take 0.15 s to agree.
+RECALL = {
+    "walk_J1_C2": 0.97,
+    "walk_J2_C2": 0.97,
+    "walk_J3_C2": 0.97,
+    "walk_J3_C4": 0.97,
+    "walk_J3_occl_C2": 0.97,
+    "hard_J3_C2": 0.96,
+    "cross_lateral_50cm_C2": 0.97,
+    "cross_X_occl_C2": 0.97,
+    "close_entry_J1_C2": 0.97,
+}
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", RECALL)
 def test_everybody_in_a_scene_of_the_thesis_is_followed(name, tmp_path, shared_data, capsys):
     scene = shared_data / "thesis_scenes" / f"{name}.npz"
     if not scene.is_file():
@@ -33,7 +44,7 @@ def test_everybody_in_a_scene_of_the_thesis_is_followed(name, tmp_path, shared_d
     assert summary["people"] == len(xyz_m)
     assert summary["frame_sets"] == pytest.approx(len(t_s), abs=2)
     assert result.switches == 0
-    assert result.recall_15cm > 0.97
+    assert result.recall_15cm > RECALL[name]
     assert result.mean_m < 0.025
     # Someone who vanishes is carried for up to half a second: ten sets, once per person.
     assert result.ghosts <= 12
