@@ -13,6 +13,7 @@ from jaxtyping import Float64, Int64
 from trecsim.fusion import kernels
 from trecsim.fusion.association import score
 from trecsim.fusion.images import Images
+from trecsim.fusion.kernels.mixture import LARGEST_FACTOR, SCORE_POWER
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
@@ -108,7 +109,8 @@ def _pairs(
 ]:
     s = model.settings
     origin, ray = rays(model.P, cam, images.xy_px[leftover])
-    factor = np.clip((s.good_score / np.maximum(images.score[leftover], 1e-3)) ** 1.7, 1.0, 6.0)
+    worse = s.good_score / np.maximum(images.score[leftover], 1e-3)
+    factor = np.clip(worse**SCORE_POWER, 1.0, LARGEST_FACTOR)
     pair = np.full((len(leftover), len(leftover)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
     bones = np.ascontiguousarray(model.body.joints[model.body.bone])
@@ -195,20 +197,21 @@ def completed(
 
 def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) -> Population:
     """Return a population of one, resting where the candidate is, to be fitted to its images."""
-    person = Population.nobody(len(candidate.xyz_m), live, len(model.rig), len(model.body.joints))
     n_joint, n_cam = len(candidate.xyz_m), len(model.rig)
-    person.R = np.zeros((1, n_joint, 3 * live, 3 * live))
-    person.z = np.zeros((1, n_joint, 3 * live))
-    person.id = np.array([id], np.int64)
-    person.born_s = np.array([t_s])
-    person.confirmed = np.array([False])
-    person.together_s = np.zeros(1)
-    person.two_s = np.array([t_s])
-    person.camera_s = np.full((1, n_cam), -np.inf)
-    person.joint_s = np.full((1, n_joint, n_cam), -np.inf)
-    person.mirrored_s = np.zeros(1)
-    person.limb_m = model.body.length_m[None].copy()
-    person.limb_m2 = model.body.spread_m[None] ** 2
+    person = Population(
+        R=np.zeros((1, n_joint, 3 * live, 3 * live)),
+        z=np.zeros((1, n_joint, 3 * live)),
+        id=np.array([id], np.int64),
+        born_s=np.array([t_s]),
+        confirmed=np.array([False]),
+        together_s=np.zeros(1),
+        two_s=np.array([t_s]),
+        camera_s=np.full((1, n_cam), -np.inf),
+        joint_s=np.full((1, n_joint, n_cam), -np.inf),
+        mirrored_s=np.zeros(1),
+        limb_m=model.body.length_m[None].copy(),
+        limb_m2=model.body.spread_m[None] ** 2,
+    )
     kernels.start_all(
         person.R[0],
         person.z[0],

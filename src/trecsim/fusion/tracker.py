@@ -143,7 +143,7 @@ class Tracker:
         people, s = self._people, self._model.settings
         if not len(people):
             return
-        c = self._control_points().reshape(len(people), -1, self._live, 3)
+        c = self._solve(people).reshape(len(people), -1, self._live, 3)
         own = c[:, :, -1] - c[:, :, -2]
         supported = lifecycle.support(people, t_s - s.knot_s) > 0
         torso = np.zeros(supported.shape)
@@ -156,8 +156,8 @@ class Tracker:
 
     def _update(self, images: Images, elapsed_s: float) -> Association:
         """Associate and fit everybody who is already there."""
-        xyz = self._predict(images)
-        prior = self._covariance(self._t_s)
+        xyz = self._at_images(self._people, images)
+        prior = self._covariance_of(self._people, self._t_s)
         association = associate(self._model, images, xyz, prior)
         inlier = self._fit(self._people, images, association, xyz, prior)
         lifecycle.note_support(self._people, images, association, inlier, self._t_s, elapsed_s)
@@ -195,8 +195,8 @@ class Tracker:
         kernels.constrain_all(
             people.R,
             people.z,
-            self._evaluate(people, self._control_points(), self._t_s),
-            self._covariance(self._t_s),
+            self._evaluate(people, self._solve(people), self._t_s),
+            self._covariance_of(self._people, self._t_s),
             lifecycle.support(people, self._t_s),
             m.limbs,
             people.limb_m,
@@ -283,7 +283,7 @@ class Tracker:
         if not len(people):
             self._close_since = {}
             return
-        xyz = self._evaluate(people, self._control_points(), self._t_s)
+        xyz = self._evaluate(people, self._solve(people), self._t_s)
         alive = np.ones(len(people), bool)
         alive[: len(replaced)] = ~replaced
         known = len(association.match)
@@ -358,9 +358,6 @@ class Tracker:
         kernels.solve_all(people.R, people.z, c)
         return c
 
-    def _control_points(self) -> Float64[np.ndarray, "track joint n"]:
-        return self._solve(self._people)
-
     def _evaluate(
         self,
         people: Population,
@@ -373,9 +370,6 @@ class Tracker:
         kernels.evaluate_all(c, span, weights, xyz)
         return xyz
 
-    def _predict(self, images: Images) -> Float64[np.ndarray, "view track joint 3"]:
-        return self._at_images(self._people, images)
-
     def _at_images(
         self, people: Population, images: Images
     ) -> Float64[np.ndarray, "view track joint 3"]:
@@ -384,9 +378,6 @@ class Tracker:
         for v, (span, weights) in enumerate(zip(*images.placed(self._knots), strict=True)):
             kernels.evaluate_all(c, span, weights, xyz[v])
         return xyz
-
-    def _covariance(self, t_s: float) -> Float64[np.ndarray, "track joint 3 3"]:
-        return self._covariance_of(self._people, t_s)
 
     def _covariance_of(
         self, people: Population, t_s: float, grid: KnotGrid | None = None

@@ -9,6 +9,8 @@ from numba import njit
 
 # A joint nearer than this to a camera's plane is not compared with its image [m].
 NEAR_M = 0.05
+# How the noise of a key point grows as its score falls, and by how much at most.
+SCORE_POWER, LARGEST_FACTOR = 1.7, 6.0
 
 
 class Noise(NamedTuple):
@@ -87,7 +89,7 @@ def score_to_factor(score, good_score):
     """
     if score >= good_score:
         return 1.0
-    return min((good_score / max(score, 1e-3)) ** 1.7, 6.0)
+    return min((good_score / max(score, 1e-3)) ** SCORE_POWER, LARGEST_FACTOR)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
