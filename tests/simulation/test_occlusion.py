@@ -1,9 +1,16 @@
-"""Who hides whom."""
+"""Who hides whom, and what hides them."""
 
 import numpy as np
+import pytest
 
+from trecsim.errors import InputError
 from trecsim.simulation.body import body
-from trecsim.simulation.occlusion import faces_away, hidden_behind_others
+from trecsim.simulation.occlusion import (
+    Obstacle,
+    faces_away,
+    hidden_behind_obstacles,
+    hidden_behind_others,
+)
 from trecsim.simulation.paths import through
 from trecsim.simulation.walkers import walker
 
@@ -47,3 +54,46 @@ def test_a_face_is_seen_from_the_front_only() -> None:
     assert faces_away(behind, person)[..., :3].all()
     left = np.array([3.0, 4.0, 1.7])
     assert faces_away(left, person)[0, 0].tolist()[3:] == [False, True]
+
+
+PILLAR = Obstacle((-0.2, 1.8, 0.0), (0.2, 2.2, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("point_m", "hidden"),
+    [
+        ((0.0, 4.0, 1.0), True),  # behind
+        ((0.0, 1.0, 1.0), False),  # in front
+        ((0.0, 2.0, 1.0), True),  # inside
+        ((1.0, 4.0, 1.0), False),  # beside
+        ((0.0, 4.0, 3.5), False),  # seen over its top
+        ((0.0, -4.0, 1.0), False),  # on the other side of the camera
+        ((0.0, 2.0, 1.5), True),
+        ((np.nan, np.nan, np.nan), False),
+    ],
+)
+def test_an_obstacle_hides_what_is_behind_it(
+    point_m: tuple[float, float, float], hidden: bool
+) -> None:
+    camera_m = np.array([0.0, 0.0, 1.5])
+    assert hidden_behind_obstacles(camera_m, np.array([point_m]), (PILLAR,)) == [hidden]
+
+
+def test_sight_parallel_to_the_faces_is_blocked_inside_and_free_outside() -> None:
+    for x_m, hidden in ((0.1, True), (0.3, False)):
+        camera_m, point_m = np.array([x_m, 0.0, 1.0]), np.array([[x_m, 4.0, 1.0]])
+        assert hidden_behind_obstacles(camera_m, point_m, (PILLAR,)) == [hidden]
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        ((0.0, 0.0, 0.0), (1.0, 0.0, 1.0)),
+        ((0.0, 0.0, 0.0), (1.0, np.inf, 1.0)),
+    ],
+)
+def test_a_box_without_an_inside_is_refused(
+    corners: tuple[tuple[float, float, float], tuple[float, float, float]],
+) -> None:
+    with pytest.raises(InputError, match="obstacle"):
+        Obstacle(*corners)

@@ -14,7 +14,12 @@ from jaxtyping import Bool, Float64
 from trecsim.geometry.camera import Camera
 from trecsim.simulation.mistakes import false_person
 from trecsim.simulation.noise import ornstein_uhlenbeck, spells
-from trecsim.simulation.occlusion import faces_away, hidden_behind_others
+from trecsim.simulation.occlusion import (
+    Obstacle,
+    faces_away,
+    hidden_behind_obstacles,
+    hidden_behind_others,
+)
 from trecsim.skeleton import COCO17
 from trecsim.types import Poses2D
 
@@ -121,6 +126,8 @@ class Footage:
         Everybody's joints at those moments, NaN while absent [m].
     stature_m
         Heights of the people [m].
+    obstacles
+        Things that hide people.
     """
 
     camera: Camera
@@ -128,6 +135,7 @@ class Footage:
     stamp_s: Float64[np.ndarray, " time"]
     xyz_m: Float64[np.ndarray, "person time 17 3"]
     stature_m: Float64[np.ndarray, " person"]
+    obstacles: tuple[Obstacle, ...] = ()
 
 
 def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> list[Poses2D]:
@@ -146,6 +154,7 @@ def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> li
     xyz_m = np.moveaxis(footage.xyz_m, 0, 1)
     xy_px = _inside(camera, camera.project(xyz_m))
     hidden = hidden_behind_others(camera.position_m, xyz_m)
+    hidden |= hidden_behind_obstacles(camera.position_m, xyz_m, footage.obstacles)
     if detector.hidden_missing > 0:
         xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan
     score = _scores(t_s, hidden, detector, rng)

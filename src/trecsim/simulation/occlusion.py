@@ -1,11 +1,76 @@
-"""Who hides what from a camera."""
+"""Who, and which things, hide what from a camera."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from trecsim.errors import InputError
+
 RADIUS_M = 0.17  # people block the view like upright cylinders of this radius
 OVER_SHOULDERS_M = 0.25
 ARM_M = 1.0  # no joint is further than this from the middle of the body
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A box that no camera looks through: a pillar, a wall, a shelf.
+
+    Attributes
+    ----------
+    low_m, high_m
+        Its corners with the smallest and the largest coordinates; the edges are parallel to the
+        axes of the world [m].
+
+    Examples
+    --------
+    >>> Obstacle(low_m=(0.0, 0.0, 0.0), high_m=(0.4, 0.4, 2.0)).high_m[2]
+    2.0
+    """
+
+    low_m: tuple[float, float, float]
+    high_m: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        sizes_m = [high - low for low, high in zip(self.low_m, self.high_m, strict=True)]
+        if not all(0 < size_m < np.inf for size_m in sizes_m):
+            raise InputError(
+                "an obstacle's high_m must be larger than its low_m along x, y and z, and finite, "
+                f"got low_m = {self.low_m} and high_m = {self.high_m}"
+            )
+
+
+def hidden_behind_obstacles(
+    position_m: Float64[np.ndarray, " 3"],
+    xyz_m: Float64[np.ndarray, "*batch 3"],
+    obstacles: tuple[Obstacle, ...],
+) -> Bool[np.ndarray, "*batch"]:
+    """Return which points lie behind an obstacle, or inside one.
+
+    Parameters
+    ----------
+    position_m
+        Of the camera [m].
+    xyz_m
+        Points, NaN where absent: those are not hidden [m].
+    obstacles
+        What stands about.
+
+    Notes
+    -----
+    A segment meets a box when the shares of it that lie between the box's three pairs of planes
+    have something in common.
+    """
+    ray_m = xyz_m - position_m
+    ray_m[ray_m == 0] = 1e-9  # a ray along a plane meets it as far away as one likes
+    hidden = np.zeros(xyz_m.shape[:-1], dtype=bool)
+    for obstacle in obstacles:
+        to_low = (np.array(obstacle.low_m) - position_m) / ray_m
+        to_high = (np.array(obstacle.high_m) - position_m) / ray_m
+        enters = np.minimum(to_low, to_high).max(axis=-1)
+        leaves = np.maximum(to_low, to_high).min(axis=-1)
+        hidden |= (enters <= leaves) & (enters <= 1.0) & (leaves >= 0.0)
+    return hidden
 
 
 def hidden_behind_others(
