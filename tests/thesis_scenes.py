@@ -12,7 +12,7 @@ import numpy as np
 
 from trecsim.calibration import write_rig
 from trecsim.geometry import Camera, Rig
-from trecsim.simulation.truth import write_truth
+from trecsim.store.truth import write_truth
 from trecsim.sources import PosesWriter
 from trecsim.types import Poses2D
 

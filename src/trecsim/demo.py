@@ -13,7 +13,7 @@ from trecsim.errors import InputError, SetupError
 from trecsim.evaluation.truth import Comparison, compare
 from trecsim.pipeline import RunSummary, run
 from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
-from trecsim.simulation.truth import write_truth
+from trecsim.store.truth import write_truth
 from trecsim.sources import PosesWriter
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.tracks import read_tracks

@@ -12,7 +12,7 @@ from trecsim.simulation.detector import PERFECT
 from trecsim.simulation.paths import through
 from trecsim.simulation.room import corner_rig
 from trecsim.simulation.scene import Clock, Scene, Scripted, Wanderers, room_scene, simulate
-from trecsim.simulation.truth import write_truth
+from trecsim.store.truth import write_truth
 from trecsim.types import Poses2D
 
 
