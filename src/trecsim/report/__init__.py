@@ -1,0 +1,1 @@
+"""Recordings as pages to read, show and print."""
