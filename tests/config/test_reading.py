@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trecsim.config import fusion_settings, read_site, site_schema
-from trecsim.config.described import descriptions
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
+from trecsim.tables.described import descriptions
 
 GOOD = """\
 #:schema trecsim-site.schema.json

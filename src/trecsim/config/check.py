@@ -6,12 +6,13 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from trecsim import estimators
-from trecsim.config.lines import KeyPath
-from trecsim.config.reading import SiteFile, read_site, site_faults
+from trecsim.config.reading import SiteFile, read_site
 from trecsim.config.site import Site
 from trecsim.errors import ConfigError, InputError
 from trecsim.geometry import Rig
 from trecsim.sources import VideoInfo, probe, read_poses
+from trecsim.tables import file_faults
+from trecsim.tables.lines import KeyPath
 
 Fault = tuple[KeyPath, str]
 
@@ -60,13 +61,13 @@ def check_site(path: Path | str) -> CheckedSite:
     try:
         rig = file.site.rig.read(remarks.append)
     except InputError as error:
-        raise site_faults(path, file.text, [(("rig",), str(error))]) from None
+        raise file_faults(path, file.text, [(("rig",), str(error))]) from None
     videos: dict[str, VideoInfo] = {}
     faults += _source_faults(file.site, rig, videos)
     faults += _poses_faults(file.site, rig)
     faults += _estimator_faults(file.site)
     if faults:
-        raise site_faults(path, file.text, faults)
+        raise file_faults(path, file.text, faults)
     remarks += _remarks(file.site, rig, videos)
     return CheckedSite(file, rig, videos, tuple(remarks))
 
@@ -148,4 +149,4 @@ def load_estimator(file: SiteFile) -> estimators.Estimator2D:
     try:
         return estimators.load(table.name, **table.settings())
     except ConfigError as error:
-        raise site_faults(file.path, file.text, [(("estimator",), str(error))]) from None
+        raise file_faults(file.path, file.text, [(("estimator",), str(error))]) from None

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -20,25 +19,14 @@ from pydantic import (
 )
 
 from trecsim.calibration import FORMATS, Floor, read_rig
-from trecsim.config.described import fields_of
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
+from trecsim.tables import Table
+from trecsim.tables.described import fields_of
 
 LONGEST_LAG_S = 10.0
 """Everything that young stays open to later images; longer costs time and gains nothing."""
-
-
-class Table(BaseModel):
-    """A table of the site file: no key that is not known, no value of another type."""
-
-    model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        strict=True,
-        allow_inf_nan=False,
-        use_attribute_docstrings=True,
-    )
 
 
 def _beside_the_site_file(path: Path, info: Any) -> Path:
@@ -199,7 +187,7 @@ class Site(Table):
     """What the site is called: letters, digits, `-` and `_`."""
     rig: Annotated[RigTable, BeforeValidator(_file_table, json_schema_input_type=str | RigTable)]
     """The calibration of the cameras: its file, or a table."""
-    sources: dict[str, SourceTable] = {}
+    sources: dict[str, SourceTable] = Field(default_factory=dict)
     """What each camera delivers, by the name the camera has in the rig."""
     poses: Annotated[
         PosesTable | None,

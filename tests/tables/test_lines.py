@@ -6,7 +6,7 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trecsim.config.lines import KeyPath, key_lines, line_of
+from trecsim.tables.lines import KeyPath, key_lines, line_of
 
 DOCUMENT = '''\
 # a comment with [brackets] and key = value
