@@ -18,6 +18,7 @@ from trecsim.config.check import CheckedSite, check_site
 from trecsim.errors import InputError, SetupError
 from trecsim.geometry import Rig
 from trecsim.pipeline import rig_sha256, run, track
+from trecsim.store.timing import read_timing
 from trecsim.store.tracks import kept_of, read_tracks
 from trecsim.store.tracks_parquet import read_info
 from trecsim.types import Poses2D
@@ -37,12 +38,52 @@ def test_a_run_keeps_tracks_summary_and_picture(checked: CheckedSite, tmp_path: 
     assert seen[-1] == (120, None)
     assert sorted(path.name for path in out.iterdir()) == [
         "paths.png",
+        "rig.toml",
         "summary.json",
+        "timing.csv",
         "tracks.parquet",
     ]
     *_, last = read_tracks(out)
     assert np.abs(last.xyz_m[0] - body_at(last.t_s)).max() < 0.02
     assert read_info(out / "tracks.parquet").rig_sha256 == rig_sha256(checked.rig)
+
+
+def test_a_run_keeps_its_cameras_and_what_each_frame_set_cost(
+    checked: CheckedSite, tmp_path: Path
+) -> None:
+    run(checked, tmp_path / "out")
+    assert rig_sha256(read_rig(tmp_path / "out" / "rig.toml")) == rig_sha256(checked.rig)
+    timing = read_timing(tmp_path / "out" / "timing.csv")
+    assert len(timing.t_s) == 40
+    assert timing.images.sum() == 120
+    assert timing.people.tolist() == [1] * 40
+    assert (timing.fusion_ms > 0).all()
+
+
+def test_the_track_command_writes_the_same_timings_on_request(
+    checked: CheckedSite, tmp_path: Path
+) -> None:
+    run(checked, tmp_path / "out")
+    poses, timing = tmp_path / "walk.poses.jsonl", tmp_path / "timing.csv"
+    summary = track(checked.rig, poses, tmp_path / "tracks.csv", timing=timing)
+    ours, theirs = read_timing(timing), read_timing(tmp_path / "out" / "timing.csv")
+    np.testing.assert_array_equal(ours.t_s, theirs.t_s)
+    np.testing.assert_array_equal(ours.people, theirs.people)
+    assert summary["fusion_ms"]["max"] == pytest.approx(ours.fusion_ms.max(), abs=1e-3)
+
+
+def test_poses_that_are_wrong_from_the_start_leave_no_timings(
+    checked: CheckedSite, tmp_path: Path
+) -> None:
+    (tmp_path / "bad.poses.jsonl").write_text("{}\n")
+    with pytest.raises(InputError):
+        track(
+            checked.rig,
+            tmp_path / "bad.poses.jsonl",
+            tmp_path / "tracks.csv",
+            timing=tmp_path / "timing.csv",
+        )
+    assert list(tmp_path.glob("timing*")) == []
 
 
 def test_the_summary_tells_settings_and_versions(checked: CheckedSite, tmp_path: Path) -> None:

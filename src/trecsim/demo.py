@@ -29,7 +29,7 @@ rig = "rig.toml"
 poses = "poses.jsonl"
 """
 RUN = "run"
-RUN_FILES = ("tracks.parquet", "summary.json", "paths.png")
+RUN_FILES = ("tracks.parquet", "rig.toml", "timing.csv", "summary.json", "paths.png")
 LONGEST_S, MOST_PEOPLE, MOST_CAMERAS = 3600.0, 100, 28
 SIDE_M = (8.0, 6.0)
 FLOOR_PER_PERSON_M2 = 4.0

@@ -24,13 +24,16 @@ from typing import Literal, TypedDict
 
 import numpy as np
 
+from trecsim.calibration import write_rig
 from trecsim.config import LONGEST_LAG_S, fusion_settings
 from trecsim.config.check import CheckedSite, load_estimator
 from trecsim.errors import InputError, SetupError
 from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.sources import PosesWriter, prefetched, read_poses
-from trecsim.store.atomic import atomic_write, disk_faults
+from trecsim.store.atomic import atomic_write, disk_faults, partial_path
+from trecsim.store.timing import NAME as TIMING
+from trecsim.store.timing import timing_writer
 from trecsim.store.tracks import kept_of, read_tracks, tracks_writer
 from trecsim.store.tracks_parquet import TracksInfo
 from trecsim.tracking import Tally, follow
@@ -38,6 +41,7 @@ from trecsim.types import Poses2D
 
 Progress = Callable[[int, int | None], None]
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
+RIG = "rig.toml"
 Ended = Literal["complete", "stopped", "failed"]
 
 
@@ -58,6 +62,7 @@ def track(
     settings: FusionSettings | None = None,
     lag_s: float = 0.0,
     fps: float | None = None,
+    timing: Path | None = None,
     progress: Progress | None = None,
 ) -> TrackSummary:
     """Reconstruct everybody's 3D trajectory from files of 2D poses.
@@ -76,6 +81,8 @@ def track(
         How far behind the newest image of a frame set its snapshot is [s].
     fps
         Frames per second, for poses that number their frames and tell no time.
+    timing
+        Where to write what each frame set cost (CSV).
     progress
         Told the number of frame sets done.
 
@@ -92,15 +99,18 @@ def track(
     images = read_poses(poses, rig_cameras=rig.names, fps=fps)
     kept = kept_of(out)
     try:
-        with tracks_writer(out, _info(rig)) as tracks:
+        with ExitStack() as files:
+            tracks = files.enter_context(tracks_writer(out, _info(rig)))
+            if timing is not None:
+                tally.tell = files.enter_context(timing_writer(timing)).write
             for snapshot in follow(images, rig, settings, lag_s=lag_s, tally=tally):
                 tracks.write(snapshot)
                 if progress is not None:
                     progress(tally.frame_sets, None)
     except InputError as error:
-        raise type(error)(_with_kept(error, kept, tally)) from error
+        raise type(error)(_with_kept(error, kept, tally, timing)) from error
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept, tally)) from None
+        raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept, tally, timing)) from None
     return TrackSummary(
         out=out, frame_sets=tally.frame_sets, people=len(tally.people), fusion_ms=tally.fusion_ms()
     )
@@ -151,7 +161,7 @@ def run(
     stop: Callable[[], bool] = lambda: False,
     remark: Callable[[str], None] = lambda text: None,
 ) -> RunSummary:
-    """Run a site on its recordings; keep the tracks, a summary and a picture of the paths.
+    """Run a site on its recordings; keep tracks, rig, timings, a summary and a picture.
 
     Parameters
     ----------
@@ -195,8 +205,10 @@ def run(
 def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError | None:
     """Pass everything through the fusion into files; return the fault that ended it early."""
     site, rig = checked.file.site, checked.rig
+    write_rig(rig, folder / RIG)
     with ExitStack() as files:
         tracks = files.enter_context(tracks_writer(folder / "tracks.parquet", _info(rig)))
+        watch.tally.tell = files.enter_context(timing_writer(folder / TIMING)).write
         images = files.enter_context(closing(prefetched(_poses(checked), _IMAGES_AHEAD)))
         settings, lag_s = fusion_settings(site.fusion), site.output.lag_s
         try:
@@ -311,7 +323,7 @@ def _new_folder(out: Path | None, checked: CheckedSite) -> Path:
 
 def _discard(folder: Path) -> None:
     """Remove what a run that did not get to its first frame set has made."""
-    for name in ("tracks.parquet", "poses.jsonl"):
+    for name in ("tracks.parquet", "poses.jsonl", TIMING, RIG):
         (folder / name).unlink(missing_ok=True)
     folder.rmdir()
 
@@ -348,9 +360,10 @@ def _draw_paths(summary: RunSummary, rig: Rig, remark: Callable[[str], None]) ->
         remark(f"no picture of the paths: {error}")
 
 
-def _with_kept(what: object, kept: Path, tally: Tally) -> str:
+def _with_kept(what: object, kept: Path, tally: Tally, timing: Path | None = None) -> str:
     if tally.frame_sets:
         return f"{what}; what was finished before is kept in {kept}"
-    if kept.is_file():  # it has a heading and nothing else
-        kept.unlink()
+    for path in (kept, *([partial_path(timing)] if timing is not None else ())):
+        if path.is_file():  # it has a heading and nothing else
+            path.unlink()
     return str(what)

@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
+from trecsim.store.timing import StepTiming
 from trecsim.sync import frame_sets
 from trecsim.types import Poses2D, Snapshot
 
@@ -28,11 +29,22 @@ class Tally:
         Every identity reported.
     frame_sets
         Number of frame sets.
+    tell
+        Is told what each frame set cost, as soon as it is known.
     """
 
     fusion_s: deque[float] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
     people: set[int] = field(default_factory=set)
     frame_sets: int = 0
+    tell: Callable[[StepTiming], None] | None = None
+
+    def add(self, step: StepTiming, identities: Iterable[int]) -> None:
+        """Count one frame set and the people that were there after it."""
+        self.fusion_s.append(1e-3 * step.fusion_ms)
+        self.frame_sets += 1
+        self.people.update(identities)
+        if self.tell is not None:
+            self.tell(step)
 
     def fusion_ms(self) -> dict[str, float]:
         """Return median, 95th percentile, maximum and mean of the fusion's time [ms]."""
@@ -83,9 +95,9 @@ def follow(
     for frame_set in frame_sets(poses, offsets_s=offsets_s):
         began_s = time.perf_counter()
         snapshot = tracker.step(frame_set)
-        tally.fusion_s.append(time.perf_counter() - began_s)
-        tally.frame_sets += 1
-        tally.people.update(snapshot.id.tolist())
+        fusion_ms = 1e3 * (time.perf_counter() - began_s)
+        step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
+        tally.add(step, snapshot.id.tolist())
         if snapshot.t_s != given_s:  # else no image of the set could be used
             given_s = snapshot.t_s
             yield snapshot

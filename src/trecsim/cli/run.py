@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     """Run a whole site: recordings in, people in 3D out.
 
-    Keeps in one directory: the tracks (`tracks.parquet`), a summary with all settings
-    (`summary.json`), a picture of everybody's paths (`paths.png`) and, if the site file asks for
-    them, the 2D poses (`poses.jsonl`). Whatever ends it, what was finished is kept; after a crash
-    or power failure too, but for the last two seconds.
+    Keeps in one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), what each
+    frame set cost (`timing.csv`), a summary with all settings (`summary.json`), a picture of
+    everybody's paths (`paths.png`) and, if the site file asks for them, the 2D poses
+    (`poses.jsonl`): all that `trecsim report` shows. Whatever ends it, what was finished is kept;
+    after a crash or power failure the tracks too, but for the last two seconds.
 
     Parameters
     ----------

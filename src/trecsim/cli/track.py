@@ -19,6 +19,7 @@ def track(
     out: Path = Path("tracks.csv"),
     lag_s: float = 0.0,
     fps: float | None = None,
+    timing: Path | None = None,
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
@@ -38,6 +39,8 @@ def track(
         Report this much later than the newest image, and smoother [s].
     fps
         Frames per second, for poses that number their frames and tell no time.
+    timing
+        Also write what each frame set cost: `t_s,images,people,fusion_ms` (CSV).
     json
         Print the summary as one JSON object.
     """
@@ -45,7 +48,7 @@ def track(
 
     cameras = reading.read(rig)
     with progress_bar("frame sets", quiet=json) as bar:
-        summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, progress=bar)
+        summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
     ms = summary["fusion_ms"]
     text = (
         f"{out}: {summary['people']} people in {summary['frame_sets']} frame sets; "
