@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import shelf
 import thesis_scenes
 from trecsim.calibration import read_rig
+from trecsim.evaluation.shelf import convert_shelf
 from trecsim.sources import read_poses
 from trecsim.sync import frame_sets
 
@@ -63,7 +63,7 @@ def test_every_thesis_scene_converts(tmp_path, scenes):
 def test_truth_of_the_shelf_projects_onto_its_detections(tmp_path, shared_data):
     if not (shared_data / "shelf").is_dir():
         pytest.skip("the shelf data is not there")
-    shelf.convert(shared_data / "shelf", tmp_path)
+    convert_shelf(shared_data / "shelf", tmp_path)
     rig = read_rig(tmp_path / "rig.toml")
     sets = list(frame_sets(read_poses(tmp_path / "poses.jsonl", rig_cameras=rig.names)))
     assert [len(one.views) for one in sets] == [5] * 301

@@ -1,0 +1,140 @@
+"""The joints and parts that were annotated on Shelf and Campus, made of those of COCO-17."""
+
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from trecsim.skeleton import COCO17
+
+HeadRule = Literal["voxelpose", "crossview", "4d_association", "campus"]
+
+JOINTS = (
+    *("right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle"),
+    *("right_wrist", "right_elbow", "right_shoulder"),
+    *("left_shoulder", "left_elbow", "left_wrist"),
+    *("bottom_head", "top_head"),
+)
+"""The joints that were annotated, in the order of the annotation; the first 12 are of limbs."""
+
+LIMB_JOINTS = 12
+
+GROUPS = ("head", "torso", "upper arms", "lower arms", "upper legs", "lower legs")
+_PARTS = (  # ends as indices of JOINTS, and the group; the torso joins them as the last
+    *((0, 1, "lower legs"), (1, 2, "upper legs"), (3, 4, "upper legs"), (4, 5, "lower legs")),
+    *((6, 7, "lower arms"), (7, 8, "upper arms"), (9, 10, "upper arms"), (10, 11, "lower arms")),
+    (12, 13, "head"),
+)
+_STARTS = [start for start, _, _ in _PARTS]
+_ENDS = [end for _, end, _ in _PARTS]
+_HIPS, _BOTTOM_HEAD = [2, 3], 12
+N_PARTS = len(_PARTS) + 1
+GROUP_OF_PART = np.array([GROUPS.index(group) for _, _, group in _PARTS] + [GROUPS.index("torso")])
+
+_COCO = [COCO17.index(joint) for joint in JOINTS[:LIMB_JOINTS]]
+_NOSE = COCO17.index("nose")
+_EARS = [COCO17.index("left_ear"), COCO17.index("right_ear")]
+_SHOULDERS = [COCO17.index("left_shoulder"), COCO17.index("right_shoulder")]
+_COCO_HIPS = [COCO17.index("left_hip"), COCO17.index("right_hip")]
+
+Points = Float64[np.ndarray, "*batch 3"]
+
+
+def annotated_joints(
+    xyz_m: Float64[np.ndarray, "*batch 17 3"], head: HeadRule = "voxelpose"
+) -> Float64[np.ndarray, "*batch 14 3"]:
+    """Return the joints that the annotation has, made of those of COCO-17 [m].
+
+    Parameters
+    ----------
+    xyz_m
+        Joints in a world with z up [m].
+    head
+        How the two ends of the head, which COCO-17 lacks, come from nose, ears and shoulders.
+
+    Examples
+    --------
+    >>> annotated_joints(np.ones((2, 17, 3))).shape
+    (2, 14, 3)
+    """
+    bottom_m, top_m = _HEADS[head](xyz_m)
+    return np.concatenate(
+        [xyz_m[..., _COCO, :], bottom_m[..., None, :], top_m[..., None, :]], axis=-2
+    )
+
+
+def _marks(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points, Points]:
+    """Return the middle of the shoulders, that of the ears, and the nose."""
+    shoulders_m, ears_m = (xyz_m[..., pair, :].mean(axis=-2) for pair in (_SHOULDERS, _EARS))
+    return shoulders_m, ears_m, xyz_m[..., _NOSE, :]
+
+
+def _campus(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
+    shoulders_m, ears_m, _ = _marks(xyz_m)
+    bottom_m = (shoulders_m + ears_m) / 2
+    return bottom_m, bottom_m + 2 * (ears_m - bottom_m)
+
+
+def _voxelpose(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
+    shoulders_m, _, nose_m = _marks(xyz_m)
+    bottom_m, top_m = _campus(xyz_m)
+    up_m = nose_m - shoulders_m
+    near_m, far_m = shoulders_m + 0.5 * up_m, shoulders_m + up_m * [0.75, 0.75, 1.5]
+    return 0.75 * near_m + 0.25 * bottom_m, 0.75 * far_m + 0.25 * top_m
+
+
+def _crossview(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
+    shoulders_m, _, nose_m = _marks(xyz_m)
+    up_m = nose_m - shoulders_m
+    return shoulders_m + up_m * [0.3, 0.4, 0.6], shoulders_m + up_m * [0.78, 0.5, 1.5]
+
+
+def _4d_association(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
+    shoulders_m, ears_m, _ = _marks(xyz_m)
+    bottom_m = shoulders_m + 0.5 * (ears_m - shoulders_m)
+    left, right = _SHOULDERS
+    up_m = bottom_m - xyz_m[..., _COCO_HIPS, :].mean(axis=-2)
+    forward = np.cross(up_m, xyz_m[..., right, :] - xyz_m[..., left, :])
+    length = np.linalg.norm(forward, axis=-1, keepdims=True)
+    facing = np.divide(forward, length, where=length > 0, out=np.zeros_like(forward))
+    facing[np.isnan(forward)] = np.nan
+    return bottom_m, bottom_m + 0.125 * facing + np.array([0.0, 0.0, 0.145])
+
+
+_HEADS = {
+    "voxelpose": _voxelpose,
+    "crossview": _crossview,
+    "4d_association": _4d_association,
+    "campus": _campus,
+}
+
+
+def parts_correct(
+    found_m: Float64[np.ndarray, "*batch 14 3"], truth_m: Float64[np.ndarray, "*batch 14 3"]
+) -> Bool[np.ndarray, "*batch 10"]:
+    """Tell which parts are right: both ends off by no more than half its length, on average.
+
+    Parameters
+    ----------
+    found_m
+        Joints found; a part of which an end is NaN is wrong.
+    truth_m
+        Joints annotated, as a body of the same place.
+    """
+    found_starts_m, found_ends_m = _ends(found_m)
+    starts_m, ends_m = _ends(truth_m)
+    off_m = (_length(found_starts_m - starts_m) + _length(found_ends_m - ends_m)) / 2
+    right: Bool[np.ndarray, "*batch 10"] = off_m <= 0.5 * _length(ends_m - starts_m)
+    return right
+
+
+def _ends(
+    joints_m: Float64[np.ndarray, "*batch 14 3"],
+) -> tuple[Float64[np.ndarray, "*batch 10 3"], Float64[np.ndarray, "*batch 10 3"]]:
+    hips_m = joints_m[..., _HIPS, :].mean(axis=-2, keepdims=True)
+    starts_m = np.concatenate([joints_m[..., _STARTS, :], hips_m], axis=-2)
+    return starts_m, joints_m[..., [*_ENDS, _BOTTOM_HEAD], :]
+
+
+def _length(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch"]:
+    return np.asarray(np.linalg.norm(vector, axis=-1))
