@@ -1,7 +1,7 @@
 """The best way to pair rows with columns, for evaluation: exact and free of the fusion's code."""
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 FREE = -1
 
@@ -22,8 +22,8 @@ def best_pairs(
 
     Notes
     -----
-    Hungarian method with shortest augmenting paths, O(n^3). A pair that is not allowed costs more
-    than all allowed ones together.
+    Hungarian method with shortest augmenting paths, O(n^3), over those whose pair is disputed. A
+    pair that is not allowed costs more than all allowed ones together.
 
     Examples
     --------
@@ -31,15 +31,28 @@ def best_pairs(
     ((0, 1), (1, 0))
     """
     allowed = distance <= gate
-    if (allowed.sum(axis=0) <= 1).all() and (allowed.sum(axis=1) <= 1).all():
-        return tuple((int(row), int(column)) for row, column in np.argwhere(allowed))
+    lone = allowed & (allowed.sum(axis=1, keepdims=True) == 1) & (allowed.sum(axis=0) == 1)
+    sure = [(int(row), int(column)) for row, column in np.argwhere(lone)]
+    disputed = allowed & ~lone
+    if not disputed.any():
+        return tuple(sure)
+    rows, columns = np.flatnonzero(disputed.any(axis=1)), np.flatnonzero(disputed.any(axis=0))
+    part = np.ix_(rows, columns)
+    chosen = _best_complete(distance[part], allowed[part], gate)
+    return tuple(sorted(sure + [(int(rows[i]), int(columns[j])) for i, j in chosen]))
+
+
+def _best_complete(
+    distance: Float64[np.ndarray, "row column"],
+    allowed: Bool[np.ndarray, "row column"],
+    gate: float,
+) -> list[tuple[int, int]]:
     rows, columns = distance.shape
     size = max(rows, columns)
     cost = np.full((size, size), (size + 1) * gate)
     cost[:rows, :columns] = np.where(allowed, distance, (size + 1) * gate)
     column_of = _assign(cost)[:rows]
-    pairs = ((row, int(column)) for row, column in enumerate(column_of) if column < columns)
-    return tuple((row, column) for row, column in pairs if allowed[row, column])
+    return [(row, int(j)) for row, j in enumerate(column_of) if j < columns and allowed[row, j]]
 
 
 def _assign(cost: Float64[np.ndarray, "n n"]) -> Int64[np.ndarray, " n"]:

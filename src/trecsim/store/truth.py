@@ -37,11 +37,11 @@ class Truth:
     t_s
         The times at which it is known, increasing, at least one [s].
     xyz_m
-        Joints of everybody then, COCO-17; NaN while absent [m].
+        Joints of everybody then, COCO-17 in files; NaN while absent [m].
     """
 
     t_s: Float64[np.ndarray, " time"]
-    xyz_m: Float64[np.ndarray, "person time 17 3"]
+    xyz_m: Float64[np.ndarray, "person time joint 3"]
 
 
 def write_truth(
