@@ -56,6 +56,46 @@ def test_a_face_is_seen_from_the_front_only() -> None:
     assert faces_away(left, person)[0, 0].tolist()[3:] == [False, True]
 
 
+def hidden_by_marching(camera_m: np.ndarray, xyz_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what capsules hide, walking along each line of sight, and by how much it is so [m]."""
+    ends = [([11, 12], [5, 6]), ([5, 6], [3, 4]), ([11], [13]), ([12], [14]), ([13], [15])]
+    ends.append(([14], [16]))
+    radius_m = [0.16, 0.11, 0.09, 0.09, 0.06, 0.06]
+    shares = np.linspace(0.0, 1.0, 4001)[:, None]
+    hidden, margin_m = np.zeros(xyz_m.shape[:2], bool), np.full(xyz_m.shape[:2], np.inf)
+    for person, joint in np.ndindex(*xyz_m.shape[:2]):
+        sight_m = camera_m + shares * (xyz_m[person, joint] - camera_m)
+        for other in range(len(xyz_m)):
+            for (low, high), radius in zip(ends, radius_m, strict=True):
+                if other == person:
+                    continue
+                start_m, end_m = xyz_m[other, low].mean(axis=0), xyz_m[other, high].mean(axis=0)
+                along_m = end_m - start_m
+                at = np.clip((sight_m - start_m) @ along_m / (along_m @ along_m), 0.0, 1.0)
+                off_m = np.linalg.norm(sight_m - start_m - at[:, None] * along_m, axis=1)
+                hidden[person, joint] |= off_m.min() <= radius < off_m[-1]
+                nearest_m = min(abs(off_m.min() - radius), abs(off_m[-1] - radius))
+                margin_m[person, joint] = min(margin_m[person, joint], nearest_m)
+    return hidden, margin_m
+
+
+def test_the_kernel_hides_what_marching_along_the_lines_of_sight_hides() -> None:
+    rng = np.random.default_rng(5)
+    several = 0
+    for _ in range(6):
+        people = np.stack([standing(*rng.uniform(-1.0, 1.0, 2)) for _ in range(4)])
+        people = people @ np.linalg.qr(rng.standard_normal((3, 3)))[0]  # lying, leaning
+        people += 0.05 * rng.standard_normal(people.shape)
+        camera_m = rng.uniform(-3.0, 3.0, 3)
+        wanted, margin_m = hidden_by_marching(camera_m, people)
+        clear = margin_m > 1e-3
+        several += wanted.sum()
+        np.testing.assert_array_equal(
+            hidden_behind_others(camera_m, people[None])[0][clear], wanted[clear]
+        )
+    assert several > 50
+
+
 PILLAR = Obstacle((-0.2, 1.8, 0.0), (0.2, 2.2, 2.0))
 
 

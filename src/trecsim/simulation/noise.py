@@ -1,9 +1,12 @@
 """Chance that remembers: what is wrong in one image is mostly still wrong in the next."""
 
+import math
 from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Bool, Float64
+
+from trecsim.simulation.kernels import remember
 
 
 def ornstein_uhlenbeck(
@@ -30,9 +33,7 @@ def ornstein_uhlenbeck(
     values = rng.standard_normal((len(t_s), *shape))
     keep = np.exp(-np.diff(t_s) / tau_s)
     fresh = np.sqrt(1.0 - keep**2)
-    for step in range(1, len(t_s)):
-        values[step] *= fresh[step - 1]
-        values[step] += keep[step - 1] * values[step - 1]
+    remember(values.reshape(len(t_s), math.prod(shape)), keep, fresh)
     return values
 
 

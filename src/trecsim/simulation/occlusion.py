@@ -6,10 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.errors import InputError
-
-RADIUS_M = 0.17  # people block the view like upright cylinders of this radius
-OVER_SHOULDERS_M = 0.25
-ARM_M = 1.0  # no joint is further than this from the middle of the body
+from trecsim.simulation.kernels import hidden_by_bodies
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,51 +81,15 @@ def hidden_behind_others(
         Of the camera [m].
     xyz_m
         Everybody's joints, NaN while absent [m].
+
+    Notes
+    -----
+    A body blocks the view with its trunk, head and legs, whatever its posture: capsules between
+    joints. Nobody hides parts of themselves; that is among what a detector misses anyway.
     """
     hidden = np.zeros(xyz_m.shape[:3], dtype=bool)
-    middle_m = xyz_m[..., 11:13, :2].mean(axis=-2)
-    top_m = xyz_m[..., 5:7, 2].mean(axis=-1) + OVER_SHOULDERS_M
-    ahead_m = middle_m - position_m[:2]
-    for other in range(xyz_m.shape[1]):
-        to_other_m = ahead_m[:, other]
-        near = _beside_m(ahead_m, to_other_m[:, None]) < RADIUS_M + ARM_M
-        near[:, other] = False
-        times, people = np.nonzero(near)
-        hidden[times, people] |= _blocked(
-            position_m, xyz_m[times, people], to_other_m[times], top_m[times, other]
-        )
+    hidden_by_bodies(position_m, np.ascontiguousarray(xyz_m), hidden)
     return hidden
-
-
-def _beside_m(
-    ray_m: Float64[np.ndarray, "*#batch 2"], point_m: Float64[np.ndarray, "*#batch 2"]
-) -> Float64[np.ndarray, "*#batch"]:
-    """Return how far a ray from the origin passes beside a point; infinite if behind it [m]."""
-    along = (ray_m * point_m).sum(axis=-1)
-    across = np.abs(ray_m[..., 0] * point_m[..., 1] - ray_m[..., 1] * point_m[..., 0])
-    return np.where(along > 0, across / np.linalg.norm(ray_m, axis=-1), np.inf)
-
-
-def _blocked(
-    position_m: Float64[np.ndarray, " 3"],
-    xyz_m: Float64[np.ndarray, "pair 17 3"],
-    to_other_m: Float64[np.ndarray, "pair 2"],
-    top_m: Float64[np.ndarray, " pair"],
-) -> Bool[np.ndarray, "pair 17"]:
-    """Return which joints of one person another, `to_other_m` from the camera, hides."""
-    ray_m = xyz_m - position_m
-    length_m2 = (ray_m[..., :2] ** 2).sum(axis=-1)
-    share = (ray_m[..., :2] * to_other_m[:, None]).sum(axis=-1) / length_m2
-    height_m = position_m[2] + share * ray_m[..., 2]
-    blocked: Bool[np.ndarray, "pair 17"] = (
-        (share < 1)
-        & (_beside_m(ray_m[..., :2], to_other_m[:, None]) < RADIUS_M)
-        & (height_m > 0)
-        & (height_m < top_m[:, None])
-        # Of a ray that ends within the cylinder, the end is in front, not behind.
-        & ((1 - share) ** 2 * length_m2 > RADIUS_M**2)
-    )
-    return blocked
 
 
 def faces_away(
