@@ -12,10 +12,10 @@ SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench docs constraints clean
+.PHONY: help demo test check bench bench-quick figures tables docs constraints clean
 
 help:  ## Show this list.
-	@grep -E '^[a-z]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
 
 demo: .venv/installed-plot  ## Follow people through a simulated room and show the result.
 	$(BIN)/trecsim demo
@@ -30,8 +30,18 @@ check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/lint-imports
 	$(BIN)/codespell --skip docs/_build src tests docs benchmarks *.md
 
-bench: .venv/installed-test  ## Run the benchmarks; the figures of the README come from here.
-	@set -e; for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script; done
+bench: .venv/installed-test  ## Run all benchmarks, store the results, make the tables anew (20 min).
+	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/tables.py
+
+bench-quick: .venv/installed-test  ## Run a part of them (4 min); say what got worse, and fail if so.
+	$(BIN)/python benchmarks/run.py --quick
+
+figures: | $(BIN)/python  ## Print every figure to reach beside the one reached.
+	@$(BIN)/python benchmarks/figures.py
+
+tables: .venv/installed-plot  ## Make the tables of README and docs anew from the stored results.
+	$(BIN)/python benchmarks/tables.py
 
 docs: .venv/installed-docs  ## Build the documentation into docs/_build/html.
 	$(BIN)/sphinx-build --fail-on-warning --quiet docs docs/_build/html

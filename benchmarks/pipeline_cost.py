@@ -6,24 +6,29 @@ are people to find, then runs in turn, each in a process of its own:
 - A: `estimate` alone, the poses thrown away,
 - B: the whole pipeline of `trecsim run` on the same videos, with the same settings and cores.
 
-Quoted are the median of the ratios B / A, run by run, and B's largest memory for two lengths.
+Quoted are the ratios B / A, run by run, and B's largest memory for two lengths.
 
-Run: ``python benchmarks/pipeline_cost.py [FOLDER OF THE SAMPLE]``
+Run: ``python benchmarks/pipeline_cost.py [--folder FOLDER OF THE SAMPLE]``
 """
 
 import json
-import statistics
+import os
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+from typing import Any
 
-HERE = Path(__file__).resolve().parents[1]
-PLACES = (HERE / "sample", HERE.parent / "shared" / "data" / "pose2sim_demo")
+from harness.command import ONE_THREAD, alone
+from harness.figures import Figure, Figures, once, over_seeds
+from harness.machine import peak_mb
+from harness.options import Options, sample_folder
+
 SIZE_PX = (1920, 1080)
 FPS = 30
 ROUNDS = 3
+SECONDS = (12.0, 36.0)
 
 
 def make_videos(scene: Path, out: Path, seconds: float) -> None:
@@ -50,7 +55,7 @@ def make_videos(scene: Path, out: Path, seconds: float) -> None:
                 target.mux(packet)
 
 
-def padded(image):
+def padded(image: Any) -> Any:
     """Return a frame of the full size with `image` in its middle."""
     import av
     import numpy as np
@@ -86,7 +91,7 @@ def make_site(scene: Path, out: Path) -> Path:
     return site
 
 
-def measure(kind: str, site: Path) -> None:
+def measure_one(kind: str, site: Path) -> None:
     """Run one of the two in this process; print wall and processor time [s], peak memory [MB]."""
     from trecsim.config.check import check_site
     from trecsim.estimation import estimate
@@ -106,59 +111,63 @@ def measure(kind: str, site: Path) -> None:
     print(json.dumps({"wall_s": wall_s, "cpu_s": cpu_s, "peak_mb": peak_mb(), "images": images}))
 
 
-def peak_mb() -> float:
-    """Return the most memory this program ever held [MB].
-
-    Not `getrusage`: what that says includes the process this one was forked from.
-    """
-    status = Path("/proc/self/status").read_text()
-    return int(status.partition("VmHWM:")[2].split()[0]) / 1024
-
-
 def measured(kind: str, site: Path) -> dict[str, float]:
-    """Return what `measure` says in a process of its own."""
+    """Return what `measure_one` says in a process of its own, on all cores."""
     command = [sys.executable, __file__, "--measure", kind, str(site)]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    usual = {name: value for name, value in os.environ.items() if name not in ONE_THREAD}
+    done = subprocess.run(command, check=True, capture_output=True, text=True, env=usual)
     figures: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
     return figures
 
 
-def main() -> None:
-    """Print the figures beside what is asked."""
-    places = [Path(sys.argv[1])] if len(sys.argv) > 1 else PLACES
-    scene = next((p / "MultiPerson" for p in places if (p / "MultiPerson").is_dir()), None)
-    if scene is None:
-        print("skipped: the sample recording is not there; fetch it with: trecsim sample")
-        return
+def measure(options: Options) -> Figures:
+    """Measure what the pipeline adds to decoding, scaling and inference, and its memory."""
+    scene = sample_folder(options) / "MultiPerson"
+    options.input.update(
+        data="made of the sample recording, four cameras of 1920 x 1080", rounds=ROUNDS,
+        seconds=SECONDS,
+    )  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
-        short, long = Path(folder) / "short", Path(folder) / "long"
         sites = {}
-        for out, seconds in ((short, 12.0), (long, 36.0)):
+        for seconds in SECONDS:
+            out = Path(folder) / f"{seconds:g}"
             make_videos(scene, out, seconds)
-            sites[out] = make_site(scene, out)
-        ratios, cpu_ratios, fps, peak = [], [], [], []
-        for _ in range(ROUNDS):
-            alone, whole = (measured(kind, sites[short]) for kind in ("estimate", "run"))
-            ratios.append(whole["wall_s"] / alone["wall_s"])
-            cpu_ratios.append(whole["cpu_s"] / alone["cpu_s"])
-            fps.append(whole["images"] / whole["wall_s"])
-            peak.append(whole["peak_mb"])
+            sites[seconds] = make_site(scene, out)
+            options.tell(f"made {seconds:g} s of video")
+        short, long = SECONDS
+        rounds = []
+        for number in range(1, ROUNDS + 1):
+            rounds.append([measured(kind, sites[short]) for kind in ("estimate", "run")])
+            options.tell(f"round {number} of {ROUNDS}")
         peak_long = measured("run", sites[long])["peak_mb"]
-    spread = f"{min(ratios):.2f} to {max(ratios):.2f} in {ROUNDS} rounds"
-    print("| four cameras of 1920 x 1080 | reached | asked |")
-    print("|---|---|---|")
-    print(
-        f"| whole pipeline / decoding, scaling and inference alone, wall time | "
-        f"{statistics.median(ratios):.3f} ({spread}) | <= 1.15 |"
-    )
-    print(f"| the same, processor time | {statistics.median(cpu_ratios):.3f} | |")
-    print(f"| images per second, all cameras together | {statistics.median(fps):.0f} | |")
-    print(f"| peak memory, 12 s of video [MB] | {statistics.median(peak):.0f} | <= 1500 |")
-    print(f"| peak memory, 36 s of video [MB] | {peak_long:.0f} | <= 1500 |")
+    return figures_of(rounds, peak_long)
+
+
+def figures_of(rounds: list[list[dict[str, float]]], peak_long_mb: float) -> Figures:
+    """Return the figures of rounds of (estimation alone, whole pipeline)."""
+
+    def ratio(name: str) -> Figure:
+        runs = {n: whole[name] / alone_[name] for n, (alone_, whole) in enumerate(rounds, start=1)}
+        return over_seeds(runs, "", matters=0.1)
+
+    fps = {n: whole["images"] / whole["wall_s"] for n, (_, whole) in enumerate(rounds, start=1)}
+    peak = {n: whole["peak_mb"] for n, (_, whole) in enumerate(rounds, start=1)}
+    name_short, name_long = (f"{seconds:g} s of video" for seconds in SECONDS)
+    return {
+        "whole pipeline / estimation alone": {
+            "wall time": ratio("wall_s"),
+            "processor time": ratio("cpu_s"),
+        },
+        "images per second": {"all cameras": over_seeds(fps, "1/s", "higher", matters=20.0)},
+        "peak memory": {
+            name_short: over_seeds(peak, "MB", matters=60.0),
+            name_long: once(peak_long_mb, "MB", matters=60.0),
+        },
+    }
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--measure"]:
-        measure(sys.argv[2], Path(sys.argv[3]))
+        measure_one(sys.argv[2], Path(sys.argv[3]))
     else:
-        main()
+        raise SystemExit(alone(__file__, measure))

@@ -5,26 +5,26 @@ scenes show the same man; in one of them a woman stands in front of him. There i
 what can be said is who is tracked for how long under how many identities, how far the tracks are
 from the detections they came from, and whether the man moves alike in both scenes.
 
-Run: ``python benchmarks/real_video.py [FOLDER]``
+Run: ``python benchmarks/real_video.py [--folder FOLDER]``
 """
 
-import json
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from harness.command import alone
+from harness.figures import Figures, once
+from harness.options import Options, sample_folder
 from trecsim.calibration import read_rig
 from trecsim.estimation import estimate
+from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.sync import frame_sets
 from trecsim.tracking import Tally, follow
 from trecsim.types import Poses2D, Snapshot
 
-HERE = Path(__file__).resolve().parents[1]
-PLACES = (HERE / "sample", HERE.parent / "shared" / "data" / "pose2sim_demo")
 LIMB_JOINTS = [
     i for i, name in enumerate(COCO17.joints) if not name.endswith(("nose", "eye", "ear"))
 ]
@@ -83,66 +83,49 @@ def nearest_px(view: Poses2D, xy_px: np.ndarray) -> list[float]:
     return known[best].tolist() if medians and medians[best] < NEAR_PX else []
 
 
-def run(folder: Path) -> Scene:
+def run(folder: Path, settings: FusionSettings) -> Scene:
     """Estimate and track one scene."""
     rig = read_rig(folder / "Calib.qca.txt")
     videos = {path.stem: path for path in sorted((folder / "videos").glob("*.mp4"))}
     names = dict(zip(sorted(videos), sorted(rig.names), strict=True))
     images = list(estimate({names[stem]: path for stem, path in videos.items()}))
     tally = Tally()
-    snapshots = list(follow(images, rig, tally=tally))
+    snapshots = list(follow(images, rig, settings, tally=tally))
     views = [frame_set.views for frame_set in frame_sets(images)]
     return Scene(rig, views, snapshots, tally.fusion_ms()["median"])
 
 
-def report(folder: Path) -> dict[str, object]:
-    """Return all figures of both scenes."""
-    multi, single = run(folder / "MultiPerson"), run(folder / "SinglePerson")
+def measure(options: Options) -> Figures:
+    """Measure who is tracked for how long in real video, and how far from the images."""
+    folder = sample_folder(options)
+    options.input.update(data="sample recording (4 cameras, 60 fps, 100 frames, two scenes)")
+    settings = options.settings()
+    multi = run(folder / "MultiPerson", settings)
+    options.tell("two actors done")
+    single = run(folder / "SinglePerson", settings)
     actors, others = multi.people()[:2], multi.people()[2:]
     man = single.people()[0]
-    apart = {
-        actor: np.nanmedian(np.linalg.norm(multi.xyz_m(actor) - single.xyz_m(man), axis=-1))
+    apart_m = min(
+        float(np.nanmedian(np.linalg.norm(multi.xyz_m(actor) - single.xyz_m(man), axis=-1)))
         for actor in actors
-    }
+    )
     step_s = float(np.median(np.diff([snapshot.t_s for snapshot in multi.snapshots])))
-    both = np.mean([multi.present(actor) for actor in actors])
-    errors = [multi.reprojection_px(actor) for actor in actors]
+    longest_s = max((multi.present(p).sum() * step_s for p in others), default=0.0)
+    errors_px = np.concatenate([multi.reprojection_px(actor) for actor in actors])
+    both = float(np.mean([multi.present(actor) for actor in actors]))
     return {
-        "frame_sets": len(multi.snapshots),
-        "actors_tracked_share": round(float(both), 4),
-        "reprojection_median_px": round(float(np.median(np.concatenate(errors))), 2),
-        "reprojection_median_px_each": [round(float(np.median(e)), 2) for e in errors],
-        "others_longest_s": round(
-            max((multi.present(p).sum() * step_s for p in others), default=0.0), 2
-        ),
-        "others": len(others),
-        "same_man_apart_median_m": round(float(min(apart.values())), 4),
-        "fusion_median_ms": round(multi.fusion_ms, 3),
+        "two actors": {
+            "tracked, share of frame sets": once(both, "", "higher", matters=0.01),
+            "median reprojection error": once(float(np.median(errors_px)), "px"),
+            "same man in both scenes apart": once(100 * apart_m, "cm", matters=0.2),
+        },
+        "others": {
+            "people": once(len(others), "", matters=0.5),
+            "longest": once(longest_s, "s", matters=0.1),
+        },
+        "fusion": {"median": once(multi.fusion_ms, "ms", watched=False)},
     }
-
-
-def main() -> None:
-    """Print the figures beside what is asked."""
-    places = [Path(sys.argv[1])] if len(sys.argv) > 1 else PLACES
-    folder = next((place for place in places if (place / "MultiPerson").is_dir()), None)
-    if folder is None:
-        print("skipped: the sample recording is not there; fetch it with: trecsim sample")
-        return
-    figures = report(folder)
-    print("| on the sample recording (4 cameras, 60 fps, 100 frames) | reached | asked |")
-    print("|---|---|---|")
-    for name, text, asked in (
-        ("actors_tracked_share", "two actors tracked, share of frame sets", ">= 0.95"),
-        ("reprojection_median_px", "median reprojection error, limb joints [px]", "<= 12"),
-        ("reprojection_median_px_each", "the same, each actor [px]", ""),
-        ("others", "other people (the bystander is one)", "<= 1"),
-        ("others_longest_s", "the longest of them [s]", ""),
-        ("same_man_apart_median_m", "the man in one scene from the other, median [m]", "<= 0.05"),
-        ("fusion_median_ms", "fusion per frame set, median [ms]", ""),
-    ):
-        print(f"| {text} | {figures[name]} | {asked} |")
-    print(json.dumps(figures), file=sys.stderr)
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(alone(__file__, measure))

@@ -4,7 +4,6 @@ Run: ``python benchmarks/startup.py``
 """
 
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -12,7 +11,13 @@ import time
 from collections.abc import Mapping
 from pathlib import Path
 
+from harness.calibration import calibration_ms
+from harness.command import alone
+from harness.figures import Figure, Figures, timed
+from harness.options import Options
+
 TRECSIM = Path(sys.executable).with_name("trecsim")
+ROUNDS = 9
 
 
 def seconds(arguments: list[str], environment: Mapping[str, str] | None = None) -> float:
@@ -27,19 +32,23 @@ def seconds(arguments: list[str], environment: Mapping[str, str] | None = None) 
     return time.perf_counter() - began_s
 
 
-def main() -> None:
-    """Print the figures beside what is asked."""
+def measure(options: Options) -> Figures:
+    """Measure the wall time of commands from start to end."""
     seconds(["--help"])
-    print("| wall time [s] | reached | asked |")
-    print("|---|---|---|")
-    helped = statistics.median(seconds(["--help"]) for _ in range(9))
-    print(f"| `trecsim --help`, median of 9 | {helped:.2f} | < 0.4 |")
-    with tempfile.TemporaryDirectory() as folder:
-        cold = seconds(["demo", "--out", f"{folder}/cold"], {"NUMBA_CACHE_DIR": f"{folder}/cache"})
-        warm = seconds(["demo", "--out", f"{folder}/warm"], {"NUMBA_CACHE_DIR": f"{folder}/cache"})
-    print(f"| `trecsim demo`, kernels compiled on the way | {cold:.1f} | < 30 |")
-    print(f"| `trecsim demo`, again | {warm:.1f} | |")
+    took_s, calibration = [], []
+    for _ in range(ROUNDS):
+        calibration.append(calibration_ms())
+        took_s.append(seconds(["--help"]))
+    figures: dict[str, Figure] = {"trecsim --help": timed(took_s, calibration, "s")}
+    if not options.quick:
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("trecsim demo, kernels compiled on the way", "trecsim demo, again"):
+                calibrated_ms = calibration_ms()
+                cache = {"NUMBA_CACHE_DIR": f"{folder}/cache"}
+                took = seconds(["demo", "--out", f"{folder}/{len(figures)}"], cache)
+                figures[name] = timed([took], [calibrated_ms], "s", watched=False)
+    return {"wall time": figures}
 
 
 if __name__ == "__main__":
-    main()
+    raise SystemExit(alone(__file__, measure))

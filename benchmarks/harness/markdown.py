@@ -1,0 +1,86 @@
+"""Figures as text and as tables of Markdown."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+from harness.figures import Figure, Figures, Result, find, leaves
+
+NOTHING = "–"
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Return a number with so many significant digits, and no exponent.
+
+    Examples
+    --------
+    >>> [number(value) for value in (0.12345, 2.0, 12.345, 1234.5, 0.0, float("nan"))]
+    ['0.123', '2.00', '12.3', '1234', '0', '–']
+    """
+    if not math.isfinite(value):
+        return NOTHING
+    if value == 0:
+        return "0"
+    places = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    return f"{value:.{places}f}"
+
+
+def fixed(value: float, places: int) -> str:
+    """Return a number with so many decimal places.
+
+    Examples
+    --------
+    >>> fixed(0.9876, 3), fixed(float("nan"), 1)
+    ('0.988', '–')
+    """
+    return f"{value:.{places}f}" if math.isfinite(value) else NOTHING
+
+
+def value_of(figures: Figures, *path: str) -> float:
+    """Return the value at a path of names; NaN where there is none."""
+    figure = find(figures, path)
+    return figure.value if figure else math.nan
+
+
+def with_spread(figure: Figure | None, places: int = 2) -> str:
+    """Return value and standard deviation over the seeds."""
+    if figure is None:
+        return NOTHING
+    text = fixed(figure.value, places)
+    return f"{text} ± {fixed(figure.spread, places)}" if math.isfinite(figure.spread) else text
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table.
+
+    Examples
+    --------
+    >>> print(table(["a", "b"], [["1", "2"]]))
+    | a | b |
+    |---|---|
+    | 1 | 2 |
+    """
+    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
+    lines += ["| " + " | ".join(row) + " |" for row in rows]
+    return "\n".join(lines)
+
+
+def listed(result: Result) -> str:
+    """Return all figures of a result as one table."""
+    rows = []
+    for path, figure in leaves(result.figures):
+        spread = number(figure.spread) if math.isfinite(figure.spread) else ""
+        rows.append([" / ".join(path), number(figure.value), figure.unit, spread])
+    return table(["figure", "value", "unit", "spread"], rows)
+
+
+def measured_on(result: Result) -> str:
+    """Return one line on where and when something was measured."""
+    about = result.about
+    machine, versions = about["machine"], about["versions"]
+    some = ", ".join(
+        f"{name} {versions[name]}" for name in ("python", "numpy", "numba") if versions.get(name)
+    )
+    return (
+        f"{about['date'][:10]}, commit {about['commit']}, {machine['cores']} cores of "
+        f"{machine['processor']}, load {machine['load_average'][0]:.1f} at the start, {some}"
+    )

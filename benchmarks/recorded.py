@@ -1,0 +1,65 @@
+"""Figures of other programs that were recorded once and are not measured again here.
+
+The thesis' own stand in its section 4.4 (its author's computer). Those of the thesis author's
+program on the scenes of `thesis.py` come from the same key points. Those on Shelf come from the
+same detections and protocol as ours, unless marked as published.
+"""
+
+from typing import NamedTuple
+
+# The thesis' table 5, parameter set 1, ms per fit: mean, standard deviation, max, min.
+THESIS_FIT_MS = {
+    1: (0.74, 0.23, 1.20, 0.35),
+    2: (1.86, 0.31, 4.41, 0.80),
+    3: (4.40, 0.48, 8.46, 3.35),
+}
+# The thesis' table 7, YOLOv7 on its author's GPU, ms per image: mean, standard deviation, max, min.
+THESIS_INFERENCE_MS = {
+    1: (11.36, 5.61, 53.15, 8.93),
+    2: (11.39, 6.33, 93.12, 9.03),
+    3: (10.57, 1.69, 23.50, 9.29),
+}
+# The thesis author's program, run on a server processor like ours, two cameras: ms per fit.
+AUTHORS_FIT_MS = {1: 1.6, 2: 4.7, 3: 6.6, 4: 13.6, 6: 34.6}
+AUTHORS_GROWTH = 1.75  # about this power of the people
+
+
+class AuthorsScene(NamedTuple):
+    """What the thesis author's program reached on a scene; None where it was not recorded."""
+
+    error_cm: float | None
+    recall: float
+    recall_best: float | None  # with the best parameters that were found
+    switches: int | None
+
+
+# Shares of joints within 15 cm, with the settings the program comes with.
+AUTHORS_SCENES = {
+    "walk_J1_C2": AuthorsScene(2.0, 1.00, None, None),
+    "walk_J2_C2": AuthorsScene(10.2, 0.84, None, None),
+    "walk_J3_C2": AuthorsScene(19.0, 0.15, 0.91, None),
+    "hard_J3_C2": AuthorsScene(None, 0.29, 0.65, None),
+    "cross_X_occl_C2": AuthorsScene(None, 0.51, 0.93, 8),
+}
+
+
+class OnShelf(NamedTuple):
+    """What another program reached on Shelf, five cameras; PCP in percent."""
+
+    name: str
+    actors: tuple[float, float, float] | None
+    average: float
+    actor4: float | None
+    switches: int | None
+    missed: int | None
+    ms: str
+    published: bool = False
+
+
+ON_SHELF = (
+    OnShelf("Pose2Sim 0.10.49", (90.9, 72.7, 97.0), 86.9, 80.6, 1, 15, "about 165"),
+    OnShelf("4D Association (C++)", (99.6, 91.4, 98.0), 96.3, 92.4, 0, 0, "21.6"),
+    OnShelf("best subset of views, chosen with the truth", None, 97.6, 95.2, None, None, ""),
+    OnShelf("training-free methods, up to", None, 97.4, None, None, None, "", published=True),
+    OnShelf("learned on the same scene, up to", None, 98.0, None, None, None, "", published=True),
+)

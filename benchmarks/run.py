@@ -1,0 +1,68 @@
+"""Run all benchmarks, compare them with the last stored results, and store them.
+
+``python benchmarks/run.py`` is what ``make bench`` does, with ``--quick`` ``make bench-quick``.
+Exit status 1: something broke or, where nothing is stored, got worse beyond noise.
+"""
+
+import argparse
+import sys
+
+from harness import figures, running
+from harness.command import add_options, fail
+
+# In this order; those that are quick come first.
+ALL = (
+    "accuracy",
+    "thesis",
+    "shelf",
+    "scenes",
+    "detector_figures",
+    "speed",
+    "simulating",
+    "evaluating",
+    "memory",
+    "startup",
+    "real_video",
+    "estimator_speed",
+    "pipeline_cost",
+)
+QUICK = ("accuracy", "thesis", "shelf", "scenes", "speed", "simulating", "startup")
+
+
+def main() -> int:
+    """Run what is asked for; return the exit status."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    add_options(parser)
+    parser.add_argument("names", nargs="*", help=f"which: {', '.join(ALL)}")
+    parser.add_argument("--keep", action="store_true", help="do not store the results")
+    given = parser.parse_args()
+    names = given.names or (QUICK if given.quick else ALL)
+    if unknown := sorted(set(names) - set(ALL)):
+        return fail(f"no benchmark is called {', '.join(unknown)}; there are {', '.join(ALL)}")
+    arguments = [f"--jobs={given.jobs}"]
+    arguments += ["--quick"] * given.quick
+    arguments += [f"--set={name}={value}" for name, value in given.set]
+    arguments += [f"--folder={given.folder}"] * bool(given.folder)
+    store = not (given.quick or given.keep or given.set)
+    outcome = running.run_all(names, arguments, store=store)
+    return summary(outcome, store=store)
+
+
+def summary(outcome: running.Outcome, *, store: bool) -> int:
+    """Say what became of all of it; return the exit status."""
+    where = f", stored in {figures.RESULTS.parent.name}/{figures.RESULTS.name}" if store else ""
+    print(f"== {len(outcome.done)} done{where}")
+    for name, reason in outcome.skipped.items():
+        print(f"skipped {name}: {reason}")
+    for line in outcome.worse:
+        print(f"WORSE {line}")
+    for name in outcome.failed:
+        print(f"FAILED {name}")
+    if outcome.interrupted:
+        print("interrupted; what was done is kept")
+        return 130
+    return 1 if outcome.failed or (outcome.worse and not store) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

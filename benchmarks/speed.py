@@ -1,0 +1,134 @@
+"""How long the fusion takes per frame set, over people and cameras (the thesis' tables 5 and 6).
+
+A frame set is one image of each camera. Timed is the whole call of `Tracker.step`, association and
+fit, in one thread, after everything is compiled and everybody has come in. Rooms grow with the
+people, so that they do not stand closer than in the smaller ones.
+
+Run: ``python benchmarks/speed.py``
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from harness.calibration import calibration_ms
+from harness.command import alone
+from harness.figures import Figure, Figures, once, over_seeds, timed
+from harness.options import Options
+
+PEOPLE = (1, 2, 3, 4, 6, 10, 20, 50)
+CAMERAS = (2, 4, 8, 12)
+FEW_VIEWS = 10  # more people than this with two cameras is no sensible site
+QUICK_CELLS = ((2, 3), (4, 4), (4, 10), (12, 10))
+SECONDS, WARM_S = 10.0, 2.0
+FPS = 25.0
+ROUNDS = 3
+SEED = 1000
+MEANT = 4  # people and cameras from which on growth is fitted: below, what is fixed dominates
+
+
+def cells(quick: bool) -> list[tuple[int, int]]:
+    """Return the numbers of cameras and people that are measured."""
+    if quick:
+        return list(QUICK_CELLS)
+    return [(c, p) for c in CAMERAS for p in PEOPLE if not (c == 2 and p > FEW_VIEWS)]
+
+
+def cell_name(cameras: int, people: int) -> str:
+    """Return what a cell is called in the results."""
+    return f"{cameras} cameras, {people} people"
+
+
+def room_size_m(people: int) -> tuple[float, float]:
+    """Return width and depth of the room for so many people [m]."""
+    grown = max(1.0, (people / 10) ** 0.5)
+    return round(8.0 * grown, 1), round(6.0 * grown, 1)
+
+
+def cell(cameras: int, people: int, options: Options) -> dict[str, Figure]:
+    """Return the figures of one number of cameras and people."""
+    import numpy as np
+
+    from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.tracking import Tally, follow
+
+    width_m, depth_m = room_size_m(people)
+    scene = room_scene(
+        people=people, cameras=cameras, seconds=SECONDS, width_m=width_m, depth_m=depth_m, fps=FPS
+    )
+    made = simulate(scene, SEED)
+    settings = options.settings()
+    rounds, calibration = [], []
+    for _ in range(ROUNDS):
+        before_ms = calibration_ms()
+        tally = Tally()
+        for _ in follow(made.poses, made.rig, settings, tally=tally):
+            pass
+        calibration.append((before_ms + calibration_ms()) / 2)
+        rounds.append(1e3 * np.array(tally.fusion_s)[int(WARM_S * FPS) :])
+    takes: dict[str, Callable[[Any], Any]] = {
+        "median": np.median,
+        "p95": lambda ms: np.quantile(ms, 0.95),
+        "mean": np.mean,
+        "std": np.std,
+        "max": np.max,
+        "min": np.min,
+    }
+    found = {
+        name: timed([float(take(ms)) for ms in rounds], calibration, watched=name in WATCHED)
+        for name, take in takes.items()
+    }
+    ratios = {n: float(np.quantile(ms, 0.95) / np.median(ms)) for n, ms in enumerate(rounds)}
+    found["p95 / median"] = replace(over_seeds(ratios, ""), watched=False)
+    return found
+
+
+WATCHED = ("median", "p95")
+
+
+def growth(figures: dict[str, dict[str, Figure]], counts: list[tuple[int, int]]) -> Figures:
+    """Return the exponents of the median's growth with people and cameras."""
+    out: dict[str, Figures] = {}
+    for name, least in (("all", 1), (f"from {MEANT} people and cameras", MEANT)):
+        some = [(c, p) for c, p in counts if min(c, p) >= least]
+        times = [figures[cell_name(c, p)]["median"].value for c, p in some]
+        people, cameras = exponents(some, times)
+        out[name] = {
+            "people": once(people, "", watched=False),
+            "cameras": once(cameras, "", watched=False),
+        }
+    return out
+
+
+def exponents(counts: list[tuple[int, int]], times: list[float]) -> tuple[float, float]:
+    """Return a and b of the least-squares fit of people^a x cameras^b to times."""
+    import numpy as np
+
+    log_counts = np.log(np.array(counts, float))
+    left = np.column_stack((np.ones(len(counts)), log_counts[:, 1], log_counts[:, 0]))
+    _, a, b = np.linalg.lstsq(left, np.log(times), rcond=None)[0]
+    return float(a), float(b)
+
+
+def measure(options: Options) -> Figures:
+    """Measure the fusion's time per frame set over people and cameras, and how it grows."""
+    counts = cells(options.quick)
+    options.input.update(
+        seeds=[SEED, SEED], seconds=SECONDS, left_out_s=WARM_S, fps=FPS, rounds=ROUNDS,
+        threads=1, data="simulated rooms",
+    )  # fmt: skip
+    times: dict[str, dict[str, Figure]] = {}
+    for number, (cameras, people) in enumerate(counts, start=1):
+        times[cell_name(cameras, people)] = found = cell(cameras, people, options)
+        options.tell(
+            f"{number} of {len(counts)}: {cell_name(cameras, people)}: "
+            f"median {found['median'].value:.2f} ms"
+        )
+    figures: dict[str, Figures] = {"per frame set": times}
+    if not options.quick:
+        figures["growth"] = growth(times, counts)
+    return figures
+
+
+if __name__ == "__main__":
+    raise SystemExit(alone(__file__, measure))

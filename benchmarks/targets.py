@@ -1,0 +1,197 @@
+"""Every figure that is to be reached, and where the one that was reached is stored."""
+
+import math
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Literal
+
+from harness.figures import Path_, Result, leaves
+
+Relation = Literal["<=", ">="]
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A figure to reach.
+
+    Attributes
+    ----------
+    group, text
+        What it is about.
+    where
+        Name of the benchmark, then names of groups and figure, each a pattern; where several
+        figures match, the worst counts.
+    relation, limit, unit
+        What is asked.
+    peers
+        Recorded figures of others.
+    """
+
+    group: str
+    text: str
+    where: Path_
+    relation: Relation
+    limit: float
+    unit: str = ""
+    peers: str = ""
+
+    @property
+    def asked(self) -> str:
+        """What is asked, as text."""
+        sign = "≤" if self.relation == "<=" else "≥"
+        return f"{sign} {self.limit:g} {self.unit}".strip()
+
+    def reached(self, results: dict[str, Result]) -> float:
+        """Return the figure that was reached, NaN where nothing is stored."""
+        result = results.get(self.where[0])
+        if result is None:
+            return math.nan
+        values = [
+            figure.value
+            for path, figure in leaves(result.figures)
+            if len(path) == len(self.where) - 1
+            and all(map(fnmatchcase, path, self.where[1:]))
+            and math.isfinite(figure.value)
+        ]
+        if not values:
+            return math.nan
+        return max(values) if self.relation == "<=" else min(values)
+
+    def verdict(self, value: float) -> str:
+        """Tell whether a value meets the target, and if not, by how much it misses it."""
+        if not math.isfinite(value):
+            return "not measured yet"
+        missing = value - self.limit if self.relation == "<=" else self.limit - value
+        if missing <= 1e-9:
+            return "met"
+        share = f" ({100 * missing / abs(self.limit):.0f} %)" if self.limit else ""
+        return f"missed by {missing:.3g}{share}"
+
+
+def _shelf() -> list[Target]:
+    group, five = "Shelf", ("shelf", "5 cameras")
+    return [
+        Target(group, "5 cameras, average PCP of actors 1-3, no lag",
+               (*five, "newest", "average PCP"), ">=", 97.3, "%",
+               "4D Association 96.3, Pose2Sim 86.9"),
+        Target(group, "the same, 0.2 s lag", (*five, "lag 0.2 s", "average PCP"), ">=", 97.9, "%"),
+        Target(group, "PCP of actor 4", (*five, "newest", "PCP of actor 4"), ">=", 96.5, "%",
+               "4D Association 92.4, Pose2Sim 80.6"),
+        Target(group, "limb-joint error", (*five, "newest", "limb-joint error"), "<=", 48, "mm"),
+        Target(group, "identity switches", (*five, "newest", "switches"), "<=", 0, "",
+               "4D Association 0, Pose2Sim 1"),
+        Target(group, "missed person-frames", (*five, "newest", "missed person-frames"), "<=", 0,
+               "", "4D Association 0, Pose2Sim 15"),
+        Target(group, "4 cameras, mean over all subsets",
+               ("shelf", "4 cameras", "newest", "average PCP"), ">=", 96.3, "%",
+               "4D Association 93.8"),
+        Target(group, "3 cameras, mean over all subsets",
+               ("shelf", "3 cameras", "newest", "average PCP"), ">=", 93.5, "%"),
+        Target(group, "3 cameras, worst subset",
+               ("shelf", "3 cameras", "newest", "worst average PCP"), ">=", 88, "%"),
+        Target(group, "2 cameras, mean over all subsets",
+               ("shelf", "2 cameras", "newest", "average PCP"), ">=", 82, "%"),
+        Target(group, "2 cameras, worst subset",
+               ("shelf", "2 cameras", "newest", "worst average PCP"), ">=", 65, "%"),
+        Target(group, "4 or 3 cameras, switches in all subsets together",
+               ("shelf", "[34] cameras", "newest", "switches"), "<=", 0),
+        Target(group, "2 cameras, switches in all subsets together",
+               ("shelf", "2 cameras", "newest", "switches"), "<=", 5),
+    ]  # fmt: skip
+
+
+def _thesis() -> list[Target]:
+    group, newest = "thesis scenes", "newest"
+    return [
+        Target(group, "2 cameras, joints within 15 cm, worst scene",
+               ("thesis", "*_C2", newest, "joints within 15 cm"), ">=", 0.98, "",
+               "author's program 0.15"),
+        Target(group, "2 cameras, error walking, worst scene",
+               ("thesis", "walk_J?_C2", newest, "mean error"), "<=", 1.25, "cm",
+               "author's program 19"),
+        Target(group, "2 cameras, error crossing, worst scene",
+               ("thesis", "cross_*_C2", newest, "mean error"), "<=", 1.5, "cm"),
+        Target(group, "4 cameras, error", ("thesis", "*_C4", newest, "mean error"), "<=", 0.9,
+               "cm"),
+        Target(group, "switches in crossings, worst scene",
+               ("thesis", "cross_*", newest, "switches"), "<=", 0, "", "author's program 8"),
+        Target(group, "people who left are gone, latest",
+               ("thesis", "*", newest, "gone after, latest"), "<=", 0.5, "s"),
+    ]  # fmt: skip
+
+
+def _rooms() -> list[Target]:
+    group, where = "simulated rooms, 4 cameras", ("accuracy", "4 cameras, *", "newest")
+    return [
+        Target(group, "IDF1, up to 10 people", (*where, "IDF1"), ">=", 99.5, "%"),
+        Target(group, "switches in 10 person-minutes",
+               (*where, "switches in 10 person-minutes"), "<=", 1),
+        Target(group, "missed", (*where, "missed"), "<=", 0.5, "%"),
+        Target(group, "ghosts", (*where, "ghosts"), "<=", 1, "%"),
+        Target(group, "limb lengths, standard deviation", (*where, "limb length sd"), "<=", 0.8,
+               "cm"),
+        Target(group, "90 % regions contain the truth, at least",
+               (*where, "truth in 90 % regions"), ">=", 85, "%"),
+        Target(group, "90 % regions contain the truth, at most",
+               (*where, "truth in 90 % regions"), "<=", 95, "%"),
+        Target("postures", "error lying, crawling, rolling, getting up, of that walking",
+               ("scenes", "postures", "*", "error / walking"), "<=", 1.5, "x"),
+        Target("postures", "switches", ("scenes", "postures", "*", "switches"), "<=", 0),
+    ]  # fmt: skip
+
+
+def _speed() -> list[Target]:
+    asked = ((2, 3, 0.15), (4, 4, 0.3), (4, 10, 1.0), (12, 10, 2.0), (12, 50, 10.0))
+    peers = {(2, 3): "author's program 4.6-8.5"}
+    targets = [
+        Target("fusion per frame set", f"{c} cameras x {p} people, median",
+               ("speed", "per frame set", f"{c} cameras, {p} people", "median"), "<=", limit,
+               "ms", peers.get((c, p), ""))
+        for c, p, limit in asked
+    ]  # fmt: skip
+    targets += [
+        Target("fusion per frame set", f"{c} cameras x {p} people, p95 / median",
+               ("speed", "per frame set", f"{c} cameras, {p} people", "p95 / median"), "<=", 2.5)
+        for c, p, _ in asked
+    ]  # fmt: skip
+    fit = ("speed", "growth", "from 4 people and cameras")
+    return [
+        *targets,
+        Target("fusion per frame set", "grows with this power of the people", (*fit, "people"),
+               "<=", 1.2, "", "author's program 1.75"),
+        Target("fusion per frame set", "and this power of the cameras", (*fit, "cameras"),
+               "<=", 1.1),
+    ]  # fmt: skip
+
+
+FUSION: tuple[Target, ...] = (*_shelf(), *_thesis(), *_rooms(), *_speed())
+"""What the fusion is to reach."""
+
+_VIDEO, _COST = "real video", "pipeline"
+OTHERS: tuple[Target, ...] = (
+    Target("simulating", "4 cameras x 4 people",
+           ("simulating", "4 cameras, 4 people", "times real time"), ">=", 50, "x real time"),
+    Target("simulating", "12 cameras x 50 people",
+           ("simulating", "12 cameras, 50 people", "times real time"), ">=", 2, "x real time"),
+    Target("evaluating", "an hour of 4 people",
+           ("evaluating", "an hour of 4 people", "time"), "<=", 60, "s"),
+    Target("evaluating", "its peak memory",
+           ("evaluating", "an hour of 4 people", "peak memory"), "<=", 2000, "MB"),
+    Target(_VIDEO, "two actors tracked, share of frame sets",
+           ("real_video", "two actors", "tracked*"), ">=", 0.95),
+    Target(_VIDEO, "reprojection error of limb joints, median",
+           ("real_video", "two actors", "median reprojection error"), "<=", 12, "px"),
+    Target(_VIDEO, "other people than the two actors (the bystander is one)",
+           ("real_video", "others", "people"), "<=", 1),
+    Target(_VIDEO, "the same man in both scenes apart, median",
+           ("real_video", "two actors", "same man*"), "<=", 5, "cm"),
+    Target(_COST, "whole pipeline / estimation alone, wall time",
+           ("pipeline_cost", "whole pipeline / estimation alone", "wall time"), "<=", 1.15),
+    Target(_COST, "peak memory, four videos of 1920 x 1080",
+           ("pipeline_cost", "peak memory", "*"), "<=", 1500, "MB"),
+    Target("start", "`trecsim --help`", ("startup", "wall time", "trecsim --help"), "<=", 0.4,
+           "s"),
+    Target("start", "`trecsim demo`, kernels compiled on the way",
+           ("startup", "wall time", "trecsim demo, kernels*"), "<=", 30, "s"),
+)  # fmt: skip
+"""What everything else is to reach."""

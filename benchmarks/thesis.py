@@ -1,0 +1,64 @@
+"""How far the tracks are from the truth in scenes after the thesis' own.
+
+The same key points were given to the thesis author's program, whose figures are in
+``recorded.py``. Gaussian noise of 3 px; one scene more than that program was given. The scenes are
+data beside the repository.
+
+Run: ``python benchmarks/thesis.py``
+"""
+
+import sys
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from harness import scoring
+from harness.command import alone
+from harness.figures import Figures, Skipped
+from harness.machine import ROOT
+from harness.options import Options, shared_data
+
+Task = tuple[Path, Mapping[str, Any]]
+
+
+def scene(task: Task) -> dict[str, dict[str, float]]:
+    """Return the scores of one scene with and without lag."""
+    import numpy as np
+
+    from trecsim.calibration import read_rig
+    from trecsim.sources import read_poses
+
+    sys.path.insert(0, str(ROOT / "tests"))
+    import thesis_scenes  # type: ignore[import-not-found, unused-ignore]
+
+    npz, overrides = task
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        thesis_scenes.convert(npz, folder)
+        with np.load(folder / "truth.npz") as truth:
+            t_s, xyz_m = truth["t_s"], truth["xyz_m"]
+        rig = read_rig(folder / "rig.toml")
+        poses = list(read_poses(folder / "poses.jsonl"))
+    return {
+        lag: scoring.scores(poses, rig, t_s, xyz_m, lag_s, overrides)
+        for lag, lag_s in scoring.LAGS_S.items()
+    }
+
+
+def measure(options: Options) -> Figures:
+    """Measure error and identities in scenes after the thesis' own."""
+    scenes = sorted(shared_data("thesis_scenes").glob("*.npz"))
+    if not scenes:
+        raise Skipped("there is no scene in ../shared/data/thesis_scenes")
+    options.input.update(data="thesis_scenes beside the repository")
+    tasks = [(npz, options.overrides) for npz in scenes]
+    found = options.over(scene, tasks, "thesis scenes")
+    return {
+        npz.stem: {lag: scoring.of_one(values) for lag, values in both.items()}
+        for npz, both in zip(scenes, found, strict=True)
+    }
+
+
+if __name__ == "__main__":
+    raise SystemExit(alone(__file__, measure))
