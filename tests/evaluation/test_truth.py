@@ -5,7 +5,9 @@ import pytest
 
 from made_tracks import snapshot
 from trecsim.errors import InputError
-from trecsim.evaluation.truth import compare, truth_at
+from trecsim.evaluation.matching import truth_at
+from trecsim.evaluation.truth import compare
+from trecsim.store.truth import Truth
 
 T_S = np.arange(11) / 10.0
 
@@ -97,11 +99,12 @@ def test_the_truth_is_interpolated_between_its_times() -> None:
 
 
 def test_the_truth_is_known_at_the_edge_of_an_absence() -> None:
-    truth_m = standing(1.0)
-    truth_m[0, 6:] = np.nan
-    assert truth_at(T_S[5], T_S, truth_m)[0, 0, 0] == 1.0
-    assert np.isnan(truth_at(T_S[5] + 0.01, T_S, truth_m)).all()
-    assert truth_at(T_S[-1], T_S, standing(3.0))[0, 0, 0] == 3.0
+    xyz_m = standing(1.0)
+    xyz_m[0, 6:] = np.nan
+    at_m = truth_at(np.array([T_S[5], T_S[5] + 0.01, T_S[-1]]), Truth(T_S, xyz_m))
+    assert (at_m[0, 0] == 1.0)[:, 0].all()
+    assert np.isnan(at_m[0, 1:]).all()
+    assert (truth_at(T_S[-1:], Truth(T_S, standing(3.0)))[0, 0, :, 0] == 3.0).all()
 
 
 def test_moments_outside_the_truth_do_not_count() -> None:

@@ -1,19 +1,18 @@
 """Tracks against a known truth: how far, how many missed, whose identity was lost."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from trecsim.errors import InputError
-from trecsim.evaluation.assignment import best_pairs
+from trecsim.evaluation.matching import Matcher, Matches, nearness
+from trecsim.evaluation.moments import Moments, gather, within
+from trecsim.store.truth import Truth
 from trecsim.types import Snapshot
 
-GATE_M = 0.5  # a person further from somebody than this, mean over the joints, is not that one
 NEAR_M = 0.15
-
-Joints = Float64[np.ndarray, "person joint 3"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +63,7 @@ def compare(
     Parameters
     ----------
     snapshots
-        The tracks; those before or after the truth do not count.
+        The tracks, in order of time; those before or after the truth do not count.
     truth_t_s
         Times at which the truth is known, increasing [s].
     truth_xyz_m
@@ -82,110 +81,70 @@ def compare(
     then the smallest sum of distances. Pairs of earlier snapshots have no say, so an identity
     that is passed on counts as a switch at once.
     """
-    if not len(truth_t_s):
+    found = gather(snapshots)
+    truth = Truth(truth_t_s, truth_xyz_m)
+    moments = in_common(found, truth)
+    matcher = Matcher(moments, truth)
+    for near in nearness(moments, truth):
+        matcher.add(near)
+    return comparison(moments, matcher.result())
+
+
+def in_common(found: Moments, truth: Truth) -> Moments:
+    """Return the moments of tracks that lie within the time of the truth.
+
+    Raises
+    ------
+    InputError
+        There is none, or the joints are others.
+    """
+    if not len(truth.t_s):
         raise InputError("the truth is empty: it has no moment at all")
-    count = _Count()
-    for snapshot in snapshots:
-        if not truth_t_s[0] <= snapshot.t_s <= truth_t_s[-1]:
-            continue
-        if snapshot.xyz_m.shape[1:] != truth_xyz_m.shape[2:]:
-            raise InputError(
-                f"tracks and truth need the same joints: the tracks have "
-                f"{snapshot.xyz_m.shape[1]}, the truth {truth_xyz_m.shape[2]}"
-            )
-        count.add(snapshot, truth_at(snapshot.t_s, truth_t_s, truth_xyz_m))
-    if not count.frames:
+    moments = within(found, float(truth.t_s[0]), float(truth.t_s[-1]))
+    if not len(moments.t_s):
         raise InputError(
             "tracks and truth have no moment in common: the truth goes from "
-            f"{truth_t_s[0]:g} s to {truth_t_s[-1]:g} s"
+            f"{truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, the tracks {_extent(found)}"
         )
-    return count.result()
-
-
-def truth_at(
-    t_s: float,
-    truth_t_s: Float64[np.ndarray, " time"],
-    truth_xyz_m: Float64[np.ndarray, "truth time joint 3"],
-) -> Float64[np.ndarray, "truth joint 3"]:
-    """Return where everybody truly is at a moment, NaN who is absent [m].
-
-    Parameters
-    ----------
-    t_s
-        The moment, within the truth [s].
-    truth_t_s, truth_xyz_m
-        The truth, as for :func:`compare`.
-
-    Examples
-    --------
-    >>> truth_at(0.25, np.array([0.0, 1.0]), np.array([[[[0.0, 0, 0]], [[4.0, 0, 8]]]]))
-    array([[[1., 0., 2.]]])
-    """
-    after = min(int(np.searchsorted(truth_t_s, t_s, side="right")), len(truth_t_s) - 1)
-    before = max(after - 1, 0)
-    span_s = truth_t_s[after] - truth_t_s[before]
-    share = (t_s - truth_t_s[before]) / span_s if span_s > 0 else 0.0
-    early, late = truth_xyz_m[:, before], truth_xyz_m[:, after]
-    if share in (0.0, 1.0):  # at a known time the other end may be NaN
-        return early if share == 0.0 else late
-    between: Float64[np.ndarray, "truth joint 3"] = early + share * (late - early)
-    return between
-
-
-@dataclass(slots=True)
-class _Count:
-    frames: int = 0
-    person_frames: int = 0
-    ghosts: int = 0
-    switches: int = 0
-    matched: int = 0
-    joints: int = 0
-    near: int = 0
-    errors_m: list[Float64[np.ndarray, " joint"]] = field(default_factory=list)
-    identity: dict[int, int] = field(default_factory=dict)
-
-    def add(self, snapshot: Snapshot, truth_m: Float64[np.ndarray, "truth joint 3"]) -> None:
-        known = np.isfinite(truth_m).all(axis=-1)
-        there = np.flatnonzero(known.any(axis=1))
-        apart_m = np.linalg.norm(truth_m[there, None] - snapshot.xyz_m[None], axis=-1)
-        pairs = best_pairs(_mean(apart_m), GATE_M)
-        self.frames += 1
-        self.person_frames += len(there)
-        self.joints += int(known.sum())
-        self.matched += len(pairs)
-        self.ghosts += len(snapshot.id) - len(pairs)
-        for row, column in pairs:
-            error_m = apart_m[row, column]
-            self.near += int((error_m <= NEAR_M).sum())
-            self.errors_m.append(error_m[np.isfinite(error_m)])
-            self._identify(int(there[row]), int(snapshot.id[column]))
-
-    def _identify(self, person: int, found: int) -> None:
-        self.switches += self.identity.get(person, found) != found
-        self.identity[person] = found
-
-    def result(self) -> Comparison:
-        errors_m = np.concatenate(self.errors_m) if self.errors_m else np.empty(0)
-        some = errors_m if errors_m.size else np.full(1, np.nan)
-        return Comparison(
-            frames=self.frames,
-            person_frames=self.person_frames,
-            matched=self.matched,
-            missed=self.person_frames - self.matched,
-            ghosts=self.ghosts,
-            switches=self.switches,
-            mean_m=float(some.mean()),
-            median_m=float(np.median(some)),
-            p95_m=float(np.quantile(some, 0.95)),
-            recall_15cm=self.near / self.joints if self.joints else float("nan"),
+    if moments.xyz_m.shape[1] != truth.xyz_m.shape[2] and len(moments.id):
+        raise InputError(
+            f"tracks and truth need the same joints: the tracks have "
+            f"{moments.xyz_m.shape[1]}, the truth {truth.xyz_m.shape[2]}"
         )
+    return moments
 
 
-def _mean(
-    apart_m: Float64[np.ndarray, "truth person joint"],
-) -> Float64[np.ndarray, "truth person"]:
-    """Return the mean over the joints both know; NaN where there is none."""
-    known = np.isfinite(apart_m)
-    total_m = np.where(known, apart_m, 0.0).sum(axis=-1)
-    count = known.sum(axis=-1)
-    return np.where(count > 0, total_m / np.maximum(count, 1), np.nan)
+def _extent(found: Moments) -> str:
+    if not len(found.t_s):
+        return "are empty"
+    return f"from {found.t_s[0]:g} s to {found.t_s[-1]:g} s"
+
+
+def comparison(moments: Moments, matches: Matches) -> Comparison:
+    """Return the counts and errors of tracks that are matched with the truth."""
+    person_frames, matched = int(matches.there.sum()), len(matches.moment)
+    errors_m = matches.error_m[np.isfinite(matches.error_m)]
+    some = errors_m if errors_m.size else np.full(1, np.nan)
+    joints = int(matches.true_joints.sum())
+    return Comparison(
+        frames=len(moments.t_s),
+        person_frames=person_frames,
+        matched=matched,
+        missed=person_frames - matched,
+        ghosts=len(moments.id) - matched,
+        switches=int(switches(moments, matches).sum()),
+        mean_m=float(some.mean()),
+        median_m=float(np.median(some)),
+        p95_m=float(np.quantile(some, 0.95)),
+        recall_15cm=float((errors_m <= NEAR_M).sum() / joints) if joints else float("nan"),
+    )
+
+
+def switches(moments: Moments, matches: Matches) -> Bool[np.ndarray, " pair"]:
+    """Return for each pair whether the person bears another identity than when last found."""
+    identity = moments.id[matches.pair_row]
+    order = np.lexsort((matches.moment, matches.person))
+    person, borne = matches.person[order], identity[order]
+    switched = np.zeros(len(order), np.bool_)
+    switched[order[1:]] = (person[1:] == person[:-1]) & (borne[1:] != borne[:-1])
+    return switched
