@@ -1,7 +1,7 @@
-"""People who walk: all 17 joints from a path over the floor, at any time."""
+"""People who walk and run: all 17 joints from a path over the floor, at any time."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -12,6 +12,12 @@ from trecsim.simulation.paths import STEP_S, FloorPath, smooth
 
 STANCE = 0.55  # share of a stride for which an ankle rests over its foot
 MID_STANCE = 0.26  # the body passes over the foot here
+RUNNING_STANCE = 0.36  # less than a half: between two steps both feet are in the air
+RUNNING_MID_STANCE = 0.17
+RUNNING_LIFT = 0.16  # heels go up behind, as a share of the stature
+WALKING_MPS, RUNNING_MPS = 2.0, 2.4  # walked below, run above
+BOUNCE_M = 0.025  # a runner's pelvis goes up and down by so much
+HEEL_OFF = 0.76  # share of the stance after which the heel comes up
 STRIDE = 0.64  # stride length at 1 m/s as a share of the stature
 LIFT = 0.055  # height of the swinging ankle as a share of the stature
 STRETCH = 0.988  # legs are never straighter than this
@@ -46,6 +52,8 @@ class Walker:
         Strides made so far, one entry per time of the path.
     vigour
         How much of a brisk walk this is, 0 standing to 1.2, per time of the path.
+    running
+        How much of a run this is, 0 walking to 1, per time of the path.
     pelvis_m
         Height of the hips over the floor, per time of the path [m].
     style
@@ -56,6 +64,7 @@ class Walker:
     path: FloorPath
     phase: Float64[np.ndarray, " step"]
     vigour: Float64[np.ndarray, " step"]
+    running: Float64[np.ndarray, " step"]
     pelvis_m: Float64[np.ndarray, " step"]
     style: float = 0.0
 
@@ -85,17 +94,68 @@ def walker(body: Body, path: FloorPath, style: float = 0.0) -> Walker:
     than half a stride, so feet do not skate. The hips are then as high as the legs allow, and the
     knees follow from the lengths of thigh and shin.
     """
+    return stepping(body, path, np.cumsum(cadence_hz(body, path)) * STEP_S, style)
+
+
+def cadence_hz(body: Body, path: FloorPath) -> Float64[np.ndarray, " step"]:
+    """Return how many strides a second this way over the floor takes, turning included.
+
+    Parameters
+    ----------
+    body
+        Limb lengths.
+    path
+        Where the pelvis goes.
+    """
     speed_mps = path.speed_mps
-    turning_radps = np.abs(np.gradient(path.heading_rad, STEP_S))
     # Stride length grows with the root of the speed, so the cadence does too.
-    cadence_hz = np.sqrt(speed_mps) / (STRIDE * body.stature_m)
-    cadence_hz = np.where(speed_mps > 0.02, cadence_hz, cadence_hz * speed_mps / 0.02)
-    spot = np.clip(1.0 - speed_mps / 0.3, 0.0, 1.0)
-    cadence_hz += spot * np.minimum(turning_radps / TURN_STEP_RAD, FASTEST_TURN_HZ)
-    stepping = np.minimum(0.2 * spot * turning_radps, 0.3)
-    vigour = smooth(np.clip(speed_mps / 1.25 + stepping, 0.0, 1.2), 0.1)
-    start = Walker(body, path, np.cumsum(cadence_hz) * STEP_S, vigour, np.zeros(len(vigour)), style)
-    return Walker(body, path, start.phase, vigour, _pelvis_height(start), style)
+    cadence = np.sqrt(speed_mps) / (STRIDE * body.stature_m)
+    cadence = np.where(speed_mps > 0.02, cadence, cadence * speed_mps / 0.02)
+    turning = np.minimum(_turning_radps(path) / TURN_STEP_RAD, FASTEST_TURN_HZ)
+    total: Float64[np.ndarray, " step"] = cadence + _on_the_spot(path) * turning
+    return total
+
+
+def stepping(
+    body: Body,
+    path: FloorPath,
+    phase: Float64[np.ndarray, " step"],
+    style: float,
+    treading: Float64[np.ndarray, " step"] | float = 0.0,
+) -> Walker:
+    """Return somebody who goes along a path with strides made at given times.
+
+    Parameters
+    ----------
+    body
+        Limb lengths.
+    path
+        Where the pelvis goes.
+    phase
+        Strides made so far, one entry per time of the path.
+    style
+        Any angle; sets this person's small idle motions apart from others' [rad].
+    treading
+        Least vigour, for steps that neither the speed nor a turn asks for.
+    """
+    turning = np.minimum(0.2 * _on_the_spot(path) * _turning_radps(path), 0.3)
+    speed_mps = path.speed_mps
+    vigour = np.maximum(np.clip(speed_mps / 1.25 + turning, 0.0, 1.2), treading)
+    running = np.clip((speed_mps - WALKING_MPS) / (RUNNING_MPS - WALKING_MPS), 0.0, 1.0)
+    vigour, running = smooth(vigour, 0.1), smooth(running, 0.15)
+    person = Walker(body, path, phase, vigour, running, np.zeros(len(vigour)), style)
+    return replace(person, pelvis_m=_pelvis_height(person))
+
+
+def _turning_radps(path: FloorPath) -> Float64[np.ndarray, " step"]:
+    turning: Float64[np.ndarray, " step"] = np.abs(np.gradient(path.heading_rad, STEP_S))
+    return turning
+
+
+def _on_the_spot(path: FloorPath) -> Float64[np.ndarray, " step"]:
+    """Return 1 where somebody stays in place, 0 where he goes."""
+    spot: Float64[np.ndarray, " step"] = np.clip(1.0 - path.speed_mps / 0.3, 0.0, 1.0)
+    return spot
 
 
 def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
@@ -111,7 +171,9 @@ def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
     window = round(DIP_S / STEP_S)
     padded = np.pad(highest_m, window, mode="edge")
     lowest_m = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1).min(axis=1)
-    return smooth(lowest_m, DIP_S / 4)
+    # Highest while both feet are in the air, half way between two steps.
+    flight = np.cos(4 * np.pi * (person.phase - RUNNING_STANCE / 2 - 0.25))
+    return smooth(lowest_m, DIP_S / 4) + BOUNCE_M * person.running * flight
 
 
 def _joints(person: Walker, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
@@ -169,15 +231,25 @@ def _ankle(person: Walker, phase: Scalar, vigour: Scalar, side: int) -> Xyz:
     offset = 0.5 * side
     stride = np.floor(phase + offset)
     share = phase + offset - stride
-    swing = np.clip((share - STANCE) / (1 - STANCE), 0.0, 1.0)
+    runs, will_run = (_running_from(person, stride + k - offset) for k in (0, 1))
+    stance = STANCE + (RUNNING_STANCE - STANCE) * runs
+    swing = np.clip((share - stance) / (1 - stance), 0.0, 1.0)
     swing = swing**2 * (3 - 2 * swing)  # starts and ends at rest
-    here_m = _plant(person, stride + MID_STANCE - offset, side)
-    next_m = _plant(person, stride + 1 + MID_STANCE - offset, side)
+    mid, next_mid = (MID_STANCE + (RUNNING_MID_STANCE - MID_STANCE) * r for r in (runs, will_run))
+    here_m = _plant(person, stride + mid - offset, side)
+    next_m = _plant(person, stride + 1 + next_mid - offset, side)
     ankle_m: Xyz = here_m + swing[:, None] * (next_m - here_m)
-    lifted = np.sin(np.pi * np.clip((share - 0.42) / 0.58, 0.0, 1.0)) ** 2
-    lift_m = LIFT * person.body.stature_m * lifted * np.clip(vigour / 0.3, 0.0, 1.0)
+    lifted = np.clip((share - HEEL_OFF * stance) / (1 - HEEL_OFF * stance), 0.0, 1.0)
+    lift_m = (LIFT + (RUNNING_LIFT - LIFT) * runs) * person.body.stature_m
+    lift_m *= np.sin(np.pi * lifted) ** 2 * np.clip(vigour / 0.3, 0.0, 1.0)
     ankle_m[:, 2] = person.body.ankle_m + lift_m
     return ankle_m
+
+
+def _running_from(person: Walker, phase: Scalar) -> Scalar:
+    """Return how much of a run the strides are that begin at `phase`; fixed for all of a stride."""
+    runs: Scalar = np.interp(phase, person.phase, person.running)
+    return runs
 
 
 def _plant(person: Walker, phase: Scalar, side: int) -> Xyz:
@@ -214,14 +286,15 @@ def _put_upper_body(
     vigour = _at(person, person.vigour, t_s)
     facing = _at(person, person.path.heading_rad, t_s)
     forward, left = _forward_left(facing + 0.08 * vigour * np.cos(stride))
-    lean = (0.03 + 0.06 * vigour + 0.02 * np.sin(0.5 * t_s + style))[:, None]
+    runs = _at(person, person.running, t_s)
+    lean = (0.03 + 0.06 * vigour + 0.08 * runs + 0.02 * np.sin(0.5 * t_s + style))[:, None]
     up = np.sin(lean) * forward + np.cos(lean) * np.array([0.0, 0.0, 1.0])
     chest_m = pelvis_m + body.trunk_m * up
     ahead = np.cos(lean) * forward - np.sin(lean) * np.array([0.0, 0.0, 1.0])
     for side, sign in ((0, 1.0), (1, -1.0)):
         shoulder_m = chest_m + sign * body.shoulders_m / 2 * left
         swing = -sign * 0.45 * vigour * np.cos(stride) + 0.05 * np.sin(0.9 * t_s + style + sign)
-        bend = 0.25 + 0.25 * vigour + 0.3 * vigour * np.maximum(0.0, np.sin(swing))
+        bend = 0.25 + 0.25 * vigour + 0.3 * vigour * np.maximum(0.0, np.sin(swing)) + 0.9 * runs
         upper = _arm_direction(swing, ahead, up, sign * left)
         fore = _arm_direction(swing + bend, ahead, up, 0.3 * sign * left)
         elbow_m = shoulder_m + body.upper_arm_m * upper

@@ -1,0 +1,42 @@
+"""How a motion gets from its beginning to its end: evenly, or as a fall does."""
+
+import numpy as np
+from jaxtyping import Float64
+
+Share = Float64[np.ndarray, " time"]
+
+
+def even(share: Share) -> Share:
+    """Return a way from 0 to 1 with the least jerk, at rest at both ends.
+
+    Parameters
+    ----------
+    share
+        Share of the time; below 0 and above 1 it rests.
+
+    Examples
+    --------
+    >>> even(np.array([-1.0, 0.0, 0.5, 1.0])).tolist()
+    [0.0, 0.0, 0.5, 1.0]
+    """
+    u = np.clip(share, 0.0, 1.0)
+    way: Share = u**3 * (10 - 15 * u + 6 * u**2)
+    return way
+
+
+def falling(share: Share) -> Share:
+    """Return a way from 0 to 1 that gets faster for two thirds of the time, then ends soon.
+
+    Parameters
+    ----------
+    share
+        Share of the time; below 0 and above 1 it rests.
+
+    Examples
+    --------
+    >>> falling(np.array([0.0, 0.5, 1.0])).tolist()
+    [0.0, 0.3125, 1.0]
+    """
+    u = np.clip(share, 0.0, 1.0)
+    way: Share = u**3 * (4 - 3 * u)
+    return way
