@@ -25,7 +25,7 @@ _RADIUS_M = np.array([0.16, 0.11, 0.09, 0.09, 0.06, 0.06])
 _WIDEST_M = 0.16
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def remember(values, keep, fresh):
     """Turn independent numbers into processes, in place: ``x = keep * last x + fresh * number``.
@@ -44,7 +44,7 @@ def remember(values, keep, fresh):
             )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def hidden_by_bodies(position_m, xyz_m, hidden):
     """Find the joints that somebody else's body hides from a camera.
@@ -58,108 +58,118 @@ def hidden_by_bodies(position_m, xyz_m, hidden):
     hidden
         Result, (time, person, 17).
     """
-    people = xyz_m.shape[1]
-    middle_m, ball = np.empty((people, 3)), np.empty((people, 4))
+    people, parts = xyz_m.shape[1], _ENDS.shape[0]
+    seen_m, length_m = np.empty((people, 17, 3)), np.empty((people, 17))  # from the camera
+    ball, balls = np.empty((people, 7)), np.empty((people, parts, 7))
+    start_m, along_m = np.empty((people, parts, 3)), np.empty((people, parts, 3))
     for time in range(xyz_m.shape[0]):
         for person in range(people):
-            _enclose(xyz_m[time, person], position_m, middle_m[person], ball[person])
+            for joint in range(17):
+                for axis in range(3):
+                    seen_m[person, joint, axis] = (
+                        xyz_m[time, person, joint, axis] - position_m[axis]
+                    )
+                length_m[person, joint] = math.sqrt(
+                    _dot(seen_m[person, joint], seen_m[person, joint])
+                )
+            _enclose_body(seen_m[person], ball[person])
+            _place_parts(seen_m[person], start_m[person], along_m[person], balls[person])
         for person in range(people):
             for other in range(people):
-                if person != other and _may_hide(
-                    middle_m[other], ball[other], middle_m[person], ball[person]
-                ):
+                if person != other and _may_hide(ball[other], ball[person]):
                     _hide(
-                        position_m,
-                        xyz_m[time, person],
-                        xyz_m[time, other],
-                        middle_m[other],
-                        ball[other, 1],
+                        seen_m[person],
+                        length_m[person],
+                        start_m[other],
+                        along_m[other],
+                        balls[other],
                         hidden[time, person],
                     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _enclose(xyz_m, position_m, middle_m, ball):
-    """Find a ball about a body.
+def _place_parts(seen_m, start_m, along_m, balls):
+    """Find where capsules start, the ways to their other ends, and balls about them."""
+    for part in range(_ENDS.shape[0]):
+        first, second, third, fourth = _ENDS[part]
+        for axis in range(3):
+            start = 0.5 * (seen_m[first, axis] + seen_m[second, axis])
+            end = 0.5 * (seen_m[third, axis] + seen_m[fourth, axis])
+            start_m[part, axis], along_m[part, axis] = start, end - start
+            balls[part, axis] = 0.5 * (start + end)
+        half_m = 0.5 * math.sqrt(_dot(along_m[part], along_m[part]))
+        _look_at_ball(balls[part], half_m + _RADIUS_M[part])
 
-    Parameters
-    ----------
-    middle_m
-        Result: its middle, seen from the camera; NaN while absent, (3) [m].
-    ball
-        Result: distance and radius [m], sine and cosine of half the angle under which it is seen.
-    """
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _enclose_body(seen_m, ball):
+    """Find a ball about all of a body's joints, and all of its parts."""
     for axis in range(3):
-        middle_m[axis] = 0.25 * (
-            xyz_m[11, axis] + xyz_m[12, axis] + xyz_m[5, axis] + xyz_m[6, axis]
-        )
+        low = high = seen_m[0, axis]
+        for joint in range(1, 17):
+            low, high = min(low, seen_m[joint, axis]), max(high, seen_m[joint, axis])
+        ball[axis] = 0.5 * (low + high)
     furthest_m2 = 0.0
     for joint in range(17):
-        furthest_m2 = max(furthest_m2, _distance_m2(xyz_m[joint], middle_m))
-    for axis in range(3):
-        middle_m[axis] -= position_m[axis]
-    ball[0] = math.sqrt(_dot(middle_m, middle_m))
-    ball[1] = math.sqrt(furthest_m2) + _WIDEST_M
-    ball[2] = min(ball[1] / max(ball[0], 1e-9), 1.0)
-    ball[3] = math.sqrt(1.0 - ball[2] ** 2)
-
-
-@njit(cache=True, nogil=True)
-@no_type_check
-def _distance_m2(a, b):
-    return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2
-
-
-@njit(cache=True, nogil=True)
-@no_type_check
-def _may_hide(other_m, other, person_m, person):
-    """Return whether a ball is not behind another and touches its cone; false for NaN."""
-    if not other[0] - other[1] < person[0] + person[1]:
-        return False
-    if other[2] == 1.0 or person[2] == 1.0:
-        return True
-    least = person[3] * other[3] - person[2] * other[2]  # cosine of the sum of both angles
-    return _dot(other_m, person_m) > least * other[0] * person[0]
-
-
-@njit(cache=True, nogil=True)
-@no_type_check
-def _hide(position_m, person_m, other_m, other_middle_m, other_radius_m, hidden):
-    """Mark the joints of one person that the body of another hides."""
-    ray_m, to_m = np.empty(3), np.empty(3)
-    low_m, high_m = np.empty(3), np.empty(3)
-    for joint in range(17):
-        if hidden[joint]:
-            continue
+        far_m2 = 0.0
         for axis in range(3):
-            ray_m[axis] = person_m[joint, axis] - position_m[axis]
-        if _to_ray_m2(ray_m, other_middle_m) > other_radius_m**2:
-            continue
-        for part in range(_ENDS.shape[0]):
-            for axis in range(3):
-                low_m[axis] = 0.5 * (other_m[_ENDS[part, 0], axis] + other_m[_ENDS[part, 1], axis])
-                high_m[axis] = 0.5 * (other_m[_ENDS[part, 2], axis] + other_m[_ENDS[part, 3], axis])
-                low_m[axis] -= position_m[axis]
-                high_m[axis] -= low_m[axis] + position_m[axis]
-                to_m[axis] = ray_m[axis] - low_m[axis]
-            radius_m2 = _RADIUS_M[part] ** 2
-            # A joint within the other's body is in front of it as often as behind.
-            if _to_ray_m2(high_m, to_m) > radius_m2 >= _gap_m2(ray_m, low_m, high_m):
-                hidden[joint] = True
-                break
+            far_m2 += (seen_m[joint, axis] - ball[axis]) ** 2
+        furthest_m2 = max(furthest_m2, far_m2)
+    _look_at_ball(ball, math.sqrt(furthest_m2) + _WIDEST_M)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _look_at_ball(ball, radius_m):
+    """Complete a ball: middle, distance, radius [m], sine and cosine of half its angle of view."""
+    ball[3] = math.sqrt(_dot(ball, ball))
+    ball[4] = radius_m
+    ball[5] = min(radius_m / max(ball[3], 1e-9), 1.0)
+    ball[6] = math.sqrt(1.0 - ball[5] ** 2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _may_hide(other, person):
+    """Return whether a ball is not behind another and touches its cone; false for NaN."""
+    if not other[3] - other[4] < person[3] + person[4]:
+        return False
+    if other[5] == 1.0 or person[5] == 1.0:
+        return True
+    least = person[6] * other[6] - person[5] * other[5]  # cosine of the sum of both angles
+    return _dot(other, person) > least * other[3] * person[3]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+@no_type_check
+def _hide(seen_m, length_m, start_m, along_m, balls, hidden):
+    """Mark the joints behind the capsules of one body."""
+    to_m = np.empty(3)
+    for part in range(_ENDS.shape[0]):
+        ball, radius_m2 = balls[part], _RADIUS_M[part] ** 2
+        least = ball[6] * ball[3] if ball[5] < 1.0 else -np.inf
+        for joint in range(17):
+            if hidden[joint] or _dot(seen_m[joint], ball) < least * length_m[joint]:
+                continue
+            if _gap_m2(seen_m[joint], start_m[part], along_m[part]) <= radius_m2:
+                for axis in range(3):
+                    to_m[axis] = seen_m[joint, axis] - start_m[part, axis]
+                # A joint within the other's body is in front of it as often as behind.
+                hidden[joint] = _to_segment_m2(along_m[part], to_m) > radius_m2
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
-def _to_ray_m2(ray_m, point_m):
-    """Return the squared distance of a point from the segment from the origin to `ray_m`."""
+def _to_segment_m2(ray_m, point_m):
+    """Return the squared distance of a point from the segment between the origin and `ray_m`."""
     length_m2 = max(_dot(ray_m, ray_m), 1e-18)
     share = min(max(_dot(ray_m, point_m) / length_m2, 0.0), 1.0)
     return (
@@ -169,7 +179,7 @@ def _to_ray_m2(ray_m, point_m):
     )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 @no_type_check
 def _gap_m2(ray_m, start_m, along_m):
     """Return the squared distance of two segments: origin to `ray_m`; `start_m` on `along_m`."""
