@@ -1,18 +1,21 @@
 """What a 2D pose estimator would report: the truth, seen through its habits.
 
-The figures are those of a real estimator, OpenPose on a recording with five cameras. Its errors
-are no white noise: most of an error lasts for seconds, so it does not average out over time. Only
-the part that differs between cameras is made here; what all cameras share (where an estimator
-thinks a hip is) moves the joint itself, and no tracker can see it.
+The figures are those of a real estimator, OpenPose on a recording with five cameras; see
+``docs/reference/simulated-detector.md``. Its errors are no white noise: most of an error lasts for
+seconds, so it does not average out over time. And part of it is the same in all cameras (where an
+estimator thinks a hip is): no tracker can see that, so it is made on demand only.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import get_type_hints
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
-from trecsim.simulation.mistakes import false_person
+from trecsim.simulation.agreement import misplaced
+from trecsim.simulation.mistakes import exchanged, false_person
 from trecsim.simulation.noise import ornstein_uhlenbeck, spells
 from trecsim.simulation.occlusion import (
     Obstacle,
@@ -20,18 +23,20 @@ from trecsim.simulation.occlusion import (
     hidden_behind_obstacles,
     hidden_behind_others,
 )
-from trecsim.skeleton import COCO17
 from trecsim.types import Poses2D
 
 HEAD, LIMBS = slice(0, 5), slice(5, 17)
 FEWEST_JOINTS = 6  # with fewer joints in the image nobody is found
-MIRROR = list(COCO17.mirror)
 MOSTLY_HIDDEN = 0.7  # somebody of whom more is hidden is not found
 
 Times = Float64[np.ndarray, " time"]
 Points = Float64[np.ndarray, "time person 17 2"]
 Values = Float64[np.ndarray, "time person 17"]
+Heights = Float64[np.ndarray, "time person"]
 Flags = Bool[np.ndarray, "time person 17"]
+
+
+JOINTS = 17
 
 
 def _per_joint(
@@ -54,25 +59,39 @@ class Detector:
     Attributes
     ----------
     sigma
-        Error per axis and joint, as a share of the person's height in the image.
+        Error per axis and joint that differs between cameras, as a share of the person's height
+        in the image: root mean square over time.
     white, fast, slow
         Shares of its variance: without memory, and with the two times below.
     fast_s, slow_s
         Memory of the two correlated parts [s].
+    doubt
+        One less the usual score, per joint.
     missing_joint
-        Share of the images in which a joint is missing though the person is found.
+        Share of the images in which a joint is missing though the person is found and nobody
+        hides it.
     missing_person
         Share of the images in which somebody is not found though well visible.
     swapped
-        Share of the images in which left and right of a person are swapped.
+        Share of the images in which left and right of a person, or of a pair of limbs, are
+        swapped.
     stray, stray_sigma
         Share of the images in which a joint is somewhere else altogether, and how far, as `sigma`.
     hidden_missing
-        Of the joints behind somebody else, the share that is missing; the others are guessed.
+        Of the joints behind somebody or something, the share that is missing; the others are
+        guessed. If none is missing, nothing hides anything.
     hidden_sigma
         How much worse a guess is than `sigma`.
+    small_px
+        Of people who are so tall in the image, doubt is twice the usual; much smaller ones are
+        not found.
     false_people
         Share of the images in which a camera reports a person where there is none.
+    common_up_m
+        How far too high it sets each joint, from the hips towards the shoulders, in all cameras
+        [m].
+    common_spread_m
+        Standard deviation about that, per axis and joint, the same in all cameras [m].
     """
 
     sigma: tuple[float, ...] = _per_joint(0.010, 0.0145, 0.0105, 0.013, 0.019, 0.0175, 0.0135)
@@ -81,33 +100,80 @@ class Detector:
     slow: float = 0.65
     fast_s: float = 0.17
     slow_s: float = 7.0
-    missing_joint: tuple[float, ...] = _per_joint(0.03, 0.032, 0.174, 0.225, 0.014, 0.027, 0.048)
-    missing_person: float = 0.045
+    doubt: tuple[float, ...] = _per_joint(0.12, 0.17, 0.14, 0.18, 0.31, 0.23, 0.22)
+    missing_joint: tuple[float, ...] = _per_joint(0.03, 0.027, 0.165, 0.215, 0.012, 0.022, 0.042)
+    missing_person: float = 0.042
     swapped: float = 0.004
-    stray: float = 0.015
+    stray: tuple[float, ...] = _per_joint(0.005, 0.008, 0.013, 0.022, 0.009, 0.018, 0.021)
     stray_sigma: float = 0.15
-    hidden_missing: float = 0.6
-    hidden_sigma: float = 2.5
+    hidden_missing: tuple[float, ...] = _per_joint(0.5, 0.33, 0.63, 0.61, 0.15, 0.21, 0.40)
+    hidden_sigma: float = 2.0
+    small_px: float = 60.0
     false_people: float = 0.01
+    common_up_m: tuple[float, ...] = (0.0,) * 17
+    common_spread_m: tuple[float, ...] = (0.0,) * 17
 
+    def __post_init__(self) -> None:
+        faults = [*self._wrong_shares(), *self._wrong_sizes()]
+        if faults:
+            raise InputError(f"a simulated detector cannot be like that: {'; '.join(faults)}")
+
+    def _wrong_shares(self) -> list[str]:
+        names = ["white", "fast", "slow", "missing_person", "swapped", "false_people"]
+        names += ["doubt", "missing_joint", "stray", "hidden_missing"]
+        return [
+            f"{name} needs shares from 0 to 1, got {getattr(self, name)}"
+            for name in names
+            if not all(0.0 <= share <= 1.0 for share in np.ravel(getattr(self, name)))
+        ]
+
+    def _wrong_sizes(self) -> list[str]:
+        least = {"sigma": 0.0, "stray_sigma": 0.0, "hidden_sigma": 1.0, "small_px": 0.0}
+        least |= {"fast_s": 1e-3, "slow_s": 1e-3}
+        faults = [
+            f"{name} needs to be at least {low:g} and finite, got {getattr(self, name)}"
+            for name, low in least.items()
+            if not all(low <= size < np.inf for size in np.ravel(getattr(self, name)))
+        ]
+        return faults + [
+            f"{name} needs one number per joint, {JOINTS}, got {len(getattr(self, name))}"
+            for name, kind in get_type_hints(Detector).items()
+            if kind == tuple[float, ...] and len(getattr(self, name)) != JOINTS
+        ]
+
+
+REAL = Detector()
+"""Errs like a real one, without what no tracker can see."""
+
+ANNOTATED = replace(
+    REAL,
+    common_up_m=_per_joint(0.0, 0.028, 0.016, 0.020, 0.060, 0.021, 0.016),
+    common_spread_m=_per_joint(0.010, 0.020, 0.022, 0.028, 0.024, 0.022, 0.020),
+)
+"""Errs like a real one that is compared with what people marked in the images."""
 
 PERFECT = Detector(
     sigma=(0.0,) * 17,
+    doubt=(0.0,) * 17,
     missing_joint=(0.0,) * 17,
     missing_person=0.0,
     swapped=0.0,
-    stray=0.0,
-    hidden_missing=0.0,
+    stray=(0.0,) * 17,
+    hidden_missing=(0.0,) * 17,
     hidden_sigma=1.0,
+    small_px=0.0,
     false_people=0.0,
 )
-"""Sees everything that is in the image, exactly."""
+"""Sees everything that is in the image, exactly, even through walls."""
 
-# A score of 0.82 goes with the error `sigma`; each tenth less makes it 28 % larger, so that the
-# median errors of scores over 0.8, 0.6 to 0.8 and 0.4 to 0.6 are as 10 to 15 to 26.
-USUAL_SCORE, SCORE_SPREAD, ERROR_PER_SCORE = 0.82, 0.10, 2.5
-LOWEST_SCORE, HIGHEST_SCORE = 0.15, 0.97
-STRAY_KNOWN, STRAY_SCORE = 0.7, 0.35  # most joints gone astray have a lower score by so much
+# Doubt (one less the score) varies like exp(DOUBT_SPREAD n): partly for the whole person, partly
+# quickly. What stays wrong grows with a power of it, what trembles with a higher one.
+DOUBT_SPREAD, OF_PERSON, QUICK, QUICK_S = 0.50, 0.43, 0.2, 0.1
+SLOW_POWER, FAST_POWER = 0.6, 1.6
+MOST_DOUBT = 0.9
+STRAY_KNOWN, STRAY_DOUBT = 0.35, 2.0  # so many of the joints gone astray have more doubt
+STEEPNESS = 2.35  # with which somebody who gets smaller is lost
+MISSING_S, STRAY_S, UNFOUND_S = 2.5, 0.15, 0.3  # about how long
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -128,6 +194,8 @@ class Footage:
         Heights of the people [m].
     obstacles
         Things that hide people.
+    common_seed
+        The same for all cameras of a scene: it decides in what they agree to be wrong.
     """
 
     camera: Camera
@@ -136,6 +204,7 @@ class Footage:
     xyz_m: Float64[np.ndarray, "person time 17 3"]
     stature_m: Float64[np.ndarray, " person"]
     obstacles: tuple[Obstacle, ...] = ()
+    common_seed: int = 0
 
 
 def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> list[Poses2D]:
@@ -151,23 +220,19 @@ def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> li
         Source of chance.
     """
     camera, t_s = footage.camera, footage.taken_s
-    xyz_m = np.moveaxis(footage.xyz_m, 0, 1)
-    xy_px = _inside(camera, camera.project(xyz_m))
-    hidden = hidden_behind_others(camera.position_m, xyz_m)
-    hidden |= hidden_behind_obstacles(camera.position_m, xyz_m, footage.obstacles)
-    if detector.hidden_missing > 0:
-        xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan
-    score = _scores(t_s, hidden, detector, rng)
-    away, doubtful = _strays(t_s, score.shape[1], detector, rng)
-    share = _usual_errors(t_s, score, detector, rng) + away
+    xyz_m = np.ascontiguousarray(np.moveaxis(footage.xyz_m, 0, 1))
     height_px = _height_in_image(camera, xyz_m, footage.stature_m)
-    xy_px = xy_px + share * height_px[..., None, None]
-    score = np.where(doubtful, np.maximum(score - STRAY_SCORE, LOWEST_SCORE), score)
-    swapped = spells(rng, t_s, 0.1, detector.swapped, score.shape[1])[..., None]
-    xy_px = np.where(swapped[..., None], xy_px[:, :, MIRROR], xy_px)
-    score = np.where(swapped, score[:, :, MIRROR], score)
+    hidden = _hidden(footage, xyz_m, detector)
+    xy_px = _seen(footage, xyz_m, detector)
+    unsure = _unsureness(t_s, height_px, hidden, detector, rng)
+    share = _usual_errors(t_s, unsure, detector, rng)
+    away, dubious = _strays(t_s, len(footage.stature_m), detector, rng)
+    xy_px += (share + away) * height_px[..., None, None]
+    doubt = np.array(detector.doubt) * np.exp(unsure) * np.where(dubious, STRAY_DOUBT, 1.0)
+    score = 1.0 - np.minimum(doubt, MOST_DOUBT)
+    xy_px, score = exchanged(t_s, xy_px, score, detector.swapped, rng)
     xy_px[_missing(t_s, hidden, detector, rng)] = np.nan
-    found = _found(t_s, xy_px, hidden, detector, rng)
+    found = _found(t_s, xy_px, hidden, height_px, detector, rng)
     false = false_person(camera.size_px, t_s, detector.false_people, rng)
     xy_px = _inside(camera, np.concatenate((xy_px, false.xy_px), axis=1))
     score = np.concatenate((score, false.score), axis=1)
@@ -191,69 +256,129 @@ def _shuffled(
     return Poses2D(name, t_s, xy_px[order], score[order], mean[order])
 
 
+def _seen(
+    footage: Footage, xyz_m: Float64[np.ndarray, "time person 17 3"], detector: Detector
+) -> Points:
+    """Return where joints would be in the images without any error that differs between cameras."""
+    camera, believed_m = footage.camera, xyz_m
+    if any(detector.common_up_m) or any(detector.common_spread_m):
+        rng = np.random.default_rng(footage.common_seed)
+        believed_m = misplaced(
+            footage.taken_s, xyz_m, detector.common_up_m, detector.common_spread_m, rng
+        )
+    xy_px = _inside(camera, camera.project(believed_m))
+    if any(detector.hidden_missing):
+        xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan
+    return xy_px
+
+
+def _hidden(
+    footage: Footage, xyz_m: Float64[np.ndarray, "time person 17 3"], detector: Detector
+) -> Flags:
+    """Return which joints somebody or something hides from the camera."""
+    if not any(detector.hidden_missing):
+        return np.zeros(xyz_m.shape[:3], dtype=bool)
+    position_m = footage.camera.position_m
+    hidden = hidden_behind_others(position_m, xyz_m)
+    hidden |= hidden_behind_obstacles(position_m, xyz_m, footage.obstacles)
+    return hidden
+
+
 def _inside(camera: Camera, xy_px: Points) -> Points:
     """Return the key points that lie in the image; the others are NaN."""
-    far = np.array(camera.size_px) - 0.5
-    inside = np.all((xy_px >= -0.5) & (xy_px <= far), axis=-1, keepdims=True)
-    return np.where(inside, xy_px, np.nan)
+    x_px, y_px = xy_px[..., 0], xy_px[..., 1]
+    width_px, height_px = camera.size_px
+    inside = (x_px >= -0.5) & (x_px <= width_px - 0.5)
+    inside &= (y_px >= -0.5) & (y_px <= height_px - 0.5)
+    return np.where(inside[..., None], xy_px, np.nan)
 
 
 def _height_in_image(
     camera: Camera,
     xyz_m: Float64[np.ndarray, "time person 17 3"],
     stature_m: Float64[np.ndarray, " person"],
-) -> Float64[np.ndarray, "time person"]:
+) -> Heights:
     """Return how tall everybody would be in the image, standing upright and facing it [px]."""
     distance_m = np.linalg.norm(xyz_m[..., 11:13, :].mean(axis=-2) - camera.position_m, axis=-1)
-    height_px: Float64[np.ndarray, "time person"] = camera.K[1, 1] * stature_m / distance_m
+    height_px: Heights = camera.K[1, 1] * stature_m / distance_m
     return height_px
 
 
-def _scores(t_s: Times, hidden: Flags, detector: Detector, rng: np.random.Generator) -> Values:
-    """Return the confidence per key point, before it is known which of them are missing."""
-    common = ornstein_uhlenbeck(rng, t_s, 1.0, hidden.shape[1], 1)
-    own = ornstein_uhlenbeck(rng, t_s, 0.3, *hidden.shape[1:])
-    score: Values = USUAL_SCORE + SCORE_SPREAD * (np.sqrt(0.3) * common + np.sqrt(0.7) * own)
-    score -= hidden * np.log(detector.hidden_sigma) / ERROR_PER_SCORE
-    return score.clip(LOWEST_SCORE, HIGHEST_SCORE)
+def _unsureness(
+    t_s: Times, height_px: Heights, hidden: Flags, detector: Detector, rng: np.random.Generator
+) -> Values:
+    """Return the logarithm of doubt per key point, in multiples of the joint's usual doubt."""
+    shape = hidden.shape[1:]
+    unsure: Values = np.sqrt(QUICK) * ornstein_uhlenbeck(rng, t_s, QUICK_S, *shape)
+    lasting = np.sqrt(1.0 - OF_PERSON - QUICK)
+    unsure += lasting * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    unsure += np.sqrt(OF_PERSON) * ornstein_uhlenbeck(rng, t_s, detector.slow_s, shape[0], 1)
+    unsure *= DOUBT_SPREAD
+    unsure += hidden * (np.log(detector.hidden_sigma) / SLOW_POWER)
+    unsure += np.log1p((detector.small_px / height_px) ** 2)[..., None]
+    return unsure
 
 
 def _usual_errors(
-    t_s: Times, score: Values, detector: Detector, rng: np.random.Generator
+    t_s: Times, unsure: Values, detector: Detector, rng: np.random.Generator
 ) -> Points:
-    """Return errors as shares of a person's height: larger where the score is low."""
-    shape = (*score.shape[1:], 2)
-    unit = np.sqrt(detector.white) * rng.standard_normal((len(t_s), *shape))
-    unit += np.sqrt(detector.fast) * ornstein_uhlenbeck(rng, t_s, detector.fast_s, *shape)
-    unit += np.sqrt(detector.slow) * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
-    worse = np.exp(ERROR_PER_SCORE * (USUAL_SCORE - score))
-    errors: Points = unit * (np.array(detector.sigma) * worse)[..., None]
+    """Return errors as shares of a person's height: larger where doubt is."""
+    shape = (*unsure.shape[1:], 2)
+    if not any(detector.sigma):
+        return np.zeros((len(t_s), *shape))
+    sigma = np.array(detector.sigma)
+    trembling = np.sqrt(detector.fast) * ornstein_uhlenbeck(rng, t_s, detector.fast_s, *shape)
+    trembling += np.sqrt(detector.white) * rng.standard_normal(trembling.shape)
+    trembling *= (sigma * _worse(unsure, FAST_POWER))[..., None]
+    lasting = ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    lasting *= (np.sqrt(detector.slow) * sigma * _worse(unsure, SLOW_POWER))[..., None]
+    errors: Points = lasting + trembling
     return errors
+
+
+def _worse(unsure: Values, power: float) -> Values:
+    """Return by how much errors grow with doubt: of mean square one over its usual spread."""
+    worse: Values = np.exp(power * unsure - (power * DOUBT_SPREAD) ** 2)
+    return worse
 
 
 def _strays(
     t_s: Times, people: int, detector: Detector, rng: np.random.Generator
 ) -> tuple[Points, Flags]:
-    """Return how far astray joints are, as shares of a height, and which of them look doubtful."""
-    astray = spells(rng, t_s, 0.3, detector.stray, people, 17)
-    away = detector.stray_sigma * ornstein_uhlenbeck(rng, t_s, 1.0, people, 17, 2)
-    return astray[..., None] * away, astray & spells(rng, t_s, 1.0, STRAY_KNOWN, people, 17)
+    """Return how far astray joints are, as shares of a height, and which of them look dubious."""
+    astray = spells(rng, t_s, STRAY_S, np.array(detector.stray), people, 17)
+    away = np.zeros((*astray.shape, 2))
+    dubious = np.zeros_like(astray)
+    if astray.any():
+        away = ornstein_uhlenbeck(rng, t_s, 1.0, people, 17, 2)
+        away *= detector.stray_sigma * astray[..., None]
+        dubious = astray & spells(rng, t_s, 1.0, STRAY_KNOWN, people, 17)
+    return away, dubious
 
 
 def _missing(t_s: Times, hidden: Flags, detector: Detector, rng: np.random.Generator) -> Flags:
     """Return which key points are missing though the person is found."""
     shape = hidden.shape[1:]
-    missing: Flags = spells(rng, t_s, 0.2, np.array(detector.missing_joint), *shape)
-    missing |= hidden & spells(rng, t_s, 0.2, detector.hidden_missing, *shape)
+    missing: Flags = spells(rng, t_s, MISSING_S, np.array(detector.missing_joint), *shape)
+    missing |= hidden & spells(rng, t_s, MISSING_S, np.array(detector.hidden_missing), *shape)
     return missing
 
 
 def _found(
-    t_s: Times, xy_px: Points, hidden: Flags, detector: Detector, rng: np.random.Generator
+    t_s: Times,
+    xy_px: Points,
+    hidden: Flags,
+    height_px: Heights,
+    detector: Detector,
+    rng: np.random.Generator,
 ) -> Bool[np.ndarray, "time person"]:
     """Return who is found at all."""
     enough = np.isfinite(xy_px[..., 0]).sum(axis=-1) >= FEWEST_JOINTS
-    missed = spells(rng, t_s, 0.3, detector.missing_person, xy_px.shape[1])
+    missed = spells(rng, t_s, UNFOUND_S, detector.missing_person, xy_px.shape[1])
     mostly_hidden = hidden[..., LIMBS].mean(axis=-1) > MOSTLY_HIDDEN
-    found: Bool[np.ndarray, "time person"] = enough & ~missed
-    return found & ~mostly_hidden if detector.hidden_missing > 0 else found
+    found: Bool[np.ndarray, "time person"] = enough & ~missed & ~mostly_hidden
+    if detector.small_px > 0:
+        # Half of those who are half as tall as `small_px` are found, and one in seven at a third.
+        clarity = STEEPNESS * np.log(2.0 * height_px / detector.small_px)
+        found &= ornstein_uhlenbeck(rng, t_s, UNFOUND_S, xy_px.shape[1]) < clarity
+    return found
