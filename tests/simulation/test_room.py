@@ -30,5 +30,5 @@ def test_the_first_cameras_stand_in_the_corners() -> None:
 
 @pytest.mark.parametrize(("width_m", "cameras"), [(0.0, 4), (8.0, 0)])
 def test_a_room_that_cannot_be_is_refused(width_m: float, cameras: int) -> None:
-    with pytest.raises(InputError, match="positive sides and at least one camera"):
+    with pytest.raises(InputError, match=r"positive sides|at least one camera"):
         corner_rig(width_m, 6.0, 2.7, cameras)

@@ -22,7 +22,11 @@ COMMANDS = {
     "run": "Run a whole site: recordings in, people in 3D out.",
     "estimate": "Find people's 2D poses in videos.",
     "track": "Reconstruct everybody's 3D trajectory from 2D poses.",
+    "evaluate": "Score tracks: against a known truth, or by what needs none.",
     "export": "Turn recorded tracks into another format.",
+    "report": "Show a recording on one page: who was where, and how far it can be trusted.",
+    "simulate": "Make 2D poses with known truth: people and cameras of a scene.",
+    "study": "Try settings of the fusion on scenes with known truth; report which of them matter.",
     "doctor": "Check whether this machine has what trecsim needs.",
     "sample": "Fetch a real multi-camera recording to try things on.",
 }

@@ -6,11 +6,9 @@ a site file are relative to the file itself.
 
 from collections.abc import Callable
 from dataclasses import fields
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -22,26 +20,15 @@ from trecsim.calibration import FORMATS, Floor, read_rig
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
-from trecsim.tables import Table
+from trecsim.tables import FilePath, SizePx, Table, Vector
 from trecsim.tables.described import fields_of
 
 LONGEST_LAG_S = 10.0
 """Everything that young stays open to later images; longer costs time and gains nothing."""
 
 
-def _beside_the_site_file(path: Path, info: Any) -> Path:
-    folder: Path = (info.context or {}).get("folder", Path())
-    return folder / path.expanduser()
-
-
-SitePath = Annotated[Path, Field(strict=False), AfterValidator(_beside_the_site_file)]
-"""A path relative to the site file."""
-
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 """A name that may become a directory or part of an address."""
-
-Vector = Annotated[tuple[float, float, float], Field(strict=False)]
-SizePx = Annotated[tuple[int, int], Field(strict=False)]
 
 
 class FloorTable(Table):
@@ -62,7 +49,7 @@ class FloorTable(Table):
 class RigTable(Table):
     """Where the calibration of the cameras is, and what it does not say by itself."""
 
-    file: SitePath
+    file: FilePath
     """File or directory in any format that `trecsim rig show` reads."""
     format: str | None = Field(default=None, json_schema_extra={"enum": [f.name for f in FORMATS]})
     """Name of the format; without it the content tells."""
@@ -99,14 +86,14 @@ class RigTable(Table):
 class SourceTable(Table):
     """What one camera delivers."""
 
-    video: SitePath
+    video: FilePath
     """A recording of this camera."""
 
 
 class PosesTable(Table):
     """2D poses of all cameras in files."""
 
-    file: SitePath
+    file: FilePath
     """A `*.poses.jsonl` file, or what OpenPose or COCO tools wrote: see `trecsim track`."""
     fps: float | None = Field(default=None, gt=0)
     """Frames per second, for files that number their frames and tell no time."""
@@ -166,7 +153,7 @@ else:
 class OutputTable(Table):
     """What is kept of a run."""
 
-    directory: SitePath | None = None
+    directory: FilePath | None = None
     """Gets one folder per run; without it `recordings/NAME` beside the site file."""
     lag_s: float = Field(default=0.0, ge=0.0, le=LONGEST_LAG_S)
     """How long positions wait for later images, which makes them smoother [s]."""

@@ -1,7 +1,8 @@
 """A scene: cameras, people, a detector, clocks; simulated the same for the same seed."""
 
-from dataclasses import dataclass, field
-from typing import Protocol, runtime_checkable
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -9,136 +10,33 @@ from jaxtyping import Float64
 from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
-from trecsim.simulation.body import Body, bodies
+from trecsim.simulation.cast import Cast, Person, Scripted, Wanderers
+from trecsim.simulation.clocks import Clock
 from trecsim.simulation.detector import Detector, Footage, detect
-from trecsim.simulation.paths import FloorPath
+from trecsim.simulation.failures import Knock, Outage
+from trecsim.simulation.occlusion import Obstacle
 from trecsim.simulation.room import corner_rig
-from trecsim.simulation.walkers import Motion, poses, walker
-from trecsim.simulation.wandering import wander
+from trecsim.simulation.walkers import poses
 from trecsim.types import Poses2D
 
+__all__ = [
+    "Cast",
+    "Clock",
+    "Person",
+    "Scene",
+    "Scripted",
+    "Simulation",
+    "Wanderers",
+    "room_scene",
+    "simulate",
+]
+
 TRUTH_HZ = 50.0
+LONGEST_S = 24 * 3600.0
+MOST_SIGHTS = 6_000_000
+"""Images times people that are held in memory at once: a few GB."""
 
-
-@dataclass(frozen=True, slots=True)
-class Clock:
-    """When a camera takes its images, and what it believes about that.
-
-    Attributes
-    ----------
-    fps
-        Images per second.
-    start_s
-        Of the first image [s].
-    jitter_s
-        Standard deviation of the time of an image about its turn [s].
-    dropped
-        Share of the images that never arrive.
-    stamp_error_s
-        How far its time stamps are ahead of the truth, beyond what the rig knows [s].
-    """
-
-    fps: float = 25.0
-    start_s: float = 0.0
-    jitter_s: float = 0.0
-    dropped: float = 0.0
-    stamp_error_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not (0 < self.fps <= 1000 and 0 <= self.dropped <= 1 and self.jitter_s >= 0):
-            raise InputError(
-                "a clock needs an fps of at most 1000, a share of dropped images from 0 to 1 and "
-                f"no negative jitter, got {self}"
-            )
-
-    def times_s(self, seconds: float, rng: np.random.Generator) -> Float64[np.ndarray, " time"]:
-        """Return when the images that arrive are taken, increasing [s].
-
-        Parameters
-        ----------
-        seconds
-            Length of the scene [s].
-        rng
-            Source of chance.
-        """
-        turns = np.arange(int(np.ceil(max(seconds - self.start_s, 0.0) * self.fps)))
-        # Jitter that could exchange two images is cut off.
-        jitter = np.clip(self.jitter_s * rng.standard_normal(len(turns)) * self.fps, -0.45, 0.45)
-        times_s: Float64[np.ndarray, " time"] = self.start_s + (turns + jitter) / self.fps
-        return times_s[rng.uniform(size=len(turns)) >= self.dropped]
-
-
-@runtime_checkable
-class Cast(Protocol):
-    """Decides who is in a scene."""
-
-    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple["Person", ...]:
-        """Return everybody for a scene of this length [s]."""
-        ...
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Person:
-    """Somebody in a scene.
-
-    Attributes
-    ----------
-    stature_m
-        Height standing upright [m].
-    motion
-        Joints at any time.
-    """
-
-    stature_m: float
-    motion: Motion
-
-
-@dataclass(frozen=True, slots=True)
-class Wanderers:
-    """People who wander about a room centred at the origin, come and go.
-
-    Attributes
-    ----------
-    people
-        How many.
-    width_m, depth_m
-        Floor they use, along x and y [m].
-    """
-
-    people: int
-    width_m: float
-    depth_m: float
-
-    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody for a scene of this length [s]."""
-        paths = wander(self.people, self.width_m, self.depth_m, seconds, rng)
-        return _walking(bodies(self.people, rng), paths, rng)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scripted:
-    """People who walk along given paths.
-
-    Attributes
-    ----------
-    paths
-        One per person; see :func:`trecsim.simulation.paths.through`.
-    """
-
-    paths: tuple[FloorPath, ...]
-
-    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody; the paths say when each is there."""
-        return _walking(bodies(len(self.paths), rng), self.paths, rng)
-
-
-def _walking(
-    bodies_: tuple[Body, ...], paths: tuple[FloorPath, ...], rng: np.random.Generator
-) -> tuple[Person, ...]:
-    return tuple(
-        Person(body.stature_m, walker(body, path, float(rng.uniform(0, 2 * np.pi))))
-        for body, path in zip(bodies_, paths, strict=True)
-    )
+Progress = Callable[[int, int | None], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,6 +55,16 @@ class Scene:
         How good the 2D pose estimator is.
     clocks
         One per camera in the rig's order, or one for all.
+    obstacles
+        What stands about and hides people.
+    outages
+        Cameras that fall silent.
+    knocks
+        Cameras that are moved while the rig stays as it was; at most one per camera.
+    name, about
+        What the scene is called, and what happens in it, in a line.
+    seed
+        The seed it is usually simulated with.
     """
 
     rig: Rig
@@ -164,6 +72,12 @@ class Scene:
     seconds: float
     detector: Detector = field(default_factory=Detector)
     clocks: tuple[Clock, ...] = (Clock(),)
+    obstacles: tuple[Obstacle, ...] = ()
+    outages: tuple[Outage, ...] = ()
+    knocks: tuple[Knock, ...] = ()
+    name: str = ""
+    about: str = ""
+    seed: int = 0
 
     def __post_init__(self) -> None:
         if len(self.clocks) not in (1, len(self.rig)):
@@ -171,8 +85,16 @@ class Scene:
                 f"a scene needs one clock, or one per camera: {len(self.rig)} cameras, "
                 f"{len(self.clocks)} clocks"
             )
-        if not 0 < self.seconds < np.inf:
-            raise InputError(f"a scene needs a positive length, got {self.seconds:g} s")
+        if not 0 < self.seconds <= LONGEST_S:
+            raise InputError(
+                f"a scene needs a positive length of at most {LONGEST_S:g} s, "
+                f"got {self.seconds:g} s"
+            )
+        knocked = [knock.camera for knock in self.knocks]
+        for name in (*knocked, *(outage.camera for outage in self.outages)):
+            self.rig.index(name)
+        if len(set(knocked)) < len(knocked):
+            raise InputError("a camera can be knocked once in a scene, not more often")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,7 +119,7 @@ class Simulation:
     truth_xyz_m: Float64[np.ndarray, "person time 17 3"]
 
 
-def simulate(scene: Scene, seed: int) -> Simulation:
+def simulate(scene: Scene, seed: int | None = None, progress: Progress | None = None) -> Simulation:
     """Return what the cameras report of a scene, and the truth.
 
     Parameters
@@ -205,8 +127,15 @@ def simulate(scene: Scene, seed: int) -> Simulation:
     scene
         All that is to be simulated.
     seed
-        The same seed gives the same simulation. People do not depend on the cameras, nor one
-        camera on the others.
+        The same seed gives the same simulation; None takes that of the scene. People do not depend
+        on the cameras, nor one camera on the others, nor its images on whether it fails.
+    progress
+        Told the number of cameras done, and of all.
+
+    Raises
+    ------
+    InputError
+        The scene is too large for the memory, or the seed cannot be.
 
     Examples
     --------
@@ -214,18 +143,35 @@ def simulate(scene: Scene, seed: int) -> Simulation:
     >>> len(made.poses), made.truth_xyz_m.shape
     (200, (1, 101, 17, 3))
     """
+    seed = scene.seed if seed is None else seed
+    if seed < 0:
+        raise InputError(f"a seed is a whole number from 0, got {seed}")
     of_people, of_cameras = np.random.SeedSequence(seed).spawn(2)
-    people = scene.cast(scene.seconds, np.random.default_rng(of_people))
     clocks = scene.clocks if len(scene.clocks) > 1 else scene.clocks * len(scene.rig)
+    _check_size(scene, clocks)
+    people = scene.cast(scene.seconds, np.random.default_rng(of_people))
     images: list[tuple[float, int, Poses2D]] = []
     seeds = of_cameras.spawn(len(scene.rig))
     for number, (camera, clock, own) in enumerate(zip(scene.rig, clocks, seeds, strict=True)):
         taken_s, seen = _look(scene, camera, clock, people, np.random.default_rng(own))
         images.extend(zip(taken_s, [number] * len(seen), seen, strict=True))
+        if progress is not None:
+            progress(number + 1, len(scene.rig))
     images.sort(key=lambda image: image[:2])
     truth_t_s = np.arange(int(np.floor(scene.seconds * TRUTH_HZ)) + 1) / TRUTH_HZ
     truth_xyz_m = poses([person.motion for person in people], truth_t_s)
     return Simulation(scene.rig, tuple(image[2] for image in images), truth_t_s, truth_xyz_m)
+
+
+def _check_size(scene: Scene, clocks: tuple[Clock, ...]) -> None:
+    people = scene.cast.people
+    images = sum(max(scene.seconds - clock.start_s, 0.0) * clock.fps for clock in clocks)
+    sights = max(images, scene.seconds * TRUTH_HZ) * (people + 1)
+    if sights > MOST_SIGHTS:
+        raise InputError(
+            f"{images:.0f} images and {people} people are too many for one simulation: images "
+            f"times people may reach {MOST_SIGHTS}; make the scene shorter, or several of it"
+        )
 
 
 def _look(
@@ -236,15 +182,32 @@ def _look(
     rng: np.random.Generator,
 ) -> tuple[list[float], list[Poses2D]]:
     """Return when one camera takes its images, and what is found in them."""
-    taken_s = clock.times_s(scene.seconds, rng)
+    taken_s, stamp_s = clock.ticks(scene.seconds, rng)
     footage = Footage(
         camera=camera,
         taken_s=taken_s,
-        stamp_s=taken_s - camera.time_offset_s + clock.stamp_error_s,
+        stamp_s=stamp_s - camera.time_offset_s,
         xyz_m=poses([person.motion for person in people], taken_s),
         stature_m=np.array([person.stature_m for person in people]),
+        obstacles=scene.obstacles,
     )
-    return [float(t_s) for t_s in taken_s], detect(footage, scene.detector, rng)
+    chance = deepcopy(rng)
+    seen = detect(footage, scene.detector, rng)
+    for knock in scene.knocks:
+        if knock.camera == camera.name:
+            # The same chance, so that only the view differs from what it would have been.
+            moved = replace(footage, camera=knock.moved(camera))
+            after = detect(moved, scene.detector, chance)
+            seen = [
+                late if t_s >= knock.t_s else early
+                for t_s, early, late in zip(taken_s, seen, after, strict=True)
+            ]
+    silent = np.zeros(len(taken_s), dtype=bool)
+    for outage in scene.outages:
+        if outage.camera == camera.name:
+            silent |= outage.silent(taken_s)
+    kept = np.flatnonzero(~silent)
+    return [float(taken_s[i]) for i in kept], [seen[i] for i in kept]
 
 
 def room_scene(

@@ -1,7 +1,7 @@
 """Read a file by its model; all that is wrong with it comes in one message, with line numbers."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
@@ -144,12 +144,20 @@ def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
 
 
 def _plain_fault(fault: Any, schema: Mapping[str, Any]) -> Fault:
-    key = tuple(part for part in fault["loc"] if part != "[key]")
+    key, beside = _followed(fault["loc"], schema)
     match fault["type"]:
         case "extra_forbidden":
-            return key, _unknown(key, schema)
-        case "missing":
-            return key, "is missing"
+            return key, f"unknown key; {nearest(str(key[-1]), beside)}"
+        case "missing" | "union_tag_not_found":
+            tag = fault.get("ctx", {}).get("discriminator", "").strip("'")
+            return ((*key, tag) if tag else key), "is missing"
+        case "union_tag_invalid":
+            context = fault["ctx"]
+            known = context["expected_tags"].replace("'", "").split(", ")
+            tag = str(context["tag"])
+            return (*key, context["discriminator"].strip("'")), (
+                f"there is no {tag[:40]!r}; {nearest(tag, known)}"
+            )
         case "value_error":
             return key, str(fault["msg"]).removeprefix("Value error, ")
         case kind:
@@ -157,20 +165,40 @@ def _plain_fault(fault: Any, schema: Mapping[str, Any]) -> Fault:
             return key, f"expected {expected}, found {fault['input']!r:.60}"
 
 
-def _unknown(key: KeyPath, schema: Mapping[str, Any]) -> str:
-    known = _known_beside(key, schema)
-    near = get_close_matches(str(key[-1]), known, n=1)
-    hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
-    return f"unknown key; {hint}"
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return a hint for a name that is not among the known ones."""
+    known = sorted(known)
+    near = get_close_matches(name, known, n=1)
+    return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
 
 
-def _known_beside(key: KeyPath, schema: Mapping[str, Any]) -> list[str]:
-    """Return the keys that the table which holds `key` may have."""
+def _followed(loc: Sequence[str | int], schema: Mapping[str, Any]) -> tuple[KeyPath, list[str]]:
+    """Return the keys that lead to a fault, and those that its table may have.
+
+    Pydantic puts more into a place than keys: which kind of table it took, and "[key]".
+    """
+    key: list[str | int] = []
     node: Mapping[str, Any] = schema
-    for part in key[:-1]:
+    beside: Mapping[str, Any] = schema
+    for part in loc:
         node = _resolved(schema, node)
-        node = node.get("properties", {}).get(part) or node.get("additionalProperties") or {}
-    return sorted(_resolved(schema, node).get("properties", {}))
+        kinds = node.get("discriminator", {}).get("mapping", {})
+        if part in kinds:
+            node = {"$ref": kinds[part]}
+        elif part != "[key]":
+            key.append(part)
+            beside = node
+            node = _inside(node, part)
+    return tuple(key), sorted(beside.get("properties", {}))
+
+
+def _inside(node: Mapping[str, Any], part: str | int) -> Mapping[str, Any]:
+    for option in (node, *node.get("anyOf", ())):
+        inner = option.get("properties", {}).get(part) or option.get("additionalProperties")
+        inner = inner or option.get("items")
+        if isinstance(inner, Mapping):
+            return inner
+    return {}
 
 
 def _resolved(schema: Mapping[str, Any], node: Mapping[str, Any]) -> Mapping[str, Any]:

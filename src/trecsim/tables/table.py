@@ -1,6 +1,9 @@
 """What every table of a file is."""
 
-from pydantic import BaseModel, ConfigDict
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 
 class Table(BaseModel):
@@ -13,3 +16,18 @@ class Table(BaseModel):
         allow_inf_nan=False,
         use_attribute_docstrings=True,
     )
+
+
+def _beside_the_file(path: Path, info: Any) -> Path:
+    folder: Path = (info.context or {}).get("folder", Path())
+    return folder / path.expanduser()
+
+
+FilePath = Annotated[Path, Field(strict=False), AfterValidator(_beside_the_file)]
+"""A path relative to the file in which it stands; its folder is in the context of validation."""
+
+Vector = Annotated[tuple[float, float, float], Field(strict=False)]
+"""Three numbers in an array."""
+
+SizePx = Annotated[tuple[int, int], Field(strict=False)]
+"""Width and height of an image in an array [px]."""

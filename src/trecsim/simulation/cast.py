@@ -1,0 +1,295 @@
+"""Who is in a scene: people with a script, people who wander about, or both."""
+
+from dataclasses import dataclass, replace
+from math import atan2, inf
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.errors import InputError
+from trecsim.simulation.actions import Action, Clip, Crawl, Run, Stand, Walk
+from trecsim.simulation.body import Body, bodies, body
+from trecsim.simulation.paths import FloorPath
+from trecsim.simulation.walkers import Motion, walker
+from trecsim.simulation.wandering import wander
+
+SHORTEST_M, TALLEST_M = 0.8, 2.3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Person:
+    """Somebody in a scene.
+
+    Attributes
+    ----------
+    stature_m
+        Height standing upright [m].
+    motion
+        Joints at any time.
+    """
+
+    stature_m: float
+    motion: Motion
+
+
+@runtime_checkable
+class Cast(Protocol):
+    """Decides who is in a scene."""
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        ...
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Wanderers:
+    """People who wander about a floor, come and go.
+
+    Attributes
+    ----------
+    people
+        How many.
+    width_m, depth_m
+        Floor they use, along x and y [m].
+    centre_m
+        Its middle, x and y [m].
+    """
+
+    people: int
+    width_m: float
+    depth_m: float
+    centre_m: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if self.people < 0 or not min(self.width_m, self.depth_m) > 0:
+            raise InputError(
+                "wanderers need a number of people from 0 and a floor with positive sides, got "
+                f"{self.people} on {self.width_m:g} m x {self.depth_m:g} m"
+            )
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]."""
+        paths = wander(self.people, self.width_m, self.depth_m, seconds, rng)
+        moved = tuple(replace(path, xy_m=path.xy_m + self.centre_m) for path in paths)
+        return _walking(bodies(self.people, rng), moved, rng)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scripted:
+    """People who walk along given paths.
+
+    Attributes
+    ----------
+    paths
+        One per person; see :func:`trecsim.simulation.paths.through`.
+    """
+
+    paths: tuple[FloorPath, ...]
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        return len(self.paths)
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody; the paths say when each is there."""
+        return _walking(bodies(len(self.paths), rng), self.paths, rng)
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """What somebody does from coming to going.
+
+    Attributes
+    ----------
+    start_m
+        Where the person appears, x and y [m].
+    actions
+        What the person does then, one after the other; nothing means standing there.
+    facing_rad
+        Direction, counter-clockwise from +x; None for that of the first way point [rad].
+    enter_s
+        When the person appears [s].
+    leaves
+        Whether the person is gone after the last action, or stands there to the end.
+    """
+
+    start_m: tuple[float, float]
+    actions: tuple[Action, ...] = ()
+    facing_rad: float | None = None
+    enter_s: float = 0.0
+    leaves: bool = False
+
+    def motion(self, body: Body, seconds: float, style: float) -> Motion:
+        """Return the motion of somebody with this body in a scene of a given length.
+
+        Parameters
+        ----------
+        body
+            Limb lengths.
+        seconds
+            Length of the scene [s].
+        style
+            Any angle; sets this person's small idle motions apart from others' [rad].
+        """
+        from trecsim.simulation.performance import perform
+
+        facing_rad = self._ahead_rad() if self.facing_rad is None else self.facing_rad
+        actions = self.actions
+        if not (self.leaves and actions):
+            actions = (*actions, Stand(max(seconds - self.enter_s, 0.0) + 1.0))
+        return perform(body, self.start_m, facing_rad, actions, enter_s=self.enter_s, style=style)
+
+    def shifted(self, by_m: tuple[float, float]) -> "Visit":
+        """Return the same visit somewhere else.
+
+        Examples
+        --------
+        >>> Visit((0.0, 0.0), (Walk(((2.0, 0.0),)),)).shifted((0.0, 1.5)).actions[0].to_m
+        ((2.0, 1.5),)
+        """
+        return replace(
+            self,
+            start_m=_moved(self.start_m, by_m),
+            actions=tuple(_moved_action(action, by_m) for action in self.actions),
+        )
+
+    def _ahead_rad(self) -> float:
+        for action in self.actions:
+            points_m: tuple[tuple[float, float], ...] = ()
+            if isinstance(action, Walk | Run | Crawl):
+                points_m = action.to_m
+            elif isinstance(action, Clip):
+                points_m = action.along_m
+            if points_m:
+                return atan2(points_m[0][1] - self.start_m[1], points_m[0][0] - self.start_m[0])
+        return 0.0
+
+
+def _moved(point_m: tuple[float, float], by_m: tuple[float, float]) -> tuple[float, float]:
+    return point_m[0] + by_m[0], point_m[1] + by_m[1]
+
+
+def _moved_action(action: Action, by_m: tuple[float, float]) -> Action:
+    if isinstance(action, Walk | Run | Crawl):
+        return replace(action, to_m=tuple(_moved(point_m, by_m) for point_m in action.to_m))
+    if isinstance(action, Clip):
+        return replace(action, along_m=tuple(_moved(point_m, by_m) for point_m in action.along_m))
+    return action
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """Somebody with a script.
+
+    Attributes
+    ----------
+    visits
+        What the person does, at least once; several for somebody who goes and comes back.
+    stature_m
+        Height standing upright; None for any [m].
+    """
+
+    visits: tuple[Visit, ...]
+    stature_m: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.stature_m is not None and not SHORTEST_M <= self.stature_m <= TALLEST_M:
+            raise InputError(
+                f"people are {SHORTEST_M:g} to {TALLEST_M:g} m tall, "
+                f"got stature_m = {self.stature_m:g}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Players:
+    """People with scripts.
+
+    Attributes
+    ----------
+    roles
+        One per person.
+    """
+
+    roles: tuple[Role, ...]
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        return len(self.roles)
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]."""
+        return tuple(
+            _player(role, any_body, seconds, rng)
+            for role, any_body in zip(self.roles, bodies(len(self.roles), rng), strict=True)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Company:
+    """Several casts in one scene.
+
+    Attributes
+    ----------
+    casts
+        Who comes first in the truth is first here.
+    """
+
+    casts: tuple[Cast, ...]
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        return sum(cast.people for cast in self.casts)
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]; one cast does not change another."""
+        sources = rng.spawn(len(self.casts))
+        return tuple(
+            person
+            for cast, own in zip(self.casts, sources, strict=True)
+            for person in cast(seconds, own)
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Visits:
+    """Somebody who comes several times."""
+
+    motions: tuple[Motion, ...]
+    from_s: tuple[float, ...]
+
+    def __call__(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, "time 17 3"]:
+        """Return the joints at the times `t_s`: of the newest visit that has begun [m]."""
+        xyz_m = np.full((len(t_s), 17, 3), np.nan)
+        ends_s = (*self.from_s[1:], inf)
+        for motion, from_s, end_s in zip(self.motions, self.from_s, ends_s, strict=True):
+            here = (t_s >= from_s) & (t_s < end_s)
+            xyz_m[here] = motion(t_s[here])
+        return xyz_m
+
+
+def _player(role: Role, any_body: Body, seconds: float, rng: np.random.Generator) -> Person:
+    own = any_body if role.stature_m is None else body(role.stature_m, rng)
+    style = float(rng.uniform(0, 2 * np.pi))
+    visits = sorted(role.visits, key=lambda visit: visit.enter_s)
+    motions = tuple(visit.motion(own, seconds, style) for visit in visits)
+    if len(motions) == 1:
+        return Person(own.stature_m, motions[0])
+    return Person(own.stature_m, _Visits(motions, tuple(visit.enter_s for visit in visits)))
+
+
+def _walking(
+    bodies_: tuple[Body, ...], paths: tuple[FloorPath, ...], rng: np.random.Generator
+) -> tuple[Person, ...]:
+    return tuple(
+        Person(body.stature_m, walker(body, path, float(rng.uniform(0, 2 * np.pi))))
+        for body, path in zip(bodies_, paths, strict=True)
+    )
