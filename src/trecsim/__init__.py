@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from trecsim.errors import InputError as InputError
     from trecsim.errors import SetupError as SetupError
     from trecsim.estimation import estimate as estimate
+    from trecsim.evaluation.evaluating import evaluate as evaluate
     from trecsim.fusion import FusionSettings as FusionSettings
     from trecsim.fusion import Tracker as Tracker
     from trecsim.geometry import Camera as Camera
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from trecsim.sources import read_poses as read_poses
     from trecsim.store.tracks import export_tracks as export_tracks
     from trecsim.store.tracks import read_tracks as read_tracks
+    from trecsim.store.truth import read_truth as read_truth
     from trecsim.sync import frame_sets as frame_sets
     from trecsim.tracking import follow as follow
     from trecsim.types import Frame as Frame
@@ -51,12 +53,14 @@ _HOMES = {
     "trecsim.config.check": ("check_site",),
     "trecsim.errors": ("CalibrationError", "ConfigError", "Error", "InputError", "SetupError"),
     "trecsim.estimation": ("estimate",),
+    "trecsim.evaluation.evaluating": ("evaluate",),
     "trecsim.fusion": ("FusionSettings", "Tracker"),
     "trecsim.geometry": ("Camera", "Rig", "triangulate"),
     "trecsim.pipeline": ("run", "track"),
     "trecsim.skeleton": ("COCO17", "Skeleton"),
     "trecsim.sources": ("VideoFile", "read_poses"),
     "trecsim.store.tracks": ("export_tracks", "read_tracks"),
+    "trecsim.store.truth": ("read_truth",),
     "trecsim.sync": ("frame_sets",),
     "trecsim.tracking": ("follow",),
     "trecsim.types": ("Frame", "FrameSet", "Poses2D", "Snapshot"),

@@ -1,0 +1,226 @@
+"""Tracks from a file, scored with all that is known about them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from trecsim.calibration import read_rig
+from trecsim.errors import InputError
+from trecsim.evaluation.limbs import (
+    LimbRow,
+    LimbSummary,
+    limb_series,
+    limb_summary,
+    limb_table,
+    true_lengths,
+)
+from trecsim.evaluation.moments import (
+    Moments,
+    Recorded,
+    interval_s,
+    read_moments,
+    with_empty_moments,
+    within,
+)
+from trecsim.evaluation.pcp import Pcp
+from trecsim.evaluation.people import PersonTrack, people_of
+from trecsim.evaluation.reprojection import Reprojection, reprojection
+from trecsim.evaluation.scores import Scores, score
+from trecsim.evaluation.shelf import read_annotation, score_shelf
+from trecsim.evaluation.steadiness import JitterRow, SupportRow, jitter, support_of_joints
+from trecsim.geometry import Rig
+from trecsim.skeleton import COCO17
+from trecsim.sources import read_poses
+from trecsim.store.tracks import read_tracks
+from trecsim.store.truth import Truth, read_truth
+
+Remark = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """All that can be said about tracks.
+
+    Attributes
+    ----------
+    tracks
+        The file.
+    moments
+        In it, that count; somebody is there at each of them.
+    people
+        Different identities.
+    first_s, last_s
+        The first and the last moment [s]; NaN without any.
+    scores
+        Against the truth; None without one.
+    shelf
+        After the protocol of the Shelf recording; None without it.
+    limbs, limb_summary
+        Lengths of everybody's limbs.
+    jitter
+        How much joints tremble; the first row is over all of them.
+    support
+        How many cameras support joints; the first row is over all of them.
+    reprojection
+        Against the 2D poses; None without them.
+    """
+
+    tracks: Path
+    moments: int
+    people: int
+    first_s: float
+    last_s: float
+    scores: Scores | None
+    shelf: Pcp | None
+    limbs: tuple[LimbRow, ...]
+    limb_summary: LimbSummary
+    jitter: tuple[JitterRow, ...]
+    support: tuple[SupportRow, ...]
+    reprojection: Reprojection | None
+
+
+def evaluate(
+    tracks: Path | str,
+    truth: Truth | Path | str | None = None,
+    *,
+    shelf: Path | str | None = None,
+    rig: Rig | Path | str | None = None,
+    poses: Path | str | None = None,
+    from_s: float = -float("inf"),
+    until_s: float = float("inf"),
+    remark: Remark = lambda text: None,
+) -> Evaluation:
+    """Score tracks with all that is known about them.
+
+    Parameters
+    ----------
+    tracks
+        A CSV or Parquet file of tracks, or the directory of a recording.
+    truth
+        Where everybody truly was: ``truth.npz``, the directory of a made scene, or the arrays.
+    shelf
+        Directory of the Shelf recording, if the tracks are made of it.
+    rig, poses
+        Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
+    from_s, until_s
+        Only this time counts [s].
+    remark
+        Is called with what is worth knowing without being wrong.
+
+    Returns
+    -------
+    Scores against the truth are None without one; what needs none is always there.
+
+    Raises
+    ------
+    InputError
+        A file is wrong, or tracks and truth have no time in common.
+    SetupError
+        The library that scores identities is not installed.
+    """
+    _check_request(rig, poses, from_s, until_s)
+    if isinstance(truth, (str, Path)):
+        truth = read_truth(truth)
+    recorded = read_moments(tracks)
+    moments = within(recorded.moments, from_s, until_s)
+    people = people_of(moments)
+    limbs = limb_table(limb_series(people), true_lengths(people, truth) if truth else None)
+    return Evaluation(
+        tracks=recorded.path,
+        moments=len(moments.t_s),
+        people=len(people),
+        first_s=float(moments.t_s[0]) if len(moments.t_s) else float("nan"),
+        last_s=float(moments.t_s[-1]) if len(moments.t_s) else float("nan"),
+        scores=_scores(recorded, truth, from_s, until_s, remark) if truth else None,
+        shelf=score_shelf(read_tracks(tracks), read_annotation(shelf)) if shelf else None,
+        limbs=limbs,
+        limb_summary=limb_summary(limbs),
+        jitter=jitter(people, interval_s(moments)),
+        support=support_of_joints(people),
+        reprojection=_reprojection(rig, poses, people, interval_s(moments), remark),
+    )
+
+
+def _check_request(
+    rig: Rig | Path | str | None, poses: Path | str | None, from_s: float, until_s: float
+) -> None:
+    if (rig is None) != (poses is None):
+        raise InputError("reprojection errors need both, the rig and the poses")
+    if not from_s < until_s:
+        raise InputError(f"the time must run forwards, got from {from_s:g} s until {until_s:g} s")
+
+
+def _reprojection(
+    rig: Rig | Path | str | None,
+    poses: Path | str | None,
+    people: tuple[PersonTrack, ...],
+    usual_s: float,
+    remark: Remark,
+) -> Reprojection | None:
+    if rig is None or poses is None:
+        return None
+    cameras = rig if isinstance(rig, Rig) else read_rig(Path(rig), remark=remark)
+    images = read_poses(Path(poses), rig_cameras=cameras.names)
+    return reprojection(images, cameras, people, usual_s)
+
+
+def _scores(
+    recorded: Recorded, truth: Truth, from_s: float, until_s: float, remark: Remark
+) -> Scores:
+    found = recorded.moments
+    _check_joints(recorded, truth)
+    _check_overlap(recorded, truth)
+    from_s, until_s = max(from_s, float(truth.t_s[0])), min(until_s, float(truth.t_s[-1]))
+    if from_s > until_s:
+        raise InputError(
+            f"the truth goes from {truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, "
+            "outside the time asked for"
+        )
+    moments = with_empty_moments(recorded, from_s, until_s, truth.t_s)
+    for text in _remarks(recorded, moments, from_s, until_s):
+        remark(f"{recorded.path}: {text}")
+    if not len(moments.t_s):
+        raise InputError(
+            f"{recorded.path}: no moment lies between {from_s:g} s and {until_s:g} s; "
+            f"one comes each {interval_s(found):.3g} s"
+        )
+    return score(moments, truth, from_s, until_s)
+
+
+def _check_joints(recorded: Recorded, truth: Truth) -> None:
+    if truth.xyz_m.shape[2] != len(COCO17.joints):
+        raise InputError(
+            f"the truth has {truth.xyz_m.shape[2]} joints, expected the {len(COCO17.joints)} of "
+            f"{COCO17.name}"
+        )
+
+
+def _check_overlap(recorded: Recorded, truth: Truth) -> None:
+    """Refuse tracks of another time; without anybody they have no time and no error."""
+    t_s = recorded.moments.t_s
+    if len(t_s) and (t_s[-1] < truth.t_s[0] or t_s[0] > truth.t_s[-1]):
+        raise InputError(
+            f"{recorded.path}: tracks and truth have no moment in common: the tracks go from "
+            f"{t_s[0]:.9g} s to {t_s[-1]:.9g} s, the truth from {truth.t_s[0]:.9g} s to "
+            f"{truth.t_s[-1]:.9g} s; were they made of the same recording, by the same clock?"
+        )
+
+
+def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float) -> list[str]:
+    found = recorded.moments.t_s
+    if not len(found):
+        return ["the tracks are empty: nobody was ever found"]
+    counted = (found >= from_s) & (found <= until_s)
+    step_s = interval_s(recorded.moments)
+    remarks = []
+    if not counted.all():
+        remarks.append(
+            f"{(~counted).sum()} of {len(found)} moments lie outside the time that counts, "
+            f"{from_s:g} s to {until_s:g} s"
+        )
+    if recorded.frame_set_t_s is None and until_s - found[-1] > 1.5 * step_s:
+        remarks.append(
+            f"the tracks end {until_s - found[-1]:.3g} s before the truth does; until there nobody "
+            "counts as found (tracks with a lag: give --until-s)"
+        )
+    return remarks
