@@ -32,7 +32,11 @@ class ProgressBar:
 
 @contextmanager
 def progress_bar(
-    description: str, total: int | None = None, *, quiet: bool = False
+    description: str,
+    total: int | None = None,
+    *,
+    quiet: bool = False,
+    time_left: bool = False,
 ) -> Iterator[ProgressBar]:
     """Show a bar on stderr while the block runs.
 
@@ -44,19 +48,28 @@ def progress_bar(
         Number of steps; None while it is unknown.
     quiet
         Show nothing; so it is too when stderr is not a terminal.
+    time_left
+        Show the time that is left instead of the time that has passed.
     """
     if quiet or not sys.stderr.isatty():
         yield ProgressBar()
         return
     # Imported here: a third of the time that `trecsim --help` may take.
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
 
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
-        TimeElapsedColumn(),
+        TimeRemainingColumn() if time_left else TimeElapsedColumn(),
     )
     with Progress(*columns, console=Console(stderr=True)) as bar:
         yield ProgressBar(bar, bar.add_task(description, total=total))

@@ -1,0 +1,157 @@
+"""The finished runs of a study, one a line: appended at once, never rewritten."""
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from trecsim.errors import InputError
+from trecsim.store.atomic import disk_faults
+
+NAME = "runs.jsonl"
+_MEASURED = ("mean_m", "recall_15cm", "switches", "missed", "ghosts", "person_frames", "fusion_ms")
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One run that was finished, well or not.
+
+    Attributes
+    ----------
+    key
+        The same for the same scene, seed, settings and code.
+    code
+        Version of the code.
+    scene, seed
+        What was tracked; no seed for a scene that was not simulated.
+    values
+        The settings that the study tries.
+    figures
+        What came out, by name; NaN where nothing can be said. Empty if the run failed.
+    fault
+        Why the run failed; empty if it did not.
+    """
+
+    key: str
+    code: str
+    scene: str
+    seed: int | None
+    values: Mapping[str, Any]
+    figures: Mapping[str, float]
+    fault: str = ""
+
+
+def read_runs(path: Path) -> list[Run]:
+    """Return all runs of a file, each key once: the last one counts.
+
+    Parameters
+    ----------
+    path
+        The file; one that does not exist has no runs. A last line that was cut off, as a crash
+        leaves it, is left out.
+
+    Raises
+    ------
+    InputError
+        It cannot be read, or another line than the last is damaged.
+    """
+    if not path.exists():
+        return []
+    runs: dict[str, Run] = {}
+    try:
+        with path.open("rb") as file:
+            for number, line in enumerate(file, start=1):
+                if line.endswith(b"\n") and line.strip():
+                    run = _run(path, number, line)
+                    runs[run.key] = run
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}") from None
+    return list(runs.values())
+
+
+def _run(path: Path, number: int, line: bytes) -> Run:
+    try:
+        data = json.loads(line)
+        figures = {
+            name: math.nan if data["figures"][name] is None else float(data["figures"][name])
+            for name in (_MEASURED if not data["fault"] else ())
+        }
+        seed = data["seed"]
+        return Run(
+            str(data["key"]), str(data["code"]), str(data["scene"]),
+            None if seed is None else int(seed), dict(data["values"]), figures,
+            str(data["fault"]),
+        )  # fmt: skip
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise InputError(
+            f"{path}: line {number} is not a run of a study; delete the line, and the run is made "
+            "again"
+        ) from None
+
+
+class Ledger:
+    """Takes finished runs; only inside :func:`opened`."""
+
+    def __init__(self, path: Path, file: IO[bytes]) -> None:
+        self._path = path
+        self._file = file
+
+    def append(self, run: Run) -> None:
+        """Write one run, so that not even a loss of power takes it away."""
+        figures = {name: v if math.isfinite(v) else None for name, v in run.figures.items()}
+        data = {
+            "key": run.key, "code": run.code, "scene": run.scene, "seed": run.seed,
+            "values": dict(run.values), "figures": figures, "fault": run.fault,
+        }  # fmt: skip
+        with disk_faults(self._path):
+            self._file.write(json.dumps(data, allow_nan=False).encode() + b"\n")
+            self._file.flush()
+            os.fsync(self._file.fileno())
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Ledger]:
+    """Open the file for more runs; what a crash left of its last line is cut off.
+
+    Raises
+    ------
+    InputError
+        The place cannot be written to, or another study is writing there.
+    SetupError
+        The disk has no room.
+    """
+    with disk_faults(path), path.open("ab+") as file:
+        _lock(file, path)
+        _cut_torn_line(file)
+        yield Ledger(path, file)
+
+
+def _lock(file: IO[bytes], path: Path) -> None:
+    try:
+        import fcntl
+    except ImportError:  # not on Windows
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError(
+            f"{path.parent}: another study is at work there; wait for it, or choose another --out"
+        ) from None
+
+
+def _cut_torn_line(file: IO[bytes]) -> None:
+    end = file.seek(0, os.SEEK_END)
+    while end:
+        start = max(0, end - 65_536)
+        file.seek(start)
+        newline = file.read(end - start).rfind(b"\n")
+        if newline >= 0:
+            end = start + newline + 1
+            break
+        end = start
+    file.truncate(end)
+    file.seek(0, os.SEEK_END)

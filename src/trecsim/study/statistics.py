@@ -1,0 +1,427 @@
+"""What a designed experiment tells: effects of settings, of pairs, and how sure they are.
+
+Everything is paired: an outcome is compared only with other points on the same scene and seed (a
+*block*). Pure functions of arrays.
+
+How sure: blocks are drawn anew with replacement, seed by seed within each scene, and the deviations
+widened as Student's t is wider than a Gaussian, since few seeds know little of their own spread. A
+random design adds to this what the model does not explain: its points do not balance each other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from statistics import NormalDist
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+DRAWS = 2000
+CONFIDENCE = 0.95
+_DUST = 1e-9  # relative differences below are of arithmetic
+
+Outcomes = Float64[np.ndarray, "block point"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Effect:
+    """What one setting, or a pair of them beyond the two alone, does to one measure.
+
+    Attributes
+    ----------
+    mean
+        Outcome per level; for a pair per cell, in the order of the first setting's levels.
+    difference
+        What changes, against the reference; for a pair, beyond what the two alone do.
+    low, high
+        Interval of `difference`; NaN where one seed only says nothing about chance.
+    spread
+        Largest minus smallest difference.
+    chance
+        Spread that seeds alone bring about, and exceed in one of twenty cases.
+    share
+        Part of the variance between the points.
+    """
+
+    mean: Float64[np.ndarray, " level"]
+    difference: Float64[np.ndarray, " level"]
+    low: Float64[np.ndarray, " level"]
+    high: Float64[np.ndarray, " level"]
+    spread: float
+    chance: float
+    share: float
+
+    @property
+    def strength(self) -> float:
+        """Spread in multiples of what chance brings about."""
+        if self.spread == 0 or np.isnan(self.chance):
+            return 0.0 if self.spread == 0 else np.nan
+        return self.spread / self.chance if self.chance > 0 else np.inf
+
+    @property
+    def matters(self) -> bool:
+        """Whether it is more than chance brings about."""
+        return bool(self.spread > self.chance and self.spread > 0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Analysis:
+    """Effects on one measure.
+
+    Attributes
+    ----------
+    effects
+        One per setting.
+    pairs
+        By the numbers of the two settings; empty if the design cannot tell.
+    explained
+        Part of the variance between points that the settings explain one by one.
+    """
+
+    effects: tuple[Effect, ...]
+    pairs: dict[tuple[int, int], Effect]
+    explained: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Blocks:
+    """The blocks, and how they stand for the seeds that were not tried.
+
+    Attributes
+    ----------
+    weight
+        Of each block in a mean: every scene counts the same.
+    drawn
+        Deviations of the weights when seeds are drawn anew, (draw, block).
+    """
+
+    weight: Float64[np.ndarray, " block"]
+    drawn: Float64[np.ndarray, "draw block"]
+
+    @property
+    def tell_chance(self) -> bool:
+        """Whether any scene has more than one seed."""
+        return bool(self.drawn.any())
+
+
+def blocks_of(scene: Int64[np.ndarray, " block"], seed: int = 0) -> Blocks:
+    """Return the weights of blocks.
+
+    Parameters
+    ----------
+    scene
+        Which scene each block is of.
+    seed
+        Of the drawing.
+
+    Examples
+    --------
+    >>> blocks_of(np.array([0, 0, 1])).weight
+    array([0.25, 0.25, 0.5 ])
+    """
+    rng = np.random.default_rng(seed)
+    names, index, count = np.unique(scene, return_inverse=True, return_counts=True)
+    weight = 1.0 / (count[index] * len(names))
+    drawn = np.zeros((DRAWS, len(scene)))
+    for s, n in enumerate(count):
+        if n > 1:
+            times = rng.multinomial(n, np.full(n, 1.0 / n), size=DRAWS)
+            drawn[:, index == s] = (times - 1.0) * _widening(int(n)) / (n * len(names))
+    return Blocks(weight, drawn)
+
+
+def _widening(n: int) -> float:
+    """Return by how much the deviations of a mean of n draws are too small."""
+    return float(np.sqrt(n / (n - 1)) * student(n - 1) / student(10**9))
+
+
+def student(freedom: int) -> float:
+    """Return the 97.5 % point of Student's t (Cornish-Fisher; within 3 % from two on).
+
+    Examples
+    --------
+    >>> [round(student(freedom), 2) for freedom in (2, 4, 9, 1000)]
+    [4.17, 2.77, 2.26, 1.96]
+    """
+    z, f = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2), float(freedom)
+    return (
+        z
+        + (z**3 + z) / (4 * f)
+        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * f**2)
+        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * f**3)
+    )
+
+
+def analyse(
+    outcome: Outcomes,
+    level: Int64[np.ndarray, "point factor"],
+    blocks: Blocks,
+    reference: Sequence[int | None],
+    *,
+    balanced: bool = True,
+    anchor: int | None = None,
+    interactions: bool = True,
+) -> Analysis:
+    """Return effects of settings and pairs on one measure.
+
+    Parameters
+    ----------
+    outcome
+        Of every point on every scene and seed, without gaps.
+    level
+        Which level of each setting a point has, from 0 without gaps.
+    blocks
+        See :func:`blocks_of`.
+    reference
+        Level of each setting that the others are compared with; None takes the mean of all.
+    balanced
+        Whether the design is a full grid; else its own imbalance counts as noise.
+    anchor
+        Point that has the outcome said of it when all others stay as they are there; None
+        gives means over all points.
+    interactions
+        Whether points suffice to tell what pairs do.
+    """
+    X, columns = _contrasts(level)
+    solve = np.linalg.pinv(X)
+    coefficient = outcome @ solve.T  # per block: linear, so that blocks can be drawn anew
+    residual = outcome - coefficient @ X.T
+    total = float(np.var(blocks.weight @ outcome))
+    unexplained = _unexplained(blocks.weight @ residual, X, balanced=balanced)
+    effects = []
+    for f, own in enumerate(columns):
+        code = _coding(int(level[:, f].max()) + 1)
+        per_block = coefficient[:, own] @ code.T
+        chance = _deviations(blocks, per_block) + unexplained @ solve[own].T @ code.T
+        base = _base(X, coefficient, own, blocks, level, f, anchor)
+        effects.append(
+            _effect(
+                blocks.weight @ per_block, chance, base, reference[f], total, level[:, f], blocks
+            )
+        )
+    pairs = _pairs(outcome, residual, level, blocks, unexplained, total) if interactions else {}
+    explained = 1.0 - float(np.var(blocks.weight @ residual)) / total if total > 0 else np.nan
+    return Analysis(tuple(effects), pairs, explained)
+
+
+def _coding(levels: int) -> Float64[np.ndarray, "level column"]:
+    """Return effect coding: the effects of all levels sum to zero."""
+    return np.vstack([np.eye(levels - 1), -np.ones(levels - 1)])
+
+
+def _contrasts(
+    level: Int64[np.ndarray, "point factor"],
+) -> tuple[Float64[np.ndarray, "point column"], list[slice]]:
+    parts, columns, at = [np.ones((len(level), 1))], [], 1
+    for f in range(level.shape[1]):
+        part = _coding(int(level[:, f].max()) + 1)[level[:, f]]
+        parts.append(part)
+        columns.append(slice(at, at + part.shape[1]))
+        at += part.shape[1]
+    return np.hstack(parts), columns
+
+
+def _unexplained(
+    residual: Float64[np.ndarray, " point"],
+    X: Float64[np.ndarray, "point column"],
+    *,
+    balanced: bool,
+) -> Float64[np.ndarray, "draw point"]:
+    """Return what the model leaves unexplained, dealt to the points anew; nothing in a grid."""
+    if balanced:
+        return np.zeros((DRAWS, len(residual)))
+    rng = np.random.default_rng(1)
+    freedom = max(1, len(residual) - int(np.linalg.matrix_rank(X)))
+    dealt = rng.permuted(np.tile(residual, (DRAWS, 1)), axis=1)
+    scaled: Float64[np.ndarray, "draw point"] = dealt * np.sqrt(len(residual) / freedom)
+    return scaled
+
+
+def _deviations(
+    blocks: Blocks, per_block: Float64[np.ndarray, "block level"]
+) -> Float64[np.ndarray, "draw level"]:
+    deviations: Float64[np.ndarray, "draw level"] = blocks.drawn @ per_block
+    return deviations
+
+
+def _base(
+    X: Float64[np.ndarray, "point column"],
+    coefficient: Float64[np.ndarray, "block column"],
+    own: slice,
+    blocks: Blocks,
+    level: Int64[np.ndarray, "point factor"],
+    f: int,
+    anchor: int | None,
+) -> float:
+    """Return the outcome to which a setting's effects are added."""
+    row = X.mean(axis=0) if anchor is None else X[anchor].copy()
+    row[own] = 0.0
+    return float(blocks.weight @ coefficient @ row)
+
+
+def _effect(
+    effect: Float64[np.ndarray, " level"],
+    chance: Float64[np.ndarray, "draw level"],
+    base: float,
+    reference: int | None,
+    total: float,
+    level: Int64[np.ndarray, " point"],
+    blocks: Blocks,
+) -> Effect:
+    dust = _DUST * (abs(base) + _DUST)
+    effect = np.where(np.abs(effect) > dust, effect, 0.0)
+    shift = 0.0 if reference is None else effect[reference]
+    moved = chance if reference is None else chance - chance[:, reference : reference + 1]
+    low, high = _interval(effect - shift, moved, blocks)
+    return Effect(
+        mean=base + effect,
+        difference=effect - shift,
+        low=low,
+        high=high,
+        spread=float(np.ptp(effect)),
+        chance=_spread_by_chance(chance, blocks),
+        share=float(np.var(effect[level])) / total if total > 0 else np.nan,
+    )
+
+
+def _interval(
+    value: Float64[np.ndarray, " level"], chance: Float64[np.ndarray, "draw level"], blocks: Blocks
+) -> tuple[Float64[np.ndarray, " level"], Float64[np.ndarray, " level"]]:
+    if not blocks.tell_chance:
+        return np.full_like(value, np.nan), np.full_like(value, np.nan)
+    tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]
+    below, above = np.quantile(chance, tails, axis=0)
+    return value - above, value - below
+
+
+def _spread_by_chance(chance: Float64[np.ndarray, "draw level"], blocks: Blocks) -> float:
+    return float(np.quantile(np.ptp(chance, axis=1), CONFIDENCE)) if blocks.tell_chance else np.nan
+
+
+def _pairs(
+    outcome: Outcomes,
+    residual: Outcomes,
+    level: Int64[np.ndarray, "point factor"],
+    blocks: Blocks,
+    unexplained: Float64[np.ndarray, "draw point"],
+    total: float,
+) -> dict[tuple[int, int], Effect]:
+    """Return for each pair how its cells depart from what the settings do one by one."""
+    pairs = {}
+    for f, g in combinations(range(level.shape[1]), 2):
+        count = level[:, [f, g]].max(axis=0) + 1
+        cell = level[:, f] * count[1] + level[:, g]
+        known = np.bincount(cell, minlength=int(np.prod(count)))
+        mean = np.zeros((len(known), len(cell)))  # takes points to the means of their cells
+        mean[cell, np.arange(len(cell))] = 1.0 / known[cell]
+        empty = known == 0
+        effect = _effect(
+            (blocks.weight @ residual) @ mean.T,
+            _deviations(blocks, residual @ mean.T) + unexplained @ mean.T,
+            0.0, None, total, cell, blocks,
+        )  # fmt: skip
+        shown = (blocks.weight @ outcome) @ mean.T
+        shown[empty] = np.nan
+        pairs[f, g] = Effect(
+            shown, effect.difference, effect.low, effect.high, effect.spread, effect.chance,
+            effect.share,
+        )  # fmt: skip
+    return pairs
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """Where the default stands among the points, for one measure.
+
+    Attributes
+    ----------
+    rank
+        1 if no point is better; points as good as the default share its rank.
+    points
+        How many were compared, the default among them.
+    default, best
+        Mean outcome of the default and of the best point.
+    best_point
+        Number of the best point.
+    gain, gain_low, gain_high
+        How much better the best point is on the seeds it was chosen on, with its interval: too
+        rosy, as the best of many is partly luck.
+    honest, honest_low, honest_high
+        The same with the best point chosen on the other seeds each time.
+    """
+
+    rank: int
+    points: int
+    default: float
+    best: float
+    best_point: int
+    gain: float
+    gain_low: float
+    gain_high: float
+    honest: float
+    honest_low: float
+    honest_high: float
+
+
+def standing(
+    outcome: Outcomes, seed: Sequence[object], blocks: Blocks, default: int, *, more_is_better: bool
+) -> Standing:
+    """Return where one point stands among all.
+
+    Parameters
+    ----------
+    outcome
+        Of every point on every scene and seed, without gaps.
+    seed
+        Of each block; blocks of the same seed are left out together when the best is chosen.
+    blocks
+        See :func:`blocks_of`.
+    default
+        Number of the point.
+    more_is_better
+        Whether large outcomes are good.
+    """
+    loss = -outcome if more_is_better else outcome
+    mean = blocks.weight @ loss
+    best = _best(mean, default)
+    gain = loss[:, default] - loss[:, best]
+    honest = loss[:, default] - np.array(
+        [loss[b, _best_without(loss, seed, blocks, b, default)] for b in range(len(loss))]
+    )
+    many = len(set(seed)) > 1
+    sign = -1.0 if more_is_better else 1.0
+    low, high = _interval(*_mean_and_deviation(gain, blocks), blocks)
+    honest_low, honest_high = _interval(*_mean_and_deviation(honest, blocks), blocks)
+    return Standing(
+        rank=int(np.sum(mean < mean[default] - _DUST * abs(mean[default]))) + 1,
+        points=len(mean),
+        default=float(sign * mean[default]),
+        best=float(sign * mean[best]),
+        best_point=best,
+        gain=float(blocks.weight @ gain),
+        gain_low=float(low[0]),
+        gain_high=float(high[0]),
+        honest=float(blocks.weight @ honest) if many else np.nan,
+        honest_low=float(honest_low[0]) if many else np.nan,
+        honest_high=float(honest_high[0]) if many else np.nan,
+    )
+
+
+def _best_without(
+    loss: Outcomes, seed: Sequence[object], blocks: Blocks, left_out: int, default: int
+) -> int:
+    kept = np.array([other != seed[left_out] for other in seed])
+    mean = (blocks.weight * kept) @ loss
+    return _best(mean, default)
+
+
+def _best(mean: Float64[np.ndarray, " point"], default: int) -> int:
+    """Return the point of least loss; the default if none is better by more than arithmetic."""
+    best = int(np.argmin(mean))
+    return best if mean[best] < mean[default] - _DUST * abs(mean[default]) else default
+
+
+def _mean_and_deviation(
+    value: Float64[np.ndarray, " block"], blocks: Blocks
+) -> tuple[Float64[np.ndarray, " 1"], Float64[np.ndarray, "draw 1"]]:
+    return np.array([blocks.weight @ value]), blocks.drawn @ value[:, None]

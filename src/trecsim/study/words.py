@@ -1,0 +1,60 @@
+"""Figures of a study as a person reads them."""
+
+import math
+
+from trecsim.study.analysis import Measure
+from trecsim.study.design import Value
+from trecsim.study.statistics import Effect
+
+
+def value_text(value: Value) -> str:
+    """Return a value of a setting.
+
+    Examples
+    --------
+    >>> value_text(0.0200), value_text(5), value_text(True)
+    ('0.02', '5', 'true')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def figure_text(measure: Measure, figure: float, *, sign: bool = False) -> str:
+    """Return a value of a measure with its unit."""
+    if not math.isfinite(figure):
+        return "–"
+    number = f"{figure:{'+' if sign else ''}.{measure.digits}f}".replace("-", "−")
+    return f"{number} {measure.unit}".rstrip()
+
+
+def interval_text(measure: Measure, figure: float, low: float, high: float) -> str:
+    """Return a difference with its interval."""
+    text = figure_text(measure, figure, sign=True)
+    if not math.isfinite(low):
+        return text
+    ends = [f"{end:+.{measure.digits}f}".replace("-", "−") for end in (low, high)]
+    return f"{text} [{ends[0]}, {ends[1]}]"
+
+
+def effect_text(measure: Measure, effect: Effect) -> str:
+    """Return how much a setting moves a measure, and what to think of it."""
+    text = figure_text(measure, effect.spread)
+    if not math.isfinite(effect.chance):
+        return f"{text} (?)"
+    if effect.spread == 0.0:
+        return "nothing"
+    return f"{text} ({strength_text(effect.strength)})" if effect.matters else f"{text} · noise"
+
+
+def strength_text(strength: float) -> str:
+    """Return how often a spread is what chance brings about.
+
+    Examples
+    --------
+    >>> strength_text(2.34), strength_text(31.2), strength_text(float("inf"))
+    ('2.3 ×', '31 ×', '> 100 ×')
+    """
+    if not strength <= 100:
+        return "> 100 ×"
+    return f"{strength:.1f} ×" if strength < 10 else f"{strength:.0f} ×"
