@@ -92,6 +92,20 @@ def css_variables() -> str:
     return f":root{{{light}}}\n@supports (color:light-dark(red,red)){{:root{{{both}}}}}"
 
 
+def need_matplotlib() -> None:
+    """Fail early where figures cannot be drawn.
+
+    Raises
+    ------
+    SetupError
+        Matplotlib is not installed.
+    """
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        raise SetupError("reports need Matplotlib: pip install 'mc3d-trecsim[report]'") from None
+
+
 @contextmanager
 def figure(height_in: float, width_in: float = WIDE_IN) -> "Iterator[Figure]":
     """Offer an empty figure to draw into, in the look of the page.
@@ -106,11 +120,10 @@ def figure(height_in: float, width_in: float = WIDE_IN) -> "Iterator[Figure]":
     SetupError
         Matplotlib is not installed.
     """
-    try:
-        import matplotlib
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise SetupError("reports need Matplotlib: pip install 'mc3d-trecsim[report]'") from None
+    need_matplotlib()
+    import matplotlib
+    from matplotlib.figure import Figure
+
     from trecsim.plots.canvas import missing_glyphs_allowed
 
     with matplotlib.rc_context(_SETTINGS), missing_glyphs_allowed():

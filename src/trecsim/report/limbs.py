@@ -1,0 +1,170 @@
+"""Lengths of limbs: a bone cannot change its length, so that its length tells about the tracks."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from trecsim.evaluation.limbs import LIMBS, Given, LimbRow, LimbSeries, limb_series, limb_table
+from trecsim.evaluation.people import people_of
+from trecsim.report.curves import curve
+from trecsim.report.page import Figure, Section, Table, Text
+from trecsim.report.recording import Recording
+from trecsim.report.style import SOFT, as_svg, colour_of, css_colour, figure, quiet
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure as Drawing
+
+COLUMNS = 3
+MOST_POINTS = 260  # of one curve in one of the small pictures
+TITLE = "Limb lengths"
+LEAD = (
+    "Bones keep their length. How steady the measured lengths are, and how near to the true "
+    "ones, says how far the 3D joints can be trusted, even where no truth is known."
+)
+
+
+def section(recording: Recording, given: Given, source: str) -> Section:
+    """Return table and curves of the fourteen limb lengths of the people who stayed longest.
+
+    Parameters
+    ----------
+    recording
+        The recording.
+    given
+        True lengths by identity, where known.
+    source
+        Where they come from, as in "measured"; used in the captions.
+    """
+    shown = {stay.person for stay in recording.shown}
+    tracks = [track for track in people_of(recording.sample) if track.person in shown]
+    series = sorted(limb_series(tracks), key=lambda one: recording.number[one.person])
+    if not series:
+        return Section(
+            TITLE, [Text("Nobody was followed: there are no limbs to measure.", "missing")]
+        )
+    rows = limb_table(series, given)
+    blocks: list[Table | Figure | Text] = [_table(recording, rows, given, source)]
+    blocks.append(Figure(_drawn(recording, series, given), _caption(recording, given, source)))
+    if not given:
+        blocks.append(
+            Text(
+                "To compare with the true lengths, measure people with a tape and give the "
+                "lengths with --lengths.",
+                "missing",
+            )
+        )
+    return Section(TITLE, blocks, LEAD)
+
+
+def _table(recording: Recording, rows: Sequence[LimbRow], given: Given, source: str) -> Table:
+    people = sorted({row.person for row in rows}, key=recording.number.__getitem__)
+    by_place = {(row.person, row.limb): row for row in rows}
+    columns = ["limb"]
+    for person in people:
+        columns += [f"person {person}"] + ([source, "difference"] if person in given else [])
+    lines = []
+    for limb in LIMBS:
+        line = [limb]
+        for person in people:
+            line += _cells(by_place[person, limb], person in given)
+        lines.append(line)
+    caption = (
+        "Mean ± standard deviation in centimetres, over the moments at which a camera supports "
+        "both ends of the limb."
+    )
+    if given:
+        caption += f" Difference: estimated mean minus the {source} length."
+    if len(recording.stays) > len(people):
+        caption += f" Shown are the {len(people)} who were there longest."
+    return Table(columns, lines, caption)
+
+
+def _cells(row: LimbRow, compared: bool) -> list[str]:
+    length = f"{100 * row.mean_m:.1f} ± {100 * row.sd_m:.1f}" if row.n else "–"
+    if not compared:
+        return [length]
+    if not np.isfinite(row.given_m):
+        return [length, "–", "–"]
+    return [length, f"{100 * row.given_m:.1f}", f"{100 * row.difference_m:+.1f}" if row.n else "–"]
+
+
+def _caption(recording: Recording, given: Given, source: str) -> str:
+    text = (
+        "Length of each limb over time, one colour per person. Bold: both ends are supported by "
+        "a camera; pale: carried along from before. Values far outside are cut off."
+    )
+    return text + (f" Dashed: the {source} length." if given else "")
+
+
+def _drawn(recording: Recording, series: Sequence[LimbSeries], given: Given) -> str:
+    rows = -(-len(LIMBS) // COLUMNS)
+    with figure(1.55 * rows) as drawing:
+        grid = drawing.subplots(rows, COLUMNS, sharex=True, squeeze=False).ravel()
+        for place, axes in enumerate(grid):
+            if place >= len(LIMBS):
+                axes.set_axis_off()
+                continue
+            _draw_limb(axes, recording, series, given, place)
+            axes.xaxis.set_tick_params(labelbottom=place + COLUMNS >= len(LIMBS))
+            if place + COLUMNS >= len(LIMBS):
+                axes.set_xlabel(recording.clock.label)
+        _legend(drawing, grid[-1], recording, series, given)
+        return as_svg(drawing, "limbs")
+
+
+def _draw_limb(
+    axes: "Axes",
+    recording: Recording,
+    series: Sequence[LimbSeries],
+    given: Given,
+    limb: int,
+) -> None:
+    spread: list[float] = []
+    for one in series:
+        colour = colour_of(recording.number[one.person])
+        length_cm, t = 100 * one.length_m[:, limb], recording.clock(one.t_s)
+        all_of_it = curve(t, length_cm, most=MOST_POINTS)
+        firm = curve(t, np.where(one.supported[:, limb], length_cm, np.nan), most=MOST_POINTS)
+        axes.plot(all_of_it.t, all_of_it.middle, color=colour, linewidth=0.9, alpha=0.3)
+        axes.plot(firm.t, firm.middle, color=colour, linewidth=1.1)
+        known = length_cm[np.isfinite(length_cm)]
+        spread += np.quantile(known, (0.01, 0.99)).tolist() if len(known) else []
+        if one.person in given and np.isfinite(given[one.person][limb]):
+            true_cm = 100 * given[one.person][limb]
+            axes.axhline(true_cm, color=colour, linewidth=1.0, linestyle=(0, (5, 3)))
+            spread.append(true_cm)
+    if spread:
+        low, high = min(spread), max(spread)
+        air = max(0.12 * (high - low), 1.5)
+        axes.set_ylim(max(low - air, 0.0), high + air)
+    axes.set_title(LIMBS[limb])
+    axes.locator_params(axis="y", nbins=4)
+    quiet(axes)
+    if limb % COLUMNS == 0:
+        axes.set_ylabel("length [cm]")
+
+
+def _legend(
+    drawing: "Drawing",
+    axes: "Axes",
+    recording: Recording,
+    series: Sequence[LimbSeries],
+    given: Mapping[int, object],
+) -> None:
+    from matplotlib.lines import Line2D
+
+    marks = [
+        Line2D([], [], color=colour_of(recording.number[one.person]), linewidth=2) for one in series
+    ]
+    names = [f"person {one.person}" for one in series]
+    if given:
+        marks.append(Line2D([], [], color=SOFT, linewidth=1, linestyle=(0, (5, 3))))
+        names.append("true length")
+    axes.legend(marks, names, loc="center", ncols=1 + (len(names) > 4))
+
+
+def swatches(recording: Recording) -> list[str]:
+    """Return the colours of the people shown, as a table takes them."""
+    return [css_colour(recording.number[stay.person]) for stay in recording.shown]
