@@ -12,7 +12,7 @@ from trecsim.simulation.body import Body
 from trecsim.simulation.paths import STEP_S, FloorPath, smooth
 from trecsim.simulation.pose import Place
 from trecsim.simulation.timing import even
-from trecsim.simulation.walkers import Walker, cadence_hz, stepping
+from trecsim.simulation.walkers import MID_STANCE, Walker, cadence_hz, stepping
 
 OnFoot = Stand | Turn | Walk | Run
 
@@ -23,8 +23,8 @@ SLOWEST_MPS = 0.1
 AHEAD_RAD = 0.6  # who has to go further to the side turns on the spot first
 TURN_RADPS = 1.8
 SETTLE_S = 0.4  # at both ends, so that nothing moves where the next thing begins
-LEAD_S, LEAD_STRIDES = 0.35, 0.24  # the first step begins before the body moves
-CLOSE_S, CLOSE_STRIDES = 0.7, 0.26  # the last step ends after the body stopped, feet side by side
+LEAD_S = 0.35  # the first step begins so long before the body moves
+CLOSE_S = 0.7  # the last step ends so long after the body stopped, feet side by side
 FADE_S = 0.4  # the body leaves its place, and comes to it, so gently
 NEUTRAL = 0.02  # both feet stand at this phase, and at half a stride more
 TREAD_VIGOUR = 0.2
@@ -32,10 +32,15 @@ GRID_M = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Bout:
+class Bout:
     """One thing done on foot; one entry per `STEP_S`.
 
-    Between `lead` and `close` the body moves; before and after only the feet do.
+    Attributes
+    ----------
+    xy_m, heading_rad
+        Position and direction [m, rad].
+    lead, close
+        Between these entries the body moves; before and after only the feet do.
     """
 
     xy_m: Float64[np.ndarray, "step 2"]
@@ -92,16 +97,17 @@ def on_foot(
     goes
         Ends in the middle of a walk, without a stop.
     """
-    bouts = [] if comes else [_stay(place, SETTLE_S)]
+    bouts = [] if comes else [stay(place, SETTLE_S)]
     groups = _groups(actions)
     for number, group in enumerate(groups):
         first, last = number == 0, number == len(groups) - 1
         bouts += _bouts(place, group, comes and first, goes and last)
-        place = _end(bouts, place)
+        place = end_of(bouts, place)
     if not goes:
-        bouts.append(_stay(place, SETTLE_S))
-    path = _path(bouts, start_s, comes, goes)
-    phase, treading = _strides(body, path, bouts, comes, goes)
+        bouts.append(stay(place, SETTLE_S))
+    path = path_along(bouts, start_s, comes, goes)
+    rate_hz = cadence_hz(body, path)
+    phase, treading = strides(rate_hz, bouts, MID_STANCE, comes=comes, goes=goes)
     seconds = path.leave_s - path.enter_s
     return Stretch(stepping(body, path, phase, style, treading), seconds, place)
 
@@ -120,18 +126,35 @@ def standing(body: Body, place: Place, style: float, start_s: float, seconds: fl
     start_s, seconds
         When, and how long [s].
     """
-    path = _path([_stay(place, max(seconds, 0.1))], start_s, False, False)
+    path = path_along([stay(place, max(seconds, 0.1))], start_s, False, False)
     return stepping(body, path, np.full(len(path.t_s), NEUTRAL), style)
 
 
-def _stay(place: Place, seconds: float) -> _Bout:
+def stay(place: Place, seconds: float) -> Bout:
+    """Return a bout of standing still.
+
+    Parameters
+    ----------
+    place
+        Where.
+    seconds
+        How long [s].
+    """
     steps = round(seconds / STEP_S)
     here_m = np.tile([place.x_m, place.y_m], (steps, 1))
-    return _Bout(here_m, np.full(steps, place.heading_rad))
+    return Bout(here_m, np.full(steps, place.heading_rad))
 
 
-def _end(bouts: list[_Bout], place: Place) -> Place:
-    """Return where the last bout ends, or the place itself if it has no length."""
+def end_of(bouts: list[Bout], place: Place) -> Place:
+    """Return where the last bout ends.
+
+    Parameters
+    ----------
+    bouts
+        What was done.
+    place
+        Where it began; returned if nothing was done.
+    """
     if not bouts or not len(bouts[-1].xy_m):
         return place
     last = bouts[-1]
@@ -150,14 +173,38 @@ def _groups(actions: Sequence[OnFoot]) -> list[list[OnFoot]]:
     return groups
 
 
-def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[_Bout]:
+def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[Bout]:
     """Return what somebody does from this place on."""
     first = group[0]
     if isinstance(first, Stand):
-        return [_stay(place, first.seconds)]
+        return [stay(place, first.seconds)]
     if isinstance(first, Turn):
         return [_turn(place, turn_rad(first, place), first.speed_radps)]
-    legs = [action for action in group if isinstance(action, Walk | Run)]
+    legs = [(action.to_m, action.speed_mps) for action in group if isinstance(action, Walk | Run)]
+    return ways(place, legs, comes=comes, goes=goes)
+
+
+def ways(
+    place: Place,
+    legs: Sequence[tuple[tuple[Point, ...], float]],
+    *,
+    comes: bool = False,
+    goes: bool = False,
+    turning_radps: float = TURN_RADPS,
+) -> list[Bout]:
+    """Return a way through points, after a turn on the spot if it leads aside.
+
+    Parameters
+    ----------
+    place
+        Where it begins.
+    legs
+        Way points and the speed towards them [m, m/s].
+    comes, goes
+        Begins, ends in the middle of the way.
+    turning_radps
+        How fast to turn on the spot [rad/s].
+    """
     corners_m, speeds_mps = _corners(place, legs)
     if not len(speeds_mps):
         return []
@@ -166,7 +213,7 @@ def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[_
     aside_rad = 0.0 if comes else shortest(heading_rad - place.heading_rad)
     bouts = []
     if abs(aside_rad) > AHEAD_RAD:
-        bouts.append(_turn(place, aside_rad, TURN_RADPS))
+        bouts.append(_turn(place, aside_rad, turning_radps))
         place = place.ahead(0.0, 0.0, aside_rad)
     if comes:
         place = Place(place.x_m, place.y_m, heading_rad)
@@ -191,7 +238,7 @@ def shortest(angle_rad: float) -> float:
     return float((angle_rad + np.pi) % (2 * np.pi) - np.pi)
 
 
-def _turn(place: Place, by_rad: float, speed_radps: float) -> _Bout:
+def _turn(place: Place, by_rad: float, speed_radps: float) -> Bout:
     steps = max(round(abs(by_rad) / speed_radps / STEP_S), 30)
     here_m = np.tile([place.x_m, place.y_m], (steps, 1))
     turn = place.heading_rad + by_rad * even(np.arange(steps) / steps)
@@ -200,7 +247,7 @@ def _turn(place: Place, by_rad: float, speed_radps: float) -> _Bout:
 
 def _bout(
     start: Place, end: Place, xy_m: np.ndarray, heading_rad: np.ndarray, comes: bool, goes: bool
-) -> _Bout:
+) -> Bout:
     """Return a bout with time for the feet before and after, exactly at rest at both ends."""
     lead = 0 if comes else round(LEAD_S / STEP_S)
     close = 0 if goes else round(CLOSE_S / STEP_S)
@@ -222,20 +269,20 @@ def _bout(
         over = even((steps - len(steps) + close) * STEP_S / FADE_S + 0.5)[:, None]
         way = way + over * (last - way)
     rest = max(close - round(FADE_S / 2 / STEP_S), 0)
-    return _Bout(way[:, :2], way[:, 2], lead, len(way) - rest)
+    return Bout(way[:, :2], way[:, 2], lead, len(way) - rest)
 
 
 def _corners(
-    place: Place, legs: Sequence[Walk | Run]
+    place: Place, legs: Sequence[tuple[tuple[Point, ...], float]]
 ) -> tuple[Float64[np.ndarray, "corner 2"], Float64[np.ndarray, " leg"]]:
     """Return the corners of the way, and the speed between each and the next."""
     corners_m: list[Point] = [(place.x_m, place.y_m)]
     speeds_mps: list[float] = []
-    for leg in legs:
-        for x_m, y_m in leg.to_m:
+    for points_m, speed_mps in legs:
+        for x_m, y_m in points_m:
             if np.hypot(x_m - corners_m[-1][0], y_m - corners_m[-1][1]) > 0.01:
                 corners_m.append((float(x_m), float(y_m)))
-                speeds_mps.append(leg.speed_mps)
+                speeds_mps.append(speed_mps)
     return np.array(corners_m), np.array(speeds_mps, dtype=float)
 
 
@@ -245,7 +292,7 @@ def _go(
     speeds_mps: Float64[np.ndarray, " leg"],
     comes: bool,
     goes: bool,
-) -> _Bout:
+) -> Bout:
     """Return a way through corners."""
     way_m = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1))))
     t_s, s_m = _timetable(way_m, speeds_mps, comes, goes)
@@ -283,8 +330,18 @@ def _timetable(
     return t_s, s_m
 
 
-def _path(bouts: Sequence[_Bout], start_s: float, comes: bool, goes: bool) -> FloorPath:
-    """Return the path along all bouts, known for a while before and after."""
+def path_along(bouts: Sequence[Bout], start_s: float, comes: bool, goes: bool) -> FloorPath:
+    """Return the path along all bouts, known for a while before and after.
+
+    Parameters
+    ----------
+    bouts
+        What is done one after the other.
+    start_s
+        When it begins [s].
+    comes, goes
+        Begins, ends in the middle of a way.
+    """
     xy_m = np.concatenate([bout.xy_m for bout in bouts])
     heading_rad = np.concatenate([bout.heading_rad for bout in bouts])
     steps, margin = len(xy_m), round(paths.LEAD_S / STEP_S)
@@ -296,10 +353,26 @@ def _path(bouts: Sequence[_Bout], start_s: float, comes: bool, goes: bool) -> Fl
     return FloorPath(t_s, xy_m, heading_rad, start_s, start_s + steps * STEP_S)
 
 
-def _strides(
-    body: Body, path: FloorPath, bouts: Sequence[_Bout], comes: bool, goes: bool
+def strides(
+    rate_hz: Float64[np.ndarray, " step"],
+    bouts: Sequence[Bout],
+    mid_stance: float,
+    *,
+    comes: bool = False,
+    goes: bool = False,
 ) -> tuple[Float64[np.ndarray, " step"], Float64[np.ndarray, " step"]]:
     """Return the phase over time, and the vigour of steps made while the body rests.
+
+    Parameters
+    ----------
+    rate_hz
+        Strides per second that the way asks for, one entry per time of the path.
+    bouts
+        What the path consists of.
+    mid_stance
+        Share of a stride at which the body passes over a foot.
+    comes, goes
+        Begins, ends in the middle of a way.
 
     Notes
     -----
@@ -307,8 +380,8 @@ def _strides(
     body moves, and after it stopped the phase must go on until both feet were planted anew; both
     together take half a stride. What the way itself takes is rounded to half strides.
     """
-    rate_hz = cadence_hz(body, path)
-    treading = np.zeros(len(rate_hz))
+    rate_hz, treading = rate_hz.copy(), np.zeros(len(rate_hz))
+    lead = mid_stance - NEUTRAL
     at = (len(rate_hz) - sum(len(bout.xy_m) for bout in bouts)) // 2
     rate_hz[: 0 if comes else at] = 0.0
     for number, bout in enumerate(bouts):
@@ -320,11 +393,11 @@ def _strides(
         if bout.close and not (comes and first) and not (goes and last):
             made = float(rate_hz[at:end].sum()) * STEP_S
             rate_hz[at:end] *= max(round(2 * made), 1) / 2 / made
-        steps = [(at, at + bout.lead, LEAD_STRIDES), (at + bout.close, end, CLOSE_STRIDES)]
-        for begin, stop, strides in steps:
+        steps = [(at, at + bout.lead, lead), (at + bout.close, end, 0.5 - lead)]
+        for begin, stop, more in steps:
             if bout.close and stop > begin + 1:
                 share = np.linspace(0.0, 1.0, stop - begin + 1)
-                rate_hz[begin:stop] += strides * np.diff(even(share)) / STEP_S
+                rate_hz[begin:stop] += more * np.diff(even(share)) / STEP_S
                 treading[begin:stop] = TREAD_VIGOUR
         at = end
     rate_hz[len(rate_hz) if goes else at :] = 0.0

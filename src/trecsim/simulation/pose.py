@@ -1,6 +1,6 @@
 """Poses as turns of the parts of a body: between any two of them limbs keep their lengths."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -107,6 +107,40 @@ def _arm(shoulder_m: Xyz, pose: Pose, side: int, body: Body) -> tuple[Xyz, Xyz]:
     return elbow_m, elbow_m + body.forearm_m * (np.cos(bend) * upper + np.sin(bend) * arm[:, :, 0])
 
 
+def reaching(pose: Pose, body: Body, wrists_m: Float64[np.ndarray, "time 2 3"]) -> Pose:
+    """Return a pose with the wrists at given points, elbows bent towards the feet.
+
+    Parameters
+    ----------
+    pose
+        How the rest of the body is held.
+    body
+        Limb lengths.
+    wrists_m
+        Left and right wrist; a point out of reach is reached for [m].
+    """
+    neck_m = pose.root_m + body.trunk_m * pose.chest[:, :, 2]
+    left = pose.chest[:, :, 1]
+    arms, elbows = np.empty_like(pose.arms), np.empty_like(pose.elbow_rad)
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        way_m = wrists_m[:, side] - neck_m - sign * body.shoulders_m / 2 * left
+        length_m = np.linalg.norm(way_m, axis=1)
+        far_m = np.minimum(length_m, STRAIGHT * (body.upper_arm_m + body.forearm_m))
+        both = 2 * body.upper_arm_m * body.forearm_m
+        cosine = (far_m**2 - body.upper_arm_m**2 - body.forearm_m**2) / both
+        bend = np.arccos(np.clip(cosine, -1.0, 1.0))
+        back = np.arctan2(
+            body.forearm_m * np.sin(bend), body.upper_arm_m + body.forearm_m * np.cos(bend)
+        )[:, None]
+        along = way_m / length_m[:, None]
+        ahead = unit(np.cross(along, left))
+        upper = np.cos(back) * along - np.sin(back) * ahead
+        forward = np.cos(back) * ahead + np.sin(back) * along
+        turn = np.stack((forward, np.cross(-upper, forward), -upper), axis=2)
+        arms[:, side], elbows[:, side] = pose.chest.transpose(0, 2, 1) @ turn, bend
+    return replace(pose, arms=arms, elbow_rad=elbows)
+
+
 def pose_of(xyz_m: Joints, head_m: Float64[np.ndarray, "5 3"]) -> Pose:
     """Return how the body with these joints is held.
 
@@ -188,8 +222,10 @@ def unit(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch
     return direction
 
 
-def about(axis: str, angle_rad: float) -> Float64[np.ndarray, "3 3"]:
-    """Return the turn about the forward ("x"), left ("y") or up ("z") axis.
+def about(
+    axis: str, angle_rad: float | Float64[np.ndarray, " time"]
+) -> Float64[np.ndarray, "*time 3 3"]:
+    """Return the turn about the forward ("x"), left ("y") or up ("z") axis, one per angle.
 
     Examples
     --------
@@ -198,10 +234,26 @@ def about(axis: str, angle_rad: float) -> Float64[np.ndarray, "3 3"]:
     """
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     first, second = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
-    turn = np.eye(3)
-    turn[first, first] = turn[second, second] = c
-    turn[first, second], turn[second, first] = -s, s
+    turn = np.broadcast_to(np.eye(3), (*np.shape(angle_rad), 3, 3)).copy()
+    turn[..., first, first] = turn[..., second, second] = c
+    turn[..., first, second], turn[..., second, first] = -s, s
     return turn
+
+
+def at(pose: Pose, entry: int, times: int = 1) -> Pose:
+    """Return one entry of a pose, as often as asked for.
+
+    Parameters
+    ----------
+    pose
+        Over time.
+    entry
+        Which entry.
+    times
+        How often.
+    """
+    parts = (getattr(pose, name)[entry] for name in Pose.__slots__)
+    return Pose(*(np.broadcast_to(part, (times, *part.shape)) for part in parts))
 
 
 def blend(a: Pose, b: Pose, share: Float64[np.ndarray, " time"]) -> Pose:

@@ -1,0 +1,243 @@
+"""Clips of real motion, done with the limbs of another body, anywhere on the floor.
+
+A clip is an ``.npz`` file with ``joints`` (time, 17 or more, 3) [m], z up, the first 17 of them
+COCO-17, and ``fps``, its frames per second.
+"""
+
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.errors import InputError
+from trecsim.simulation.actions import Point
+from trecsim.simulation.body import Body
+from trecsim.simulation.paths import STEP_S, smooth
+from trecsim.simulation.pose import Joints, Place, Pose, pose_of, unit
+from trecsim.simulation.postures import STAND, Posture
+from trecsim.simulation.sampled import between
+
+MOST_FRAMES = 1_000_000
+# Nose, eyes and ears seen from the head of those recorded: forward, left, up [m].
+FACE_M = np.array(
+    [
+        [0.105, 0.0, 0.06],
+        [0.085, 0.032, 0.095],
+        [0.085, -0.032, 0.095],
+        [0.0, 0.075, 0.075],
+        [0.0, -0.075, 0.075],
+    ]
+)
+UPRIGHT = 0.6  # a trunk that points up by this or more is no lying person's
+STRIDES_S = 0.4  # standard deviation of the smoothing that leaves the way without the strides
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Take:
+    """Recorded motion of one person.
+
+    Attributes
+    ----------
+    fps
+        Frames per second.
+    xyz_m
+        COCO-17 joints [m], z up, the floor at 0.
+    """
+
+    fps: float
+    xyz_m: Joints
+
+    def cut(self, from_s: float, to_s: float | None) -> "Take":
+        """Return a part of the take.
+
+        Parameters
+        ----------
+        from_s, to_s
+            Where it begins and ends; None keeps the end [s].
+
+        Raises
+        ------
+        InputError
+            If the take is too short for that.
+        """
+        end = len(self.xyz_m) if to_s is None else round(to_s * self.fps) + 1
+        part_m = self.xyz_m[round(from_s * self.fps) : end]
+        if len(part_m) < 2:
+            seconds = (len(self.xyz_m) - 1) / self.fps
+            raise InputError(f"clip: nothing is left from {from_s:g} s on, it has {seconds:.2f} s")
+        return Take(self.fps, part_m)
+
+
+def read_clip(path: Path) -> Take:
+    """Read a clip of real motion.
+
+    Parameters
+    ----------
+    path
+        An ``.npz`` file, see above.
+
+    Raises
+    ------
+    InputError
+        If the file is not one, or its numbers make no sense.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            found = {name: file[name] for name in ("joints", "fps") if name in file}
+    except FileNotFoundError:
+        raise InputError(f"clip {path}: there is no such file") from None
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, MemoryError) as error:
+        raise InputError(f"clip {path}: cannot be read as an .npz file ({error})") from None
+    missing = sorted({"joints", "fps"} - set(found))
+    if missing:
+        raise InputError(f"clip {path}: needs the arrays joints and fps, lacks {missing}")
+    return _take(path, found["joints"], found["fps"])
+
+
+def _take(path: Path, xyz_m: np.ndarray, fps: np.ndarray) -> Take:
+    """Return a take after looking whether it can be one."""
+    faults = []
+    if not (xyz_m.ndim == 3 and xyz_m.shape[1] >= 17 and xyz_m.shape[2] == 3):
+        faults.append(f"joints must have the shape (time, 17 or more, 3), got {xyz_m.shape}")
+    elif not 2 <= len(xyz_m) <= MOST_FRAMES:
+        faults.append(f"needs 2 to {MOST_FRAMES} frames, got {len(xyz_m)}")
+    elif xyz_m.dtype.kind not in "fiu" or not np.isfinite(xyz_m[:, :17]).all():
+        faults.append("joints must be finite numbers")
+    elif np.abs(xyz_m[:, :17]).max() > 1e4:
+        faults.append("joints must be in metres, got some farther than 10 km")
+    if fps.size != 1 or fps.dtype.kind not in "fiu" or not 1.0 <= float(fps.reshape(())) <= 1000.0:
+        faults.append("fps must be one number from 1 to 1000")
+    if faults:
+        raise InputError(f"clip {path}: " + "; ".join(faults))
+    return Take(float(fps.reshape(())), np.asarray(xyz_m[:, :17], dtype=np.float64))
+
+
+def posed(take: Take, body: Body) -> Pose:
+    """Return what somebody recorded did, done by another body, one pose per `STEP_S`.
+
+    It begins over the origin and faces +x. Ways over the floor grow with the legs, so that feet
+    that stand keep standing.
+
+    Parameters
+    ----------
+    take
+        What was recorded.
+    body
+        Who does it.
+    """
+    seconds = (len(take.xyz_m) - 1) / take.fps
+    entry = np.arange(int(seconds / STEP_S) + 1) * STEP_S * take.fps
+    xyz_m = between(take.xyz_m, entry)
+    pose = pose_of(xyz_m, FACE_M)
+    legs_m = np.linalg.norm(np.diff(take.xyz_m[0, [11, 13, 15]], axis=0), axis=1).sum()
+    scale = body.leg_m / legs_m
+    upright = pose.chest[:, 2, 2] > UPRIGHT
+    soles_m = scale * pose.ankles_m[..., 2].min(axis=1)
+    raised_m = body.ankle_m - np.percentile(soles_m[upright], 5) if upright.any() else 0.0
+    shift_m = np.array([0.0, 0.0, raised_m])
+    pose = replace(
+        pose, root_m=scale * pose.root_m + shift_m, ankles_m=scale * pose.ankles_m + shift_m
+    )
+    start = pose.root_m[0]
+    return _moved(pose, np.array([start[0], start[1], _heading(pose, 0)]), np.zeros(3))
+
+
+def _heading(pose: Pose, entry: int) -> float:
+    """Return the direction somebody faces, or would face after getting up [rad]."""
+    up, ahead = pose.chest[entry, :, 2], pose.chest[entry, :, 0]
+    if up[2] < UPRIGHT:
+        ahead = -up if ahead[2] > 0 else up
+    return float(np.arctan2(ahead[1], ahead[0]))
+
+
+def _moved(
+    pose: Pose, old: Float64[np.ndarray, "*time 3"], new: Float64[np.ndarray, "*time 3"]
+) -> Pose:
+    """Return poses after what was at x, y, heading `old` was moved to `new`."""
+    turn_rad = np.broadcast_to(new[..., 2] - old[..., 2], len(pose.root_m))
+    c, s, zero = np.cos(turn_rad), np.sin(turn_rad), np.zeros(len(turn_rad))
+    turn = np.stack((c, -s, zero, s, c, zero, zero, zero, zero + 1), axis=1).reshape(-1, 3, 3)
+    flat = np.array([1.0, 1.0, 0.0])
+    old_m, new_m = np.atleast_2d(old * flat), np.atleast_2d(new * flat)
+    return replace(
+        pose,
+        root_m=np.einsum("tab,tb->ta", turn, pose.root_m - old_m) + new_m,
+        ankles_m=np.einsum("tab,tsb->tsa", turn, pose.ankles_m - old_m[:, None]) + new_m[:, None],
+        hips=turn @ pose.hips,
+        chest=turn @ pose.chest,
+        head=turn @ pose.head,
+    )
+
+
+def stays_in(pose: Pose, entry: int) -> Posture:
+    """Return the posture that is next to one entry of a pose: standing, or lying.
+
+    Parameters
+    ----------
+    pose
+        Poses over time.
+    entry
+        Which of them.
+    """
+    if pose.chest[entry, 2, 2] > UPRIGHT:
+        return STAND
+    return Posture("back" if pose.chest[entry, 2, 0] > 0 else "front")
+
+
+def place_of(pose: Pose, entry: int, body: Body) -> Place:
+    """Return where somebody would stand who now is posed like this.
+
+    Parameters
+    ----------
+    pose
+        Poses over time.
+    entry
+        Which of them.
+    body
+        Limb lengths.
+    """
+    x_m, y_m, _ = pose.root_m[entry]
+    hips = Place(float(x_m), float(y_m), _heading(pose, entry))
+    return hips.ahead(
+        {"stand": 0.0, "back": 0.6, "front": -1.0}[stays_in(pose, entry).name] * body.leg_m
+    )
+
+
+def carried(pose: Pose, place: Place, along_m: Sequence[Point], body: Body) -> Pose:
+    """Return poses moved to a place, and along a way if there is one.
+
+    Parameters
+    ----------
+    pose
+        Over time; see :func:`posed`.
+    place
+        Where the person is before.
+    along_m
+        Way points; as far as the person went, he goes along them [m].
+    body
+        Limb lengths.
+    """
+    was = place_of(pose, 0, body)
+    old = np.array([was.x_m, was.y_m, was.heading_rad])
+    pose = _moved(pose, old, np.array([place.x_m, place.y_m, place.heading_rad]))
+    if not along_m:
+        return pose
+    own_m = smooth(pose.root_m[:, :2], STRIDES_S)
+    steps_m = np.linalg.norm(np.diff(own_m, axis=0), axis=1)
+    gone_m = np.concatenate(([0.0], np.cumsum(steps_m)))
+    corners_m = np.array([own_m[0], *along_m], dtype=float)
+    ends_m = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1))))
+    way_m = np.stack([np.interp(gone_m, ends_m, column) for column in corners_m.T], axis=1)
+    leg = np.clip(np.searchsorted(ends_m, gone_m, side="right") - 1, 0, len(corners_m) - 2)
+    towards = unit(np.column_stack((np.diff(corners_m, axis=0), np.zeros(len(corners_m) - 1))))[leg]
+    # What the way lacks in length is gone straight on.
+    way_m += np.maximum(gone_m - ends_m[-1], 0.0)[:, None] * towards[:, :2]
+    turn = smooth(np.unwrap(np.arctan2(towards[:, 1], towards[:, 0])), STRIDES_S)
+    ahead = np.gradient(own_m, axis=0)
+    own = smooth(np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0])), STRIDES_S)
+    return _moved(
+        pose, np.column_stack((own_m, own)), np.column_stack((smooth(way_m, STRIDES_S), turn))
+    )
