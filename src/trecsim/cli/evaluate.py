@@ -18,6 +18,7 @@ def evaluate(
     shelf: Path | None = None,
     rig: Path | None = None,
     poses: Path | None = None,
+    lengths: Path | None = None,
     from_s: float | None = None,
     until_s: float | None = None,
     details: bool = False,
@@ -41,6 +42,8 @@ def evaluate(
         Calibration, to measure reprojection errors; goes with `--poses`.
     poses
         The 2D poses that the tracks were made of; goes with `--rig`.
+    lengths
+        Limb lengths measured with a tape (TOML), to compare with.
     from_s
         Score from this time on [s].
     until_s
@@ -65,6 +68,7 @@ def evaluate(
                     shelf=shelf,
                     rig=rig,
                     poses=poses,
+                    lengths=lengths,
                     from_s=-float("inf") if from_s is None else from_s,
                     until_s=float("inf") if until_s is None else until_s,
                     remark=note,
@@ -92,6 +96,8 @@ def _facts(result: "Evaluation") -> dict[str, Any]:
         },
         "jitter": [row.row() for row in result.jitter],
         "support": [row.row() for row in result.support],
+        "lifetimes": [life.row() for life in result.lifetimes],
+        "breaks": [one.row() for one in result.breaks],
         "reprojection": seen
         and {
             "joints": [row.row() for row in seen.rows],

@@ -26,6 +26,7 @@ def score_table(results: "Sequence[Evaluation]") -> str:
             results,
             ("moments with somebody", lambda one: str(one.moments)),
             ("identities", lambda one: str(one.people)),
+            ("  that seem to go on another", lambda one: str(len(one.breaks))),
         )
     lines += _without_truth(results)
     return _aligned(lines)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
+from trecsim.evaluation.lifetimes import Break, Lifetime, breaks, lifetimes
 from trecsim.evaluation.limbs import (
     LimbRow,
     LimbSummary,
@@ -14,6 +15,7 @@ from trecsim.evaluation.limbs import (
     limb_table,
     true_lengths,
 )
+from trecsim.evaluation.measured import read_measured
 from trecsim.evaluation.moments import (
     Moments,
     Recorded,
@@ -63,6 +65,8 @@ class Evaluation:
         How many cameras support joints; the first row is over all of them.
     reprojection
         Against the 2D poses; None without them.
+    lifetimes, breaks
+        When each identity was there, and where one seems to have been lost and another begun.
     """
 
     tracks: Path
@@ -77,6 +81,8 @@ class Evaluation:
     jitter: tuple[JitterRow, ...]
     support: tuple[SupportRow, ...]
     reprojection: Reprojection | None
+    lifetimes: tuple[Lifetime, ...]
+    breaks: tuple[Break, ...]
 
 
 def evaluate(
@@ -86,6 +92,7 @@ def evaluate(
     shelf: Path | str | None = None,
     rig: Rig | Path | str | None = None,
     poses: Path | str | None = None,
+    lengths: Path | str | None = None,
     from_s: float = -float("inf"),
     until_s: float = float("inf"),
     remark: Remark = lambda text: None,
@@ -102,6 +109,8 @@ def evaluate(
         Directory of the Shelf recording, if the tracks are made of it.
     rig, poses
         Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
+    lengths
+        Limb lengths measured with a tape, which count more than those of the truth.
     from_s, until_s
         Only this time counts [s].
     remark
@@ -124,7 +133,12 @@ def evaluate(
     recorded = read_moments(tracks)
     moments = within(recorded.moments, from_s, until_s)
     people = people_of(moments)
-    limbs = limb_table(limb_series(people), true_lengths(people, truth) if truth else None)
+    given = {
+        **(true_lengths(people, truth) if truth else {}),
+        **(read_measured(lengths) if lengths else {}),
+    }
+    limbs = limb_table(limb_series(people), given)
+    usual_s = interval_s(moments)
     return Evaluation(
         tracks=recorded.path,
         moments=len(moments.t_s),
@@ -135,9 +149,11 @@ def evaluate(
         shelf=score_shelf(read_tracks(tracks), read_annotation(shelf)) if shelf else None,
         limbs=limbs,
         limb_summary=limb_summary(limbs),
-        jitter=jitter(people, interval_s(moments)),
+        jitter=jitter(people, usual_s),
         support=support_of_joints(people),
-        reprojection=_reprojection(rig, poses, people, interval_s(moments), remark),
+        reprojection=_reprojection(rig, poses, people, usual_s, remark),
+        lifetimes=lifetimes(people, usual_s),
+        breaks=breaks(people),
     )
 
 

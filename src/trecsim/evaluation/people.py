@@ -45,11 +45,6 @@ def people_of(moments: Moments) -> tuple[PersonTrack, ...]:
     )
 
 
-def period_s(moments: Moments) -> float:
-    """Return the usual time from one moment to the next, the median [s]; NaN if there is none."""
-    return float(np.median(np.diff(moments.t_s))) if len(moments.t_s) > 1 else float("nan")
-
-
 def pieces(t_s: Float64[np.ndarray, " time"], usual_s: float) -> Int64[np.ndarray, " time"]:
     """Return for each moment of a track the number of the piece without a gap it belongs to.
 
