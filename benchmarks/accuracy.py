@@ -30,13 +30,13 @@ def room_name(cameras: int, people: int) -> str:
 def room(task: Task) -> tuple[dict[str, dict[str, float]], str]:
     """Return the scores of one room and seed with and without lag, and the input's fingerprint."""
     from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.store.truth import Truth
 
     cameras, people, seed, overrides = task
     made = simulate(room_scene(people=people, cameras=cameras, seconds=SECONDS), seed)
+    truth = Truth(made.truth_t_s, made.truth_xyz_m)
     found = {
-        name: scoring.scores(
-            made.poses, made.rig, made.truth_t_s, made.truth_xyz_m, lag_s, overrides
-        )
+        name: scoring.scores(made.poses, made.rig, truth, lag_s, overrides)
         for name, lag_s in scoring.LAGS_S.items()
     }
     return found, fingerprint(made.poses)

@@ -20,6 +20,7 @@ ALL = (
     "speed",
     "simulating",
     "evaluating",
+    "storing",
     "memory",
     "startup",
     "real_video",
@@ -42,7 +43,6 @@ def main() -> int:
     arguments = [f"--jobs={given.jobs}"]
     arguments += ["--quick"] * given.quick
     arguments += [f"--set={name}={value}" for name, value in given.set]
-    arguments += [f"--folder={given.folder}"] * bool(given.folder)
     store = not (given.quick or given.keep or given.set)
     outcome = running.run_all(names, arguments, store=store)
     return summary(outcome, store=store)

@@ -24,10 +24,9 @@ Task = tuple[Path, Mapping[str, Any]]
 
 def scene(task: Task) -> dict[str, dict[str, float]]:
     """Return the scores of one scene with and without lag."""
-    import numpy as np
-
     from trecsim.calibration import read_rig
     from trecsim.sources import read_poses
+    from trecsim.store.truth import read_truth
 
     sys.path.insert(0, str(ROOT / "tests"))
     import thesis_scenes  # type: ignore[import-not-found, unused-ignore]
@@ -36,12 +35,11 @@ def scene(task: Task) -> dict[str, dict[str, float]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         thesis_scenes.convert(npz, folder)
-        with np.load(folder / "truth.npz") as truth:
-            t_s, xyz_m = truth["t_s"], truth["xyz_m"]
+        truth = read_truth(folder / "truth.npz")
         rig = read_rig(folder / "rig.toml")
         poses = list(read_poses(folder / "poses.jsonl"))
     return {
-        lag: scoring.scores(poses, rig, t_s, xyz_m, lag_s, overrides)
+        lag: scoring.scores(poses, rig, truth, lag_s, overrides)
         for lag, lag_s in scoring.LAGS_S.items()
     }
 

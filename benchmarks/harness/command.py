@@ -100,6 +100,7 @@ def report(result: Result, before: Result | None = None) -> list[comparing.Chang
 def _parser(text: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=text.partition("\n")[0])
     add_options(parser)
+    parser.add_argument("--folder", type=Path, help="of the recording, where one is needed")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the result there (JSON)")
     parser.add_argument("--store", action="store_true", help="make it the last stored result")
     return parser
@@ -116,7 +117,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N",
         help="processes for what is not timed (all cores)",
     )  # fmt: skip
-    parser.add_argument("--folder", type=Path, help="of the sample recording")
 
 
 def _override(text: str) -> tuple[str, object]:

@@ -217,11 +217,24 @@ def to_json(result: Result) -> str:
     whole = {
         "format": FORMAT,
         "name": result.name,
-        "about": result.about,
-        "skipped": result.skipped,
+        "about": dict(result.about),
+        "skipped": dict(result.skipped),
         "figures": _to_json(result.figures),
     }
-    return json.dumps(whole, indent=1, allow_nan=False) + "\n"
+    return _laid_out(whole) + "\n"
+
+
+def _laid_out(value: Any, depth: int = 0) -> str:
+    """Return JSON with one line for each figure."""
+    if not isinstance(value, dict) or not any(isinstance(v, dict) for v in value.values()):
+        return json.dumps(value, allow_nan=False)
+    if "kind" in value:
+        return json.dumps(value, allow_nan=False)
+    inside = ",\n".join(
+        f"{' ' * (depth + 1)}{json.dumps(name)}: {_laid_out(part, depth + 1)}"
+        for name, part in value.items()
+    )
+    return f"{{\n{inside}\n{' ' * depth}}}"
 
 
 def from_json(text: str) -> Result:

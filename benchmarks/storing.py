@@ -1,0 +1,81 @@
+"""How long writing and reading tracks takes, and how much room they need.
+
+Run: ``python benchmarks/storing.py``
+"""
+
+import tempfile
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.calibration import calibration_ms
+from harness.command import alone
+from harness.figures import Figures, once, timed
+from harness.options import Options
+
+if TYPE_CHECKING:
+    from trecsim.types import Snapshot
+
+PEOPLE, SECONDS, HZ = 20, 60.0, 25.0
+FILES = ("tracks.parquet", "tracks.csv")
+ROUNDS = 3
+
+
+def moments() -> "Iterator[Snapshot]":
+    """Yield made moments with everybody there."""
+    import numpy as np
+
+    from trecsim.types import Snapshot
+
+    rng = np.random.default_rng(1000)
+    xyz_m = rng.uniform(-5.0, 5.0, (PEOPLE, 1, 3)) + rng.normal(0.0, 0.4, (PEOPLE, 17, 3))
+    for number in range(int(SECONDS * HZ)):
+        xyz_m = xyz_m + rng.normal(0.0, 0.02, xyz_m.shape)
+        sigma_m = rng.uniform(0.01, 0.05, (PEOPLE, 17))
+        yield Snapshot(
+            number / HZ,
+            np.arange(PEOPLE),
+            xyz_m,
+            sigma_m[..., None, None] ** 2 * np.eye(3),
+            np.full((PEOPLE, 17), 3),
+        )
+
+
+def measure(options: Options) -> Figures:
+    """Measure time and room that tracks of 20 people take on the disk."""
+    made = list(moments())
+    options.input.update(data=f"{PEOPLE} made people, {SECONDS:g} s at {HZ:g} Hz", rounds=ROUNDS)
+    with tempfile.TemporaryDirectory() as folder:
+        figures = {name: of_file(Path(folder) / name, made) for name in FILES}
+    options.tell("done")
+    return figures
+
+
+def of_file(path: Path, made: "list[Snapshot]") -> Figures:
+    """Return time per moment and bytes per person and second of one kind of file."""
+    from trecsim.store.tracks import read_tracks, tracks_writer
+
+    write_ms, read_ms, calibration = [], [], []
+    for _ in range(ROUNDS):
+        before_ms = calibration_ms()
+        began_s = time.perf_counter()
+        with tracks_writer(path) as writer:
+            for snapshot in made:
+                writer.write(snapshot)
+        written_s = time.perf_counter()
+        count = sum(1 for _ in read_tracks(path))
+        read_ms.append(1e3 * (time.perf_counter() - written_s) / count)
+        write_ms.append(1e3 * (written_s - began_s) / len(made))
+        calibration.append((before_ms + calibration_ms()) / 2)
+        size = path.stat().st_size
+        path.unlink()
+    return {
+        "writing a moment": timed(write_ms, calibration),
+        "reading a moment": timed(read_ms, calibration),
+        "per person and second": once(size / (PEOPLE * SECONDS), "bytes"),
+    }
+
+
+if __name__ == "__main__":
+    raise SystemExit(alone(__file__, measure))
