@@ -16,9 +16,10 @@ from trecsim.errors import InputError
 from trecsim.simulation.actions import Point
 from trecsim.simulation.body import Body
 from trecsim.simulation.paths import STEP_S, smooth
-from trecsim.simulation.pose import Joints, Place, Pose, pose_of, unit
+from trecsim.simulation.pose import Joints, Place, Pose, blend, cut, joined, pose_of, unit
 from trecsim.simulation.postures import STAND, Posture
 from trecsim.simulation.sampled import between
+from trecsim.simulation.timing import even
 
 MOST_FRAMES = 1_000_000
 # Nose, eyes and ears seen from the head of those recorded: forward, left, up [m].
@@ -32,6 +33,7 @@ FACE_M = np.array(
     ]
 )
 UPRIGHT = 0.6  # a trunk that points up by this or more is no lying person's
+OVERLAP_S = 0.25  # repetitions of a clip overlap by so much
 STRIDES_S = 0.4  # standard deviation of the smoothing that leaves the way without the strides
 
 
@@ -206,6 +208,37 @@ def place_of(pose: Pose, entry: int, body: Body) -> Place:
     )
 
 
+def looped(pose: Pose, times: int, body: Body) -> Pose:
+    """Return a pose several times over, each going on where the last one ended.
+
+    Parameters
+    ----------
+    pose
+        Over time.
+    times
+        How often.
+    body
+        Limb lengths.
+    """
+    over = min(round(OVERLAP_S / STEP_S), len(pose.root_m) // 2)
+    share = even(np.arange(over) / max(over, 1))
+    start = place_of(pose, 0, body)
+    parts, again = [cut(pose, slice(0, len(pose.root_m) - over))], pose
+    for _ in range(times - 1):
+        here = place_of(again, len(again.root_m) - over, body)
+        following = _moved(pose, _row(start), _row(here))
+        seam = blend(
+            cut(again, slice(len(again.root_m) - over, None)), cut(following, slice(over)), share
+        )
+        parts += [seam, cut(following, slice(over, len(following.root_m) - over))]
+        again = following
+    return joined([*parts, cut(again, slice(len(again.root_m) - over, None))])
+
+
+def _row(place: Place) -> Float64[np.ndarray, " 3"]:
+    return np.array([place.x_m, place.y_m, place.heading_rad])
+
+
 def carried(pose: Pose, place: Place, along_m: Sequence[Point], body: Body) -> Pose:
     """Return poses moved to a place, and along a way if there is one.
 
@@ -220,9 +253,7 @@ def carried(pose: Pose, place: Place, along_m: Sequence[Point], body: Body) -> P
     body
         Limb lengths.
     """
-    was = place_of(pose, 0, body)
-    old = np.array([was.x_m, was.y_m, was.heading_rad])
-    pose = _moved(pose, old, np.array([place.x_m, place.y_m, place.heading_rad]))
+    pose = _moved(pose, _row(place_of(pose, 0, body)), _row(place))
     if not along_m:
         return pose
     own_m = smooth(pose.root_m[:, :2], STRIDES_S)

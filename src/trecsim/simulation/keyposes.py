@@ -235,15 +235,15 @@ def on_the_front(body: Body) -> Pose:
 
 def buckling(body: Body, to: str) -> Pose:
     """Return somebody in the middle of a fall, knees giving way, feet where they stood."""
-    lean, roll, back_m, aside_m = {
-        "back": (0.1, 0.0, -0.36, 0.0),
-        "front": (0.8, 0.0, 0.34, 0.0),
-        "left": (0.15, -0.5, 0.0, 0.32),
-        "right": (0.15, 0.5, 0.0, -0.32),
+    lean, roll, ahead, aside, height = {
+        "back": (0.1, 0.0, -0.36, 0.0, 0.62),
+        "front": (0.7, 0.0, 0.75, 0.0, 0.75),
+        "left": (0.15, -0.5, 0.0, 0.32, 0.62),
+        "right": (0.15, 0.5, 0.0, -0.32, 0.62),
     }[to]
     trunk = about("x", roll) @ pitched(lean)
     return _pose(
-        (back_m * body.leg_m, aside_m * body.leg_m, 0.62 * body.leg_m),
+        (ahead * body.leg_m, aside * body.leg_m, height * body.leg_m),
         _feet(body),
         about("x", 0.7 * roll) @ pitched(-0.3 if to == "back" else 0.5 * lean),
         trunk,

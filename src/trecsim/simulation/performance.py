@@ -24,12 +24,12 @@ from trecsim.simulation.actions import (
     Walk,
 )
 from trecsim.simulation.body import Body
-from trecsim.simulation.clips import Take, carried, place_of, posed, read_clip, stays_in
+from trecsim.simulation.clips import carried, looped, place_of, posed, read_clip, stays_in
 from trecsim.simulation.contact import off_the_floor
 from trecsim.simulation.crawling import crawl
 from trecsim.simulation.on_foot import OnFoot, on_foot, shortest
 from trecsim.simulation.paths import STEP_S
-from trecsim.simulation.pose import Joints, Place, Pose, at, blend, joints
+from trecsim.simulation.pose import Place, Pose, at, blend, joined, joints
 from trecsim.simulation.postures import LYING, STAND, Being, Posture, stepping_over, way
 from trecsim.simulation.sampled import Sampled
 from trecsim.simulation.timing import even
@@ -121,6 +121,7 @@ class _Script:
     posture: Posture = STAND
     steps: int = 0
     parts: list[Float32[np.ndarray, "step 17 3"]] = field(default_factory=list)
+    low: list[Pose] = field(default_factory=list)
 
     @property
     def now_s(self) -> float:
@@ -133,14 +134,21 @@ class _Script:
             raise InputError("what one person does must take no more than a day")
         return self.enter_s + (self.steps + np.arange(steps)) * STEP_S
 
-    def add(self, xyz_m: Joints) -> None:
-        self.parts.append(xyz_m.astype(np.float32))
-        self.steps += len(xyz_m)
-
     def show(self, pose: Pose) -> None:
-        self.add(joints(off_the_floor(pose, self.being.body), self.being.body))
+        """Add poses; whether they touch the floor is seen when all of them are there."""
+        self.low.append(pose)
+        self.steps += len(pose.root_m)
+
+    def settle(self) -> None:
+        """Put the poses since somebody last was on foot onto the floor."""
+        if self.low:
+            pose = off_the_floor(joined(self.low), self.being.body)
+            self.parts.append(joints(pose, self.being.body).astype(np.float32))
+            self.low = []
 
     def motion(self, until_s: float | None) -> Sampled:
+        """Return all that was done."""
+        self.settle()
         leave_s = self.now_s - STEP_S
         if until_s is not None:
             leave_s = min(leave_s, until_s)
@@ -180,7 +188,7 @@ class _Script:
     def go(self, actions: list[OnFoot], leaves: bool) -> None:
         """Stand, turn, walk and run."""
         self.become(STAND)
-        comes = not self.parts and isinstance(actions[0], Walk | Run)
+        comes = self.steps == 0 and isinstance(actions[0], Walk | Run)
         goes = leaves and isinstance(actions[-1], Walk | Run)
         stretch = on_foot(
             self.being.body,
@@ -192,7 +200,10 @@ class _Script:
             goes=goes,
         )
         t_s = self.times_s(stretch.seconds)
-        self.add(stretch.walker(np.minimum(t_s, stretch.walker.path.leave_s)))
+        xyz_m = stretch.walker(np.minimum(t_s, stretch.walker.path.leave_s))
+        self.settle()
+        self.parts.append(xyz_m.astype(np.float32))
+        self.steps += len(xyz_m)
         self.place = stretch.end
 
     def fall(self, action: Fall) -> None:
@@ -219,30 +230,28 @@ class _Script:
 
     def play(self, action: Clip, leaves: bool) -> None:
         """Play a clip of real motion, coming from a posture and ending in one."""
+        body = self.being.body
         take = read_clip(action.path).cut(action.from_s, action.to_s)
-        comes = not self.parts
-        for turn in range(action.times):
-            self._play_once(take, action, comes and turn == 0, leaves and turn == action.times - 1)
-
-    def _play_once(self, take: Take, action: Clip, comes: bool, leaves: bool) -> None:
-        pose = posed(take, self.being.body)
+        self.times_s(action.times * len(take.xyz_m) / take.fps)
+        pose = looped(posed(take, body), action.times, body)
         first, last = stays_in(pose, 0), stays_in(pose, -1)
+        comes = self.steps == 0
         if not comes:
             self.become(first)
-        pose = carried(pose, self.place, action.along_m, self.being.body)
+        pose = carried(pose, self.place, action.along_m, body)
         if not comes:
-            self._bridge(self.being.held(self.posture, self.place, self.times_s(STEP_S)), pose, 0)
+            self._bridge(self.being.held(first, self.place, self.times_s(STEP_S)), at(pose, 0))
         self.show(pose)
-        self.posture, self.place = last, place_of(pose, -1, self.being.body)
+        self.posture, self.place = last, place_of(pose, -1, body)
         if not leaves:
-            rest = self.being.held(last, self.place, self.times_s(BRIDGE_S) + BRIDGE_S)
-            self._bridge(at(pose, -1), rest, 0)
+            rest = self.being.held(last, self.place, self.times_s(STEP_S) + BRIDGE_S)
+            self._bridge(at(pose, -1), rest)
 
-    def _bridge(self, first: Pose, last: Pose, entry: int) -> None:
-        """Get from one pose to an entry of another in place."""
+    def _bridge(self, first: Pose, last: Pose) -> None:
+        """Get from one pose to another in place."""
         times = len(self.times_s(BRIDGE_S))
         share = even(np.arange(times) / times)
-        a, b = at(first, 0, times), at(last, entry, times)
+        a, b = at(first, 0, times), at(last, 0, times)
         self.show(stepping_over(blend(a, b, share), a, b, share))
 
 

@@ -1,5 +1,6 @@
 """Poses as turns of the parts of a body: between any two of them limbs keep their lengths."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -240,6 +241,19 @@ def about(
     return turn
 
 
+def cut(pose: Pose, part: slice) -> Pose:
+    """Return some of the entries of a pose.
+
+    Parameters
+    ----------
+    pose
+        Over time.
+    part
+        Which entries.
+    """
+    return Pose(*(getattr(pose, name)[part] for name in Pose.__slots__))
+
+
 def at(pose: Pose, entry: int, times: int = 1) -> Pose:
     """Return one entry of a pose, as often as asked for.
 
@@ -254,6 +268,18 @@ def at(pose: Pose, entry: int, times: int = 1) -> Pose:
     """
     parts = (getattr(pose, name)[entry] for name in Pose.__slots__)
     return Pose(*(np.broadcast_to(part, (times, *part.shape)) for part in parts))
+
+
+def joined(poses: Sequence[Pose]) -> Pose:
+    """Return poses one after the other.
+
+    Parameters
+    ----------
+    poses
+        At least one.
+    """
+    parts = ([getattr(pose, name) for pose in poses] for name in Pose.__slots__)
+    return Pose(*(np.concatenate(part) for part in parts))
 
 
 def blend(a: Pose, b: Pose, share: Float64[np.ndarray, " time"]) -> Pose:

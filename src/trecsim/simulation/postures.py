@@ -80,6 +80,19 @@ def _over_the_knees(body: Body, _: Posture) -> Pose:
     return replace(middle, root_m=root_m)
 
 
+def _stretched(side: int) -> Callable[[Body, Posture], Pose]:
+    """Return the pose on the side with stretched legs: so they do not hinder a roll."""
+
+    def pose(body: Body, _: Posture) -> Pose:
+        lying = keyposes.on_the_side(body, side)
+        ankles_m = lying.ankles_m.copy()
+        ankles_m[..., 0] = lying.root_m[0, 0] + body.leg_m
+        ankles_m[..., 1] = 0.0
+        return replace(lying, ankles_m=ankles_m, hinges=np.tile([0.0, 1.0, 0.0], (1, 2, 1)))
+
+    return pose
+
+
 def _leaning(body: Body, seat: Posture) -> Pose:
     return keyposes.leaning(body, float(seat.detail))
 
@@ -101,8 +114,8 @@ _CHANGES: dict[tuple[Name, Name], _Change] = {
     ("stand", "kneel"): _Change(1.2, _crouching),
     ("kneel", "fours"): _Change(1.1),
     ("fours", "front"): _Change(1.2, _over_the_knees),
-    ("left", "front"): _Change(1.0, moved=_roll(0)),
-    ("right", "front"): _Change(1.0, moved=_roll(1)),
+    ("left", "front"): _Change(1.2, _stretched(0), _roll(0)),
+    ("right", "front"): _Change(1.2, _stretched(1), _roll(1)),
 }
 
 

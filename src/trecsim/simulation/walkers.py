@@ -173,7 +173,7 @@ def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
     lowest_m = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1).min(axis=1)
     # Highest while both feet are in the air, half way between two steps.
     flight = np.cos(4 * np.pi * (person.phase - RUNNING_STANCE / 2 - 0.25))
-    return smooth(lowest_m, DIP_S / 4) + BOUNCE_M * person.running * flight
+    return smooth(lowest_m, DIP_S / 4) + BOUNCE_M * person.running * (flight - 1.2)
 
 
 def _joints(person: Walker, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
