@@ -162,7 +162,7 @@ def test_an_unknown_camera_is_told(folder):
 @pytest.mark.parametrize(
     ("name", "arrays", "told"),
     [
-        (DETECTIONS, {"cam": None}, "cam: this array is missing"),
+        (DETECTIONS, {"cam": None}, "missing: cam; found: frame, coco17"),
         (DETECTIONS, {"cam": np.zeros(2)}, "of equally many people, found 2, 3 and 3"),
         (DETECTIONS, {"cam": np.array([0, 1, 2])}, "cam must be from 0 to 1"),
         (DETECTIONS, {"cam": np.array([0, 1, np.nan])}, "cam must be from 0 to 1"),
@@ -187,7 +187,7 @@ def test_what_is_wrong_with_an_array_is_told(folder, name, arrays, told):
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04 and no more", b"text"])
 def test_what_is_no_array_file_is_told(folder, content):
     (folder / ANNOTATION).write_bytes(content)
-    with pytest.raises(InputError, match=r"not a readable NumPy .npz file"):
+    with pytest.raises(InputError, match="not a readable part of the Shelf recording"):
         read_annotation(folder)
 
 

@@ -4,12 +4,14 @@ A folder holds ``calibration.json``, ``detections_openpose.npz`` and ``gt3d.npz`
 those who recorded it and is not part of this package.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 from jaxtyping import Float64
 
 from trecsim.calibration import read_rig, write_rig
@@ -20,7 +22,7 @@ from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.sources import PosesWriter
 from trecsim.store.atomic import disk_faults
-from trecsim.store.npz import read_arrays
+from trecsim.store.npz import read_arrays, unlike
 from trecsim.store.truth import Truth, write_truth
 from trecsim.types import Poses2D, Snapshot
 
@@ -180,7 +182,7 @@ def read_annotation(folder: Path | str) -> Annotation:
         The file is missing or wrong.
     """
     path = _file(folder, ANNOTATION)
-    joints_m = read_arrays(path, {"joints": (None, None, len(JOINTS), 3)})["joints"]
+    joints_m = _arrays(path, {"joints": (None, None, len(JOINTS), 3)})["joints"]
     if joints_m.shape[1] < FRAMES.stop or not len(joints_m):
         raise InputError(
             f"{path}: joints: expected somebody in frames up to {FRAMES[-1]}, "
@@ -260,8 +262,16 @@ def _file(folder: Path | str, name: str) -> Path:
     return path
 
 
+def _arrays(
+    path: Path, shapes: Mapping[str, tuple[int | None, ...]]
+) -> dict[str, npt.NDArray[np.float64]]:
+    return read_arrays(
+        path, tuple(shapes), "part of the Shelf recording", partial(unlike, wanted=shapes)
+    )
+
+
 def _read_people(path: Path, cameras: int) -> _People:
-    arrays = read_arrays(
+    arrays = _arrays(
         path, {"cam": (None,), "frame": (None,), "coco17": (None, len(COCO17.joints), 3)}
     )
     cam, frame, keypoints = arrays["cam"], arrays["frame"], arrays["coco17"]

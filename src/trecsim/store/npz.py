@@ -2,7 +2,7 @@
 
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,9 +14,10 @@ from numpy.lib import format as npy
 from trecsim.errors import InputError
 from trecsim.store.atomic import opened_for_reading
 
-Shape = tuple[int | None, ...]
+Shape = tuple[int, ...]
+Shapes = Mapping[str, Shape]
 
-_MOST_NUMBERS = 500_000_000  # more is a damaged file, or does not fit into the memory
+_MOST_NUMBERS = 500_000_000  # 4 GB: more is a damaged file, or does not fit into the memory
 _DAMAGE = (  # the last three: odd headers, unknown compression, encryption
     *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
     *(ValueError, NotImplementedError, RuntimeError),
@@ -24,42 +25,94 @@ _DAMAGE = (  # the last three: odd headers, unknown compression, encryption
 _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 
 
-def read_arrays(path: Path, shapes: Mapping[str, Shape]) -> dict[str, npt.NDArray[np.float64]]:
-    """Read arrays of real numbers whose shapes are known beforehand.
+def read_arrays(
+    path: Path, names: Sequence[str], kind: str, faults_of: Callable[[Shapes], Iterable[str]]
+) -> dict[str, npt.NDArray[np.float64]]:
+    """Read some arrays of real numbers.
 
     Parameters
     ----------
     path
         The file; nothing in it is trusted, and no Python object loaded from it.
-    shapes
-        For each array wanted its shape, None where an axis may have any length.
+    names
+        Of the arrays.
+    kind
+        What the file should be, for messages, as in "truth file".
+    faults_of
+        Returns what is wrong with the shapes that the arrays claim, before they are loaded.
 
     Raises
     ------
     InputError
-        It cannot be read, or an array is missing, of another shape or no array of real numbers.
+        It cannot be read, or arrays are missing, of a wrong shape or no real numbers.
     """
-    with opened_for_reading(path) as file, _damage_of(path), zipfile.ZipFile(file) as archive:
-        there = {member.filename.removesuffix(".npy"): member for member in archive.infolist()}
-        faults = []
-        for name, shape in shapes.items():
-            found = _header(archive, there[name]) if name in there else None
-            faults += [f"{name}: {text}" for text in _faults(found, shape)]
+    with (
+        opened_for_reading(path) as file,
+        _damage_of(path, kind, names),
+        zipfile.ZipFile(file) as archive,
+    ):
+        members = {member.filename: member for member in archive.infolist()}
+        _check_all_there(path, names, members)
+        headers = {name: _header(archive, members[f"{name}.npy"]) for name in names}
+        faults = [
+            *_type_faults(headers),
+            *faults_of({name: shape for name, (shape, _) in headers.items()}),
+        ]
         if faults:
             raise InputError(f"{path}: " + "; ".join(faults))
-        return {name: _numbers(archive, there[name]) for name in shapes}
+        return {name: _numbers(archive, members[f"{name}.npy"]) for name in names}
+
+
+def unlike(found: Shapes, wanted: Mapping[str, tuple[int | None, ...]]) -> Iterator[str]:
+    """Yield which arrays have another shape than is wanted; None where any length will do.
+
+    Examples
+    --------
+    >>> list(unlike({"xy_px": (5, 3), "t_s": (4,)}, {"xy_px": (None, 2), "t_s": (None,)}))
+    ['xy_px: expected the shape any x 2, found 5 x 3']
+    """
+    for name, shape in wanted.items():
+        fits = len(found[name]) == len(shape) and all(
+            want in (None, have) for have, want in zip(found[name], shape, strict=True)
+        )
+        if not fits:
+            expected = " x ".join("any" if want is None else str(want) for want in shape)
+            yield f"{name}: expected the shape {expected}, found {_times(found[name])}"
+
+
+def _times(shape: Shape) -> str:
+    return " x ".join(map(str, shape)) or "a single number"
 
 
 @contextmanager
-def _damage_of(path: Path) -> Iterator[None]:
+def _damage_of(path: Path, kind: str, names: Sequence[str]) -> Iterator[None]:
     try:
         yield
     except _DAMAGE as error:
         reason = " ".join(str(error).split())[:120] or "it ends too early"
-        raise InputError(f"{path} is not a readable NumPy .npz file: {reason}") from None
+        raise InputError(
+            f"{path} is not a readable {kind} (a NumPy .npz with {_listed(names)}): {reason}"
+        ) from None
 
 
-Header = tuple[tuple[int, ...], np.dtype[Any]]
+def _listed(names: Sequence[str]) -> str:
+    if len(names) == 1:
+        return f"the array {names[0]}"
+    return f"the arrays {', '.join(names[:-1])} and {names[-1]}"
+
+
+def _check_all_there(path: Path, names: Sequence[str], members: Iterable[str]) -> None:
+    there = [member.removesuffix(".npy") for member in members]
+    missing = [name for name in names if name not in there]
+    if missing:
+        found = ", ".join(name[:40] for name in there[:6])
+        raise InputError(
+            f"{path}: expected {_listed(names)}; missing: {', '.join(missing)}; "
+            f"found: {found or 'nothing'}"
+        )
+
+
+Header = tuple[Shape, np.dtype[Any]]
 
 
 def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Header:
@@ -72,21 +125,15 @@ def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Header:
     return shape, dtype
 
 
-def _faults(found: Header | None, wanted: Shape) -> Iterator[str]:
-    if found is None:
-        yield "this array is missing"
-        return
-    shape, dtype = found
-    if dtype.kind not in "fiu":
-        yield f"expected real numbers, found the type {dtype}"
-    fits = len(shape) == len(wanted) and all(
-        want in (None, have) for have, want in zip(shape, wanted, strict=True)
-    )
-    if not fits:
-        expected = " x ".join("any" if want is None else str(want) for want in wanted)
-        yield f"expected the shape {expected}, found {' x '.join(map(str, shape)) or 'one number'}"
-    elif np.prod(shape, dtype=np.float64) > _MOST_NUMBERS:
-        yield f"{' x '.join(map(str, shape))} numbers are more than {_MOST_NUMBERS:.0e}"
+def _type_faults(headers: Mapping[str, Header]) -> Iterator[str]:
+    for name, (shape, dtype) in headers.items():
+        if dtype.kind not in "fiu":
+            yield f"{name}: expected real numbers, found the type {dtype}"
+        if np.prod(shape, dtype=np.float64) > _MOST_NUMBERS:
+            yield (
+                f"{name}: {_times(shape)} numbers are more than {_MOST_NUMBERS:.0e}; "
+                "cut the recording"
+            )
 
 
 def _numbers(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> npt.NDArray[np.float64]:

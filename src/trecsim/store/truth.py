@@ -1,30 +1,20 @@
 """The truth file of made data, `truth.npz`: who was where, known exactly."""
 
-import zipfile
-import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
 
 import numpy as np
-import numpy.typing as npt
 from jaxtyping import Float64
-from numpy.lib import format as npy
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
-from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.store.atomic import atomic_write
+from trecsim.store.npz import Shapes, read_arrays
 
 NAME = "truth.npz"
 
-_MOST_NUMBERS = 500_000_000  # 4 GB: more is a damaged file, or does not fit into the memory
 _FARTHEST_M = 1e6
-_DAMAGE = (  # the last three: odd headers, unknown compression, encryption
-    *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
-    *(ValueError, NotImplementedError, RuntimeError),
-)
 _AXES = f"(person, time, {len(COCO17.joints)}, 3)"
 
 
@@ -84,73 +74,16 @@ def read_truth(path: Path | str) -> Truth:
     """
     path = Path(path)
     path = path / NAME if path.is_dir() else path
-    with opened_for_reading(path) as file, _damage_of(path):
-        t_s, xyz_m = _arrays(file, path)
+    arrays = read_arrays(path, ("t_s", "xyz_m"), "truth file", _shape_faults)
+    t_s, xyz_m = arrays["t_s"], arrays["xyz_m"]
     faults = [*_time_faults(t_s), *_joint_faults(xyz_m)]
     if faults:
         raise InputError(f"{path}: " + "; ".join(faults))
     return Truth(t_s, xyz_m)
 
 
-@contextmanager
-def _damage_of(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except _DAMAGE as error:
-        reason = " ".join(str(error).split())[:120] or "it ends too early"
-        raise InputError(
-            f"{path} is not a readable truth file (a NumPy .npz with the arrays t_s and xyz_m): "
-            f"{reason}"
-        ) from None
-
-
-def _arrays(
-    file: IO[bytes], path: Path
-) -> tuple[Float64[np.ndarray, " time"], Float64[np.ndarray, "person time 17 3"]]:
-    with zipfile.ZipFile(file) as archive:
-        members = {member.filename: member for member in archive.infolist()}
-        missing = [name for name in ("t_s", "xyz_m") if f"{name}.npy" not in members]
-        if missing:
-            found = ", ".join(name.removesuffix(".npy")[:40] for name in list(members)[:6])
-            raise InputError(
-                f"{path}: expected the arrays t_s and xyz_m; missing: {', '.join(missing)}; "
-                f"found: {found or 'nothing'}"
-            )
-        headers = {name: _header(archive, members[f"{name}.npy"]) for name in ("t_s", "xyz_m")}
-        faults = [*_type_faults(headers), *_shape_faults(headers["t_s"][0], headers["xyz_m"][0])]
-        if faults:
-            raise InputError(f"{path}: " + "; ".join(faults))
-        return _numbers(archive, "t_s"), _numbers(archive, "xyz_m")
-
-
-Header = tuple[tuple[int, ...], np.dtype[Any]]
-
-
-def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Header:
-    """Return shape and type that an array claims, having read nothing of its numbers."""
-    with archive.open(member) as stream:
-        version = npy.read_magic(stream)
-        if version == (1, 0):
-            shape, _, dtype = npy.read_array_header_1_0(stream)
-        elif version == (2, 0):
-            shape, _, dtype = npy.read_array_header_2_0(stream)
-        else:
-            raise ValueError(f"{member.filename[:40]} has the unknown .npy version {version}")
-    return shape, dtype
-
-
-def _type_faults(headers: dict[str, Header]) -> Iterator[str]:
-    for name, (shape, dtype) in headers.items():
-        if dtype.kind not in "fiu":
-            yield f"{name}: expected real numbers, found the type {dtype}"
-        if np.prod(shape, dtype=np.float64) > _MOST_NUMBERS:
-            yield (
-                f"{name}: {' x '.join(map(str, shape))} numbers are more than {_MOST_NUMBERS:.0e}; "
-                "cut the recording"
-            )
-
-
-def _shape_faults(t_s: tuple[int, ...], xyz_m: tuple[int, ...]) -> Iterator[str]:
+def _shape_faults(shapes: Shapes) -> Iterator[str]:
+    t_s, xyz_m = shapes["t_s"], shapes["xyz_m"]
     if len(t_s) != 1:
         yield f"t_s: expected one axis (time), found the shape {t_s}"
     elif t_s == (0,):
@@ -165,12 +98,6 @@ def _shape_faults(t_s: tuple[int, ...], xyz_m: tuple[int, ...]) -> Iterator[str]
         )
     if len(t_s) == 1 and xyz_m[1] != t_s[0]:
         yield f"t_s has {t_s[0]} times and xyz_m {xyz_m[1]}; they must be the same"
-
-
-def _numbers(archive: zipfile.ZipFile, name: str) -> npt.NDArray[np.float64]:
-    with archive.open(f"{name}.npy") as stream:
-        numbers = npy.read_array(stream, allow_pickle=False)
-        return np.ascontiguousarray(numbers, dtype=np.float64)
 
 
 def _time_faults(t_s: Float64[np.ndarray, " time"]) -> Iterator[str]:
