@@ -1,20 +1,35 @@
 """Who is in a scene: people with a script, people who wander about, or both."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import atan2, inf
+from math import atan2, dist, inf
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError
-from trecsim.simulation.actions import Action, Clip, Crawl, Run, Stand, Walk
+from trecsim.simulation.actions import (
+    Action,
+    Bend,
+    Clip,
+    Crawl,
+    Fall,
+    Lie,
+    RaiseArms,
+    Run,
+    Sit,
+    Stand,
+    Walk,
+)
 from trecsim.simulation.body import Body, bodies, body
 from trecsim.simulation.paths import FloorPath
+from trecsim.simulation.performance import perform
 from trecsim.simulation.walkers import Motion, walker
 from trecsim.simulation.wandering import wander
 
 SHORTEST_M, TALLEST_M = 0.8, 2.3
+AFTER_S = 3.0  # people go on for so long after the end, so that nobody stops at it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +132,7 @@ class Visit:
     enter_s
         When the person appears [s].
     leaves
-        Whether the person is gone after the last action, or stands there to the end.
+        Whether the person is gone after the last action, or stays as that ends.
     """
 
     start_m: tuple[float, float]
@@ -138,13 +153,18 @@ class Visit:
         style
             Any angle; sets this person's small idle motions apart from others' [rad].
         """
-        from trecsim.simulation.performance import perform
-
         facing_rad = self._ahead_rad() if self.facing_rad is None else self.facing_rad
-        actions = self.actions
-        if not (self.leaves and actions):
-            actions = (*actions, Stand(max(seconds - self.enter_s, 0.0) + 1.0))
-        return perform(body, self.start_m, facing_rad, actions, enter_s=self.enter_s, style=style)
+        left_s = max(seconds - self.enter_s, 0.0) + AFTER_S
+        actions = tuple(_in_time(self.actions, self.start_m, left_s))
+        return perform(
+            body,
+            self.start_m,
+            facing_rad,
+            actions or (Stand(left_s),),
+            enter_s=self.enter_s,
+            until_s=None if self.leaves and actions else self.enter_s + left_s,
+            style=style,
+        )
 
     def shifted(self, by_m: tuple[float, float]) -> "Visit":
         """Return the same visit somewhere else.
@@ -182,6 +202,44 @@ def _moved_action(action: Action, by_m: tuple[float, float]) -> Action:
     if isinstance(action, Clip):
         return replace(action, along_m=tuple(_moved(point_m, by_m) for point_m in action.along_m))
     return action
+
+
+def _in_time(
+    actions: tuple[Action, ...], start_m: tuple[float, float], left_s: float
+) -> Iterator[Action]:
+    """Yield what can be done in a given time, so that what comes later costs nothing."""
+    here_m = start_m
+    for action in actions:
+        if left_s <= 0:
+            return
+        if isinstance(action, Walk | Run | Crawl):
+            way_m, left_s = _way_in_time(action, here_m, left_s)
+            yield replace(action, to_m=way_m)
+            here_m = way_m[-1]
+        elif isinstance(action, Stand | RaiseArms | Bend | Sit | Lie | Fall):
+            yield replace(action, seconds=min(action.seconds, left_s))
+            left_s -= action.seconds
+        else:
+            yield action
+
+
+def _way_in_time(
+    action: Walk | Run | Crawl, here_m: tuple[float, float], left_s: float
+) -> tuple[tuple[tuple[float, float], ...], float]:
+    """Return the way points that can be reached, and the time that is left then [s]."""
+    way_m: list[tuple[float, float]] = []
+    for point_m in action.to_m:
+        takes_s = dist(here_m, point_m) / action.speed_mps
+        share = min(1.0, left_s / takes_s) if takes_s > 0 else 1.0
+        here_m = (
+            here_m[0] + share * (point_m[0] - here_m[0]),
+            here_m[1] + share * (point_m[1] - here_m[1]),
+        )
+        way_m.append(here_m)
+        left_s -= takes_s
+        if left_s <= 0:
+            break
+    return tuple(way_m), left_s
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,7 +33,7 @@ __all__ = [
 
 TRUTH_HZ = 50.0
 LONGEST_S = 24 * 3600.0
-MOST_SIGHTS = 6_000_000
+MOST_SIGHTS = 4_000_000
 """Images times people that are held in memory at once: a few GB."""
 
 Progress = Callable[[int, int | None], None]

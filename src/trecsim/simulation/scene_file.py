@@ -117,10 +117,10 @@ def _built_in(name: str) -> Scene:
 
 def _scene(path: Path, text: str, folder: Path) -> Scene:
     table = validated(SceneTable, path, text, _KIND, {"folder": folder})
-    rig, faults = table.made_rig()
-    if rig is None:
+    scene, faults = table.scene(path.stem)
+    if scene is None:
         raise file_faults(path, text, faults)
-    return table.scene(path.stem, rig)
+    return scene
 
 
 def scene_schema() -> dict[str, Any]:

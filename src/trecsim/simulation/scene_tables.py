@@ -133,7 +133,7 @@ class VisitTable(Table):
     enter_s: Seconds = 0.0
     """When the person appears [s]."""
     leaves: bool = False
-    """Whether the person is gone after the last action, or stands there to the end."""
+    """Whether the person is gone after the last action, or stays as that ends."""
     actions: Annotated[tuple[AnyAction, ...], Field(strict=False, max_length=MOST_ACTIONS)] = ()
     """What the person does, one after the other."""
 
@@ -238,47 +238,27 @@ class SceneTable(Table):
         people += sum(table.people for table in self.wanderers)
         if people > MOST_PEOPLE:
             raise ValueError(f"expected at most {MOST_PEOPLE} people, found {people}")
-        possible(lambda: detector(self.detector))
         return self
 
-    def made_rig(self) -> tuple[Rig | None, list[Fault]]:
-        """Return all cameras, those of the pattern first, or what is wrong with them."""
-        cameras = {camera.name: camera for camera in self.rig.rig() or ()}
-        common = self.rig.make(Make())
-        faults: list[Fault] = []
-        for name, table in self.cameras.items():
-            try:
-                cameras[name] = table.camera(name, cameras, common)
-            except InputError as error:
-                told = str(error).removeprefix(f"camera {name!r}: ")
-                faults.append((("cameras", name), told))
-        if not faults and not FEWEST_CAMERAS <= len(cameras) <= MOST_CAMERAS:
-            told = (
-                f"expected {FEWEST_CAMERAS} to {MOST_CAMERAS} cameras, found {len(cameras)}: give "
-                "rig.pattern, or tables [cameras.NAME]"
-            )
-            faults.append((("cameras",), told))
-        return (None if faults else Rig(tuple(cameras.values()))), faults
-
-    def scene(self, name: str, rig: Rig) -> Scene:
-        """Return the scene.
+    def scene(self, name: str) -> tuple[Scene | None, list[Fault]]:
+        """Return the scene, or what does not fit together in it.
 
         Parameters
         ----------
         name
             What it is called.
-        rig
-            Its cameras.
         """
+        faults: list[Fault] = []
+        rig, made = self._rig(faults), self._detector(faults)
+        if rig is None or made is None:
+            return None, faults
         tables = [self.cameras.get(camera.name, CameraTable()) for camera in rig]
         named = list(zip(rig.names, tables, strict=True))
-        roles = tuple(role for table in self.people for role in table.roles())
-        players = (Players(roles),) if roles else ()
-        return Scene(
+        scene = Scene(
             rig=rig,
-            cast=Company((*players, *(table.cast() for table in self.wanderers))),
+            cast=self._cast(),
             seconds=self.seconds,
-            detector=detector(self.detector),
+            detector=made,
             clocks=tuple(
                 table.clock.clock(self.clock, number) for number, table in enumerate(tables)
             ),
@@ -289,3 +269,35 @@ class SceneTable(Table):
             about=self.about,
             seed=self.seed,
         )
+        return scene, []
+
+    def _rig(self, faults: list[Fault]) -> Rig | None:
+        """Return all cameras, those of the pattern first."""
+        cameras = {camera.name: camera for camera in self.rig.rig() or ()}
+        common = self.rig.make(Make())
+        before = len(faults)
+        for name, table in self.cameras.items():
+            try:
+                cameras[name] = table.camera(name, cameras, common)
+            except InputError as error:
+                told = str(error).removeprefix(f"camera {name!r}: ")
+                faults.append((("cameras", name), told))
+        if len(faults) == before and not FEWEST_CAMERAS <= len(cameras) <= MOST_CAMERAS:
+            told = (
+                f"expected {FEWEST_CAMERAS} to {MOST_CAMERAS} cameras, found {len(cameras)}: give "
+                "rig.pattern, or tables [cameras.NAME]"
+            )
+            faults.append((("cameras",), told))
+        return Rig(tuple(cameras.values())) if len(faults) == before else None
+
+    def _detector(self, faults: list[Fault]) -> Detector | None:
+        try:
+            return detector(self.detector)
+        except InputError as error:
+            faults.append((("detector",), str(error)))
+            return None
+
+    def _cast(self) -> Company:
+        roles = tuple(role for table in self.people for role in table.roles())
+        players = (Players(roles),) if roles else ()
+        return Company((*players, *(table.cast() for table in self.wanderers)))
