@@ -5,7 +5,7 @@ from dataclasses import MISSING, Field, fields
 from math import degrees, radians
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union, get_args, get_origin
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BeforeValidator, create_model, model_validator
 from pydantic import Field as Limits
@@ -24,7 +24,7 @@ class ActionTable(Table):
     """Something that somebody does; which of its kinds tells `do`."""
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self) -> "ActionTable":
         try:
             self.action()
         except InputError as error:

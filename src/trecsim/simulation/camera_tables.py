@@ -1,7 +1,7 @@
 """Tables of the scene file about cameras: pattern, single cameras, clocks, failures."""
 
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -90,7 +90,7 @@ class RigTable(MakeTable):
         return pattern_rig(self.pattern, floor, self.cameras, self.make(Make()))
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self) -> "RigTable":
         possible(self.rig)
         return self
 
@@ -179,7 +179,7 @@ class CameraTable(MakeTable):
     """Somebody moves it."""
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self) -> "CameraTable":
         if (self.position_m is None) != (self.look_at_m is None):
             raise ValueError("position_m and look_at_m belong together: give both or neither")
         if self.returns_s is not None and self.dies_s is None:

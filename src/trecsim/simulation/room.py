@@ -92,7 +92,7 @@ def corridor(floor: Floor, cameras: int) -> tuple[Points, Points]:
     long_m = max(floor.width_m, floor.depth_m)
     reach = min(AHEAD * max(floor.height_m - AIM_M, 0.5) * 2 / long_m, 1.0)
     xy = np.column_stack((along, aside))
-    target = np.column_stack((along + ahead * reach, np.zeros(cameras)))
+    target = np.column_stack((np.clip(along + ahead * reach, -1, 1), np.zeros(cameras)))
     if floor.depth_m > floor.width_m:
         xy, target = xy[:, ::-1], target[:, ::-1]
     return floor.at(xy, floor.height_m), floor.at(target, AIM_M)

@@ -5,7 +5,7 @@ This module is the table of all keys; :mod:`trecsim.simulation.scene_file` reads
 
 from dataclasses import fields
 from math import hypot, radians
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field, create_model, model_validator
 
@@ -118,7 +118,7 @@ class ObstacleTable(Table):
         return Obstacle(self.low_m, self.high_m)
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self) -> "ObstacleTable":
         possible(self.obstacle)
         return self
 
@@ -180,7 +180,7 @@ class PersonTable(VisitTable):
         ]
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self) -> "PersonTable":
         times_s = [self.enter_s, *(visit.enter_s for visit in self.again)]
         if times_s != sorted(set(times_s)):
             raise ValueError("who comes again must come later than before: look at enter_s")
@@ -233,7 +233,7 @@ class SceneTable(Table):
     """What stands about and hides people."""
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _possible(self) -> "SceneTable":
         people = sum(table.copies for table in self.people)
         people += sum(table.people for table in self.wanderers)
         if people > MOST_PEOPLE:

@@ -194,8 +194,9 @@ def _followed(loc: Sequence[str | int], schema: Mapping[str, Any]) -> tuple[KeyP
 
 def _inside(node: Mapping[str, Any], part: str | int) -> Mapping[str, Any]:
     for option in (node, *node.get("anyOf", ())):
-        inner = option.get("properties", {}).get(part) or option.get("additionalProperties")
-        inner = inner or option.get("items")
+        any_key = next(iter(option.get("patternProperties", {}).values()), None)
+        inner = option.get("properties", {}).get(part) or any_key
+        inner = inner or option.get("additionalProperties") or option.get("items")
         if isinstance(inner, Mapping):
             return inner
     return {}
