@@ -42,6 +42,28 @@ def best_pairs(
     return tuple(sorted(sure + [(int(rows[i]), int(columns[j])) for i, j in chosen]))
 
 
+def heaviest_pairs(worth: Float64[np.ndarray, "row column"]) -> tuple[tuple[int, int], ...]:
+    """Return the pairs, each row and column at most once, that are worth most altogether.
+
+    Parameters
+    ----------
+    worth
+        Of each pair; those worth nothing are not made.
+
+    Examples
+    --------
+    >>> heaviest_pairs(np.array([[0.9, 0.8], [0.7, 0.0]]))
+    ((0, 1), (1, 0))
+    """
+    rows, columns = worth.shape
+    size = max(rows, columns)
+    cost = np.full((size, size), worth.max(initial=0.0))
+    cost[:rows, :columns] -= worth
+    column_of = _assign(cost)[:rows]
+    pairs = ((row, int(column)) for row, column in enumerate(column_of) if column < columns)
+    return tuple(pair for pair in pairs if worth[pair] > 0)
+
+
 def _best_complete(
     distance: Float64[np.ndarray, "row column"],
     allowed: Bool[np.ndarray, "row column"],

@@ -8,12 +8,14 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.errors import SetupError
+from trecsim.evaluation.assignment import heaviest_pairs
 from trecsim.evaluation.matching import GATE_M, NOBODY, Nearness
 from trecsim.evaluation.moments import Moments
 
 REACH_M = 2 * GATE_M  # from here on two people have nothing in common: similarity 0
 THRESHOLD = 0.5  # of similarity; the same as GATE_M of distance
 
+_KEEP = 1000.0  # worth more than all similarities of a moment together
 _FEW = 64  # pairs in a moment; more are given to HOTA in parts that have nothing to do with another
 
 Frame = tuple[list[int], list[int], list[list[float]]]
@@ -61,31 +63,45 @@ class IdentityCount:
     def __init__(self, moments: Moments) -> None:
         self._motrics = _motrics()
         self._id = moments.id
-        self._running = self._motrics.Accumulator(THRESHOLD)
+        self._clear = self._motrics.Accumulator(THRESHOLD)
+        self._borne: dict[int, int] = {}
         self._frames: list[Frame] = []
         self._truly = 0
 
     def add(self, near: Nearness) -> None:
         """Take the next stretch of time."""
         similarity = np.nan_to_num(np.maximum(0.0, 1.0 - near.mean_m / REACH_M), nan=0.0)
-        there: Bool[np.ndarray, "moment truth"] = np.asarray(near.known.any(axis=2))
-        identity = np.where(near.row == NOBODY, NOBODY, self._id[near.row] if len(self._id) else 0)
-        for at, now in enumerate(there):
-            people = int((identity[at] != NOBODY).sum())
-            found, true = identity[at, :people], near.person[now]
-            alike = similarity[at][now, :people]
-            self._truly += len(true)
-            self._running.update_from_similarity(true.tolist(), found.tolist(), alike.tolist())
-            self._frames.extend(_parts(true, found, alike))
+        there = np.asarray(near.known.any(axis=2))
+        for now, row, alike in zip(there, near.row, similarity, strict=True):
+            found = self._id[row[row != NOBODY]]
+            self._add(near.person[now], found, alike[now, : len(found)])
+
+    def _add(
+        self,
+        true: Int64[np.ndarray, " truth"],
+        found: Int64[np.ndarray, " person"],
+        alike: Float64[np.ndarray, "truth person"],
+    ) -> None:
+        self._truly += len(true)
+        self._frames.extend(_parts(true, found, alike))
+        if alike.size:
+            kept = found == np.array([[self._borne.get(person, -1)] for person in true.tolist()])
+            pairs = clear_pairs(alike, kept)
+            rows, columns = (list(part) for part in zip(*pairs, strict=True)) if pairs else ([], [])
+            self._borne = dict(zip(true[rows].tolist(), found[columns].tolist(), strict=True))
+            alone = np.zeros(alike.shape)
+            alone[rows, columns] = alike[rows, columns]
+            alike = alone
+        self._clear.update_from_similarity(true.tolist(), found.tolist(), alike.tolist())
 
     def result(self, switches: int) -> Identity:
         """Return the scores; `switches` are those of :func:`~trecsim.evaluation.truth.compare`."""
-        running = self._running.compute()
-        clear, identity = running.clear, running.identity
+        clear = self._clear.compute().clear
         nan = float("nan")
         if not self._truly:
             return Identity(switches, nan, nan, clear.num_switches, nan, nan, nan)
         true, found, alike = (list(part) for part in zip(*self._frames, strict=True))
+        identity = self._motrics.compute_identity_from_similarity(true, found, alike, THRESHOLD)
         hota = self._motrics.compute_hota_from_similarity(true, found, alike)
         return Identity(
             switches=switches,
@@ -98,12 +114,27 @@ class IdentityCount:
         )
 
 
+def clear_pairs(
+    alike: Float64[np.ndarray, "truth person"], kept: Bool[np.ndarray, "truth person"]
+) -> tuple[tuple[int, int], ...]:
+    """Return the pairs of a moment as CLEAR MOT wants them.
+
+    First come the pairs of the moment before that are still within the gate, then the rest with
+    the largest sum of similarities. The library would rather make more pairs than keep one; it is
+    given these alone.
+    """
+    allowed = alike >= THRESHOLD
+    if (allowed.sum(axis=0) <= 1).all() and (allowed.sum(axis=1) <= 1).all():
+        return tuple((int(row), int(column)) for row, column in np.argwhere(allowed))
+    return heaviest_pairs(np.where(allowed, alike + _KEEP * kept, 0.0))
+
+
 def _parts(
     true: Int64[np.ndarray, " truth"],
     found: Int64[np.ndarray, " person"],
     alike: Float64[np.ndarray, "truth person"],
 ) -> Iterator[Frame]:
-    """Yield a moment, a large one in parts; HOTA does not care, as long as no pair is torn apart.
+    """Yield a moment, a large one in parts; IDF1 and HOTA look at pairs and counts only.
 
     In a crowd most people are alone with their match; without the zeros between them an hour of
     fifty people fits into the memory.
