@@ -33,7 +33,7 @@ def table_of(targets: tuple[Target, ...], found: dict[str, Result]) -> str:
         shown = target.group if target.group != group else ""
         group = target.group
         rows.append(
-            [shown, target.text, target.asked, markdown.number(value), target.verdict(value),
+            [shown, target.text, target.asked, markdown.plain(value), target.verdict(value),
              target.peers]
         )  # fmt: skip
     return markdown.table(["", "figure", "asked", "reached", "", "others (recorded)"], rows)

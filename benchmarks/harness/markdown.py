@@ -24,6 +24,17 @@ def number(value: float, digits: int = 3) -> str:
     return f"{value:.{places}f}"
 
 
+def plain(value: float) -> str:
+    """Return a number with three significant digits, a whole one without decimal places.
+
+    Examples
+    --------
+    >>> plain(2.0), plain(2.345), plain(1234.0)
+    ('2', '2.35', '1234')
+    """
+    return f"{value:.0f}" if math.isfinite(value) and value == round(value) else number(value)
+
+
 def fixed(value: float, places: int) -> str:
     """Return a number with so many decimal places.
 
@@ -69,7 +80,7 @@ def listed(result: Result) -> str:
     rows = []
     for path, figure in leaves(result.figures):
         spread = number(figure.spread) if math.isfinite(figure.spread) else ""
-        rows.append([" / ".join(path), number(figure.value), figure.unit, spread])
+        rows.append([" / ".join(path), plain(figure.value), figure.unit, spread])
     return table(["figure", "value", "unit", "spread"], rows)
 
 

@@ -36,5 +36,5 @@ def log_log(path: Path, lines: Mapping[str, Points], recorded: Mapping[str, Poin
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.yaxis.set_major_formatter(FuncFormatter(lambda y, _: f"{y:g}"))
         axes.grid(which="both", color="0.9", linewidth=0.6)
-        axes.legend(frameon=False)
+        figure.legend(loc="outside upper left", ncols=3, frameon=False)
         figure.savefig(path, format="svg", metadata={"Date": None}, facecolor="white")
