@@ -7,42 +7,72 @@ from jaxtyping import Float64
 
 from trecsim.simulation.body import Body
 from trecsim.simulation.paths import STEP_S, smooth
-from trecsim.simulation.pose import Pose, joints
+from trecsim.simulation.pose import STRAIGHT, Joints, Pose, joints, unit
 
-# How high each joint is over the floor at least: there is flesh around it.
-LEAST_M = np.array([0.02] * 5 + [0.05] * 2 + [0.035] * 2 + [0.03] * 2 + [0.06] * 2 + [0.05] * 2)
-# Knees come up by less than the hips when these are lifted and the feet stay.
-GAIN = np.array([1.0] * 13 + [2.0] * 2)
+WRIST_M = 0.03
+# How high face, shoulders, elbows, wrists, hips and knees are at least: there is flesh around them.
+LEAST_M = np.repeat([0.02, 0.05, 0.035, 0.0, 0.06, 0.05], [5, 2, 2, 2, 2, 2])
 SOON_S = 0.06  # a body is lifted so long before and after it would touch
-ROUNDS = 3
+ROUNDS = 5
 
 
-def off_the_floor(pose: Pose, body: Body) -> Pose:
-    """Return a pose lifted by as little as keeps every joint above the floor, smooth over time.
+def on_the_floor(pose: Pose, body: Body) -> Joints:
+    """Return the joints of a body of which nothing is below the floor [m].
+
+    The trunk is lifted by as little as is needed, smoothly over time; ankles stay where they are.
+    Arms give way: hands that would go through the floor glide over it.
 
     Parameters
     ----------
     pose
-        One entry per `STEP_S`. Ankles stay where they are.
+        One entry per `STEP_S`.
     body
         Limb lengths.
     """
     for _ in range(ROUNDS):
-        height_m = joints(pose, body)[:, :15, 2]
-        missing_m = ((LEAST_M - height_m) * GAIN).max(axis=1)
+        xyz_m = _with_hands_up(joints(pose, body), body)
+        missing_m = np.maximum(_missing(xyz_m), 0.0)
         if missing_m.max() <= 1e-4:
-            return pose
+            break
         root_m = pose.root_m.copy()
-        root_m[:, 2] += _soft(np.maximum(missing_m, 0.0))
+        root_m[:, 2] += _soft(missing_m)
         pose = replace(pose, root_m=root_m)
-    return pose
+    return _with_hands_up(joints(pose, body), body)
+
+
+def _missing(xyz_m: Joints) -> Float64[np.ndarray, " time"]:
+    """Return by how much the trunk must come up, at least [m]."""
+    missing_m = LEAST_M - xyz_m[:, :15, 2]
+    # Knees come up by half as much as the hips, because the feet stay.
+    missing_m[:, 13:] *= 2
+    most_m: Float64[np.ndarray, " time"] = missing_m.max(axis=1)
+    return most_m
 
 
 def _soft(missing_m: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
     """Return a smooth lift that is at least what is missing."""
-    if len(missing_m) < 3:
-        return missing_m
     window = round(SOON_S / STEP_S)
     padded = np.pad(missing_m, window, mode="edge")
     most_m = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1).max(axis=1)
     return smooth(most_m, SOON_S / 4)
+
+
+def _with_hands_up(xyz_m: Joints, body: Body) -> Joints:
+    """Return joints after hands that would be below the floor were brought above it [m].
+
+    The elbow stays in the plane it was in.
+    """
+    a_m, b_m = body.upper_arm_m, body.forearm_m
+    for side in (0, 1):
+        low = xyz_m[:, 9 + side, 2] < WRIST_M
+        shoulder_m, elbow_m = xyz_m[low, 5 + side], xyz_m[low, 7 + side]
+        way_m = np.maximum(xyz_m[low, 9 + side], [-np.inf, -np.inf, WRIST_M]) - shoulder_m
+        wanted_m = np.linalg.norm(way_m, axis=1, keepdims=True)
+        along = way_m / wanted_m
+        length_m = np.clip(wanted_m, abs(a_m - b_m) + 0.02, STRAIGHT * (a_m + b_m))
+        share_m = (a_m**2 - b_m**2 + length_m**2) / (2 * length_m)
+        bend = elbow_m - shoulder_m
+        bend = unit(bend - (bend * along).sum(axis=1, keepdims=True) * along)
+        xyz_m[low, 7 + side] = shoulder_m + share_m * along + np.sqrt(a_m**2 - share_m**2) * bend
+        xyz_m[low, 9 + side] = shoulder_m + length_m * along
+    return xyz_m

@@ -25,11 +25,11 @@ from trecsim.simulation.actions import (
 )
 from trecsim.simulation.body import Body
 from trecsim.simulation.clips import carried, looped, place_of, posed, read_clip, stays_in
-from trecsim.simulation.contact import off_the_floor
+from trecsim.simulation.contact import on_the_floor
 from trecsim.simulation.crawling import crawl
 from trecsim.simulation.on_foot import OnFoot, on_foot, shortest
 from trecsim.simulation.paths import STEP_S
-from trecsim.simulation.pose import Place, Pose, at, blend, joined, joints
+from trecsim.simulation.pose import Place, Pose, at, blend, joined
 from trecsim.simulation.postures import LYING, STAND, Being, Posture, stepping_over, way
 from trecsim.simulation.sampled import Sampled
 from trecsim.simulation.timing import even
@@ -142,8 +142,8 @@ class _Script:
     def settle(self) -> None:
         """Put the poses since somebody last was on foot onto the floor."""
         if self.low:
-            pose = off_the_floor(joined(self.low), self.being.body)
-            self.parts.append(joints(pose, self.being.body).astype(np.float32))
+            xyz_m = on_the_floor(joined(self.low), self.being.body)
+            self.parts.append(xyz_m.astype(np.float32))
             self.low = []
 
     def motion(self, until_s: float | None) -> Sampled:
@@ -226,7 +226,7 @@ class _Script:
                 self.go([Turn(to_rad=towards_rad)], False)
         self.become(Posture("fours"))
         pose, self.place = crawl(self.being.body, self.place, action.to_m, action.speed_mps)
-        self.show(self.being.alive(pose, self.times_s(len(pose.root_m) * STEP_S)))
+        self.show(self.being.on_hands(pose, self.times_s(len(pose.root_m) * STEP_S)))
 
     def play(self, action: Clip, leaves: bool) -> None:
         """Play a clip of real motion, coming from a posture and ending in one."""

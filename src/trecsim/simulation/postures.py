@@ -11,7 +11,7 @@ from trecsim.simulation import keyposes
 from trecsim.simulation.body import Body
 from trecsim.simulation.crawling import on_all_fours
 from trecsim.simulation.on_foot import standing
-from trecsim.simulation.pose import Place, Pose, about, blend, placed, pose_of
+from trecsim.simulation.pose import Place, Pose, about, blend, joints, placed, pose_of, reaching
 from trecsim.simulation.timing import even, falling
 
 Times = Float64[np.ndarray, " time"]
@@ -81,14 +81,21 @@ def _over_the_knees(body: Body, _: Posture) -> Pose:
 
 
 def _stretched(side: int) -> Callable[[Body, Posture], Pose]:
-    """Return the pose on the side with stretched legs: so they do not hinder a roll."""
+    """Return the pose on the side with arms and legs stretched: so they do not hinder a roll."""
 
     def pose(body: Body, _: Posture) -> Pose:
         lying = keyposes.on_the_side(body, side)
         ankles_m = lying.ankles_m.copy()
         ankles_m[..., 0] = lying.root_m[0, 0] + body.leg_m
         ankles_m[..., 1] = 0.0
-        return replace(lying, ankles_m=ankles_m, hinges=np.tile([0.0, 1.0, 0.0], (1, 2, 1)))
+        arms = [keyposes.arm(one, -0.1, 0.0, 0.1) for one in (0, 1)]
+        return replace(
+            lying,
+            ankles_m=ankles_m,
+            hinges=np.tile([0.0, 1.0, 0.0], (1, 2, 1)),
+            arms=np.stack([turn for turn, _ in arms])[None],
+            elbow_rad=np.array([[bend for _, bend in arms]]),
+        )
 
     return pose
 
@@ -173,7 +180,21 @@ class Being:
             upright = pose_of(walker(np.minimum(t_s, walker.path.leave_s)), self.body.head_m)
             up = posture.name == "arms"
             return keyposes.with_arms_up(upright, str(posture.detail)) if up else upright
-        return self.alive(placed(_KEYPOSES[posture.name](self.body, posture), place), t_s)
+        pose = placed(_KEYPOSES[posture.name](self.body, posture), place)
+        return self.on_hands(pose, t_s) if posture.name == "fours" else self.alive(pose, t_s)
+
+    def on_hands(self, pose: Pose, t_s: Times) -> Pose:
+        """Return a pose with idle motions of all but the hands, which bear weight.
+
+        Parameters
+        ----------
+        pose
+            One pose, or one per time.
+        t_s
+            When [s].
+        """
+        hands_m = joints(pose, self.body)[:, 9:11]
+        return reaching(self.alive(pose, t_s), self.body, hands_m)
 
     def alive(self, pose: Pose, t_s: Times) -> Pose:
         """Return a pose with breath, slow looks around and arms that are not quite still.
