@@ -243,7 +243,8 @@ def _missing_s(
     start = np.repeat(np.arange(len(gaps_s)), count)
     number = np.arange(len(start)) - np.repeat(np.cumsum(count) - count, count) + 1
     inside_s = t_s[start] + gaps_s[start] * number / (count[start] + 1)
-    return np.concatenate([t_s[0] - step_s * before, inside_s, t_s[-1] + step_s * behind])
+    empty_s = np.concatenate([t_s[0] - step_s * before, inside_s, t_s[-1] + step_s * behind])
+    return empty_s.clip(from_s, until_s)  # rounding
 
 
 def _steps(span_s: float, step_s: float) -> int:
