@@ -26,8 +26,8 @@ class Measure:
     ----------
     name
         As in tables.
-    title
-        As a person reads it.
+    title, short
+        As a person reads it, and in a few letters.
     unit
         Of its values.
     digits
@@ -40,6 +40,7 @@ class Measure:
 
     name: str
     title: str
+    short: str
     unit: str
     digits: int
     more_is_better: bool
@@ -52,14 +53,24 @@ def _lost_percent(figures: Mapping[str, float]) -> float:
 
 
 MEASURES = (
-    Measure("error_cm", "mean error of the joints", "cm", 2, False, lambda f: 100 * f["mean_m"]),
     Measure(
-        "recall_percent", "joints within 15 cm", "%", 2, True, lambda f: 100 * f["recall_15cm"]
+        "error_cm", "mean error of the joints", "error", "cm", 2, False, lambda f: 100 * f["mean_m"]
     ),
-    Measure("switches", "identity switches in a scene", "", 2, False, lambda f: f["switches"]),
-    Measure("lost_percent", "missed people and ghosts", "%", 2, False, _lost_percent),
-    Measure("fusion_ms", "fusion per frame set", "ms", 2, False, lambda f: f["fusion_ms"]),
-)
+    Measure(
+        "recall_percent", "joints within 15 cm", "within 15 cm", "%", 2, True,
+        lambda f: 100 * f["recall_15cm"],
+    ),
+    Measure(
+        "switches", "identity switches per scene", "switches", "", 2, False,
+        lambda f: f["switches"],
+    ),
+    Measure(
+        "lost_percent", "missed people and ghosts", "missed, ghosts", "%", 2, False, _lost_percent
+    ),
+    Measure(
+        "fusion_ms", "fusion per frame set", "time", "ms", 2, False, lambda f: f["fusion_ms"]
+    ),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -257,14 +268,28 @@ def named(factors: Sequence[Factor], point: Point) -> str:
     return ", ".join(f"{f.name} = {value}" for f, value in zip(factors, point, strict=True))
 
 
-def _reference(factor: Factor, levels: Sequence[Value]) -> int | None:
-    """Return the level that stands for the default, if one does."""
-    if factor.span is None:
-        return levels.index(factor.default) if factor.default in levels else None
-    low, high = factor.span
-    if not low <= float(factor.default) <= high:
-        return None
-    numbers = np.array(levels, np.float64)
+def _reference(factor: Factor, levels: Sequence[Value]) -> Float64[np.ndarray, " level"]:
+    """Return which level stands for the default: itself, a place between two, or all alike."""
+    weights = np.zeros(len(levels))
+    if factor.default in levels:
+        weights[levels.index(factor.default)] = 1.0
+        return weights
+    if not lies_within(factor, levels):
+        return np.full(len(levels), 1.0 / len(levels))
+    numbers = [float(level) for level in levels]
     default = float(factor.default)
-    apart = np.abs(np.log(numbers / default)) if factor.log else np.abs(numbers - default)
-    return int(np.argmin(apart))
+    if factor.log:
+        numbers, default = [math.log(number) for number in numbers], math.log(default)
+    above = int(np.searchsorted(numbers, default))
+    share = (default - numbers[above - 1]) / (numbers[above] - numbers[above - 1])
+    weights[above - 1], weights[above] = 1.0 - share, share
+    return weights
+
+
+def lies_within(factor: Factor, levels: Sequence[Value]) -> bool:
+    """Tell whether the default of a setting can be compared with the values that were tried."""
+    if factor.default in levels:
+        return True
+    if any(isinstance(value, bool | str) for value in (*levels, factor.default)):
+        return False
+    return float(levels[0]) < float(factor.default) < float(levels[-1])

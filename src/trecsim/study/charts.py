@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _ACROSS = 4
+_MAPS_ACROSS = 3
 _ROW_IN = 2.15
 _SHADES = ("#e4eff8", "#a9cde8", "#5a9fd0", "#1f6fae", "#0b3f75")
 _MOST_FIGURES_IN_CELLS = 60
@@ -115,7 +116,7 @@ def strengths_svg(findings: Findings) -> str:
         grid = drawn.subplots(1, len(strengths), sharey=True, squeeze=False)[0]
         for axes, finding, row in zip(grid, findings.findings, strengths, strict=True):
             _strengths(axes, np.clip(np.nan_to_num(row[order], posinf=1e3), *_STRENGTH_LIMITS))
-            axes.set_title(finding.measure.title, fontsize=8.5)
+            axes.set_title(finding.measure.short)
         grid[0].set_yticks(range(len(names)), [names[f] for f in order])
         return as_svg(drawn, "strengths")
 
@@ -123,8 +124,8 @@ def strengths_svg(findings: Findings) -> str:
 def _strengths(axes: "Axes", row: "np.ndarray[Any, np.dtype[np.float64]]") -> None:
     quiet(axes, grid="x")
     axes.set_xscale("log")
-    axes.set_xlim(*_STRENGTH_LIMITS)
-    axes.set_xticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100 ×"])
+    axes.set_xlim(_STRENGTH_LIMITS[0], 1.6 * _STRENGTH_LIMITS[1])
+    axes.set_xticks([1, 10, 100], ["1 ×", "10 ×", "100 ×"])
     axes.minorticks_off()
     axes.axvspan(_STRENGTH_LIMITS[0], 1.0, color=FAINT, linewidth=0, zorder=0)
     for place, strength in enumerate(row):
@@ -146,10 +147,9 @@ def pairs_svg(findings: Findings, finding: Finding, pairs: Sequence[tuple[int, i
     pairs
         Numbers of the settings, at least one pair.
     """
-    across = min(3, len(pairs))
-    down = ceil(len(pairs) / across)
-    with figure(2.75 * down, width_in=3.4 * across) as drawn:
-        grid = drawn.subplots(down, across, squeeze=False)
+    down = ceil(len(pairs) / _MAPS_ACROSS)
+    with figure(0.2 + 2.4 * down) as drawn:
+        grid = drawn.subplots(down, _MAPS_ACROSS, squeeze=False)
         for axes, pair in zip(grid.flat, pairs, strict=False):
             _heat_map(axes, findings, finding, pair)
         for axes in list(grid.flat)[len(pairs) :]:
@@ -166,7 +166,7 @@ def _heat_map(axes: "Axes", findings: Findings, finding: Finding, pair: tuple[in
     cells = effect.mean.reshape(shape).T
     shades = LinearSegmentedColormap.from_list("shades", _SHADES)
     axes.pcolormesh(cells, cmap=shades, edgecolors="none")
-    axes.set_title(f"{strength_text(effect.strength)} chance", fontsize=8.5, color=SOFT)
+    axes.set_title(f"{strength_text(effect.strength)} chance", color=SOFT)
     axes.set_xticks(np.arange(shape[0]) + 0.5, [value_text(v) for v in finding.levels[pair[0]]])
     axes.set_yticks(np.arange(shape[1]) + 0.5, [value_text(v) for v in finding.levels[pair[1]]])
     axes.set_xlabel(first.name)
@@ -215,9 +215,9 @@ def _standing(axes: "Axes", finding: Finding) -> None:
     sign = -1.0 if finding.measure.more_is_better else 1.0
     order = np.argsort(sign * finding.mean, kind="stable")
     axes.plot(np.arange(1, len(order) + 1), finding.mean[order], ".", color=LINE, markersize=5)
-    axes.set_title(finding.measure.title, fontsize=8.5)
+    unit = f" [{finding.measure.unit}]" if finding.measure.unit else ""
+    axes.set_title(f"{finding.measure.short}{unit}")
     axes.set_xlabel("rank")
-    axes.set_ylabel(finding.measure.unit)
     stands = finding.standing
     if stands is not None:
         axes.plot([stands.rank], [stands.default], "o", color=WARN, markersize=7)
@@ -228,4 +228,6 @@ def _standing(axes: "Axes", finding: Finding) -> None:
             ha="right" if right else "left",
         )  # fmt: skip
     axes.margins(y=0.15)
+    if not np.ptp(finding.mean):
+        axes.set_yticks(finding.mean[:1])
     axes.set_xlim(0, len(order) + 1)

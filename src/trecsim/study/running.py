@@ -5,6 +5,7 @@ import json
 import multiprocessing
 import os
 import signal
+import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import (
@@ -281,7 +282,7 @@ def _pool(workers: int) -> Iterator[Executor]:
     before = set(multiprocessing.active_children())
     with _one_thread_each():
         pool = ProcessPoolExecutor(
-            workers, mp_context=multiprocessing.get_context("spawn"), initializer=_leave_ctrl_c
+            workers, mp_context=multiprocessing.get_context("spawn"), initializer=_begin_worker
         )
         try:
             yield pool
@@ -293,9 +294,17 @@ def _pool(workers: int) -> Iterator[Executor]:
         pool.shutdown()
 
 
-def _leave_ctrl_c() -> None:
-    """Let only the process that the user started answer to Ctrl-C."""
+def _begin_worker() -> None:
+    """Let only the process that the user started answer to Ctrl-C, and end when it is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 @contextmanager

@@ -14,6 +14,7 @@ from trecsim.calibration import read_rig, write_rig
 from trecsim.errors import ConfigError, Error, InputError
 from trecsim.geometry import Rig
 from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
+from trecsim.simulation.scene_file import BUILT_IN, built_in_text, read_scene
 from trecsim.sources import PosesWriter, read_poses
 from trecsim.store.atomic import disk_faults
 from trecsim.store.truth import Truth, read_truth, write_truth
@@ -107,8 +108,6 @@ def _choice(name: str, table: SceneTable) -> SceneChoice:
 
 def _scene_digest(source: str) -> str:
     """Return a text that is another one when a scene file is."""
-    from trecsim.simulation.scene_file import BUILT_IN, built_in_text
-
     text = built_in_text(source) if source in BUILT_IN else ""
     if not text and (path := Path(source)).suffix:
         text = read_text(path, "scene file")
@@ -137,11 +136,7 @@ def scene_of(choice: SceneChoice) -> Scene:
     InputError
         There can be no such scene.
     """
-    if not choice.source:
-        return room_scene(**choice.facts["room"])
-    from trecsim.simulation.scene_file import read_scene
-
-    return read_scene(choice.source)
+    return read_scene(choice.source) if choice.source else room_scene(**choice.facts["room"])
 
 
 def prepare(choice: SceneChoice, seed: int | None, out: Path) -> Path:

@@ -156,7 +156,7 @@ def analyse(
     outcome: Outcomes,
     level: Int64[np.ndarray, "point factor"],
     blocks: Blocks,
-    reference: Sequence[int | None],
+    reference: Sequence[Float64[np.ndarray, " level"]],
     *,
     balanced: bool = True,
     anchor: int | None = None,
@@ -173,7 +173,8 @@ def analyse(
     blocks
         See :func:`blocks_of`.
     reference
-        Level of each setting that the others are compared with; None takes the mean of all.
+        What the levels of each setting are compared with, as weights of the levels that sum to
+        one: a single one, or a place between two.
     balanced
         Whether the design is a full grid; else its own imbalance counts as noise.
     anchor
@@ -263,19 +264,18 @@ def _effect(
     effect: Float64[np.ndarray, " level"],
     chance: Float64[np.ndarray, "draw level"],
     base: float,
-    reference: int | None,
+    reference: Float64[np.ndarray, " level"],
     total: float,
     level: Int64[np.ndarray, " point"],
     blocks: Blocks,
 ) -> Effect:
     dust = _DUST * (abs(base) + _DUST)
     effect = np.where(np.abs(effect) > dust, effect, 0.0)
-    shift = 0.0 if reference is None else effect[reference]
-    moved = chance if reference is None else chance - chance[:, reference : reference + 1]
-    low, high = _interval(effect - shift, moved, blocks)
+    difference = effect - reference @ effect
+    low, high = _interval(difference, chance - (chance @ reference)[:, None], blocks)
     return Effect(
         mean=base + effect,
-        difference=effect - shift,
+        difference=difference,
         low=low,
         high=high,
         spread=float(np.ptp(effect)),
@@ -318,7 +318,7 @@ def _pairs(
         effect = _effect(
             (blocks.weight @ residual) @ mean.T,
             _deviations(blocks, residual @ mean.T) + unexplained @ mean.T,
-            0.0, None, total, cell, blocks,
+            0.0, np.zeros(len(known)), total, cell, blocks,
         )  # fmt: skip
         shown = (blocks.weight @ outcome) @ mean.T
         shown[empty] = np.nan

@@ -17,7 +17,7 @@ def value_text(value: Value) -> str:
     """
     if isinstance(value, bool):
         return str(value).lower()
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def figure_text(measure: Measure, figure: float, *, sign: bool = False) -> str:
@@ -57,4 +57,5 @@ def strength_text(strength: float) -> str:
     """
     if not strength <= 100:
         return "> 100 ×"
-    return f"{strength:.1f} ×" if strength < 10 else f"{strength:.0f} ×"
+    digits = 2 if 0.95 <= strength < 1.05 else 1 if strength < 10 else 0
+    return f"{strength:.{digits}f} ×"
