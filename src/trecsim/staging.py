@@ -103,6 +103,8 @@ def stage(
 
 def _check_empty(folder: Path) -> None:
     with disk_faults(folder):
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder} is a file; give a directory with --out")
         if folder.is_dir() and any(folder.iterdir()):
             raise InputError(
                 f"{folder} is not empty; nothing is overwritten: give another directory with --out"

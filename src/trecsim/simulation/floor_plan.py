@@ -76,10 +76,10 @@ class _Paper:
 
     def _at(self, xy_m: Xy) -> tuple[np.ndarray, np.ndarray]:
         """Return row and column of dots, counted from the top left."""
-        x, y = np.moveaxis((xy_m - self._corner_m) / self._dot_m, -1, 0)
+        x, y = np.floor(np.moveaxis((xy_m - self._corner_m) / self._dot_m, -1, 0)).astype(int)
         height, width = self._dots.shape
-        row = np.clip(height - 1 - y.astype(int), 0, height - 1)
-        return row, np.clip(x.astype(int), 0, width - 1)
+        rows, columns = np.clip(height - 1 - y, 0, height - 1), np.clip(x, 0, width - 1)
+        return np.asarray(rows), np.asarray(columns)
 
     def draw(self, way_m: Xy) -> None:
         """Draw a way as a line."""
