@@ -7,10 +7,11 @@ import numpy as np
 from trecsim.evaluation.reprojection import ALL_JOINTS
 from trecsim.report.coverage import MOST_COUNTED, CameraFacts
 from trecsim.report.page import Block, Figure, Section, Table, Text
-from trecsim.report.plan import draw_rig, lay_plan
+from trecsim.report.plan import draw_rig, lay_plan, smoothed
 from trecsim.report.recording import Recording
 from trecsim.report.style import (
     ACCENT,
+    LINE,
     PAPER,
     SOFT,
     WIDE_IN,
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 TITLE = "Cameras"
-COUNTS = ("no camera", "1 camera", "2 cameras", "3 cameras", "4 or more")
+SHADE = 0.75  # all cameras together, about
+COUNTS = ("no camera", "1 camera", "2 cameras", "3 cameras", "4 cameras")
 
 
 def section(recording: Recording, facts: CameraFacts | None) -> Section:
@@ -79,24 +81,27 @@ def _coverage(facts: CameraFacts) -> str:
     left_in = 0.56 * WIDE_IN
     plan_in = min(left_in * facts.extent.depth_m / facts.extent.width_m, 7.0)
     number = facts.sees.sum(axis=0)
-    most = max(int(number.max()), 1)
-    shades = np.array([to_rgba(ACCENT, 0.55 * n / most) for n in range(most + 1)])
+    alpha = SHADE / max(int(number.max()), 1)
     with figure(max(plan_in + 0.5, 3.2)) as drawing:
         plan, bars = drawing.subplots(1, 2, width_ratios=(1.35, 1.0))
-        lay_plan(plan, facts.extent)
-        edges = (*facts.extent.x_m, *facts.extent.y_m)
-        plan.imshow(shades[number], extent=edges, origin="lower", interpolation="nearest", zorder=1)
-        plan.grid(visible=False)
+        for margin in facts.margin:
+            if (margin > 0).any():
+                plan.contourf(
+                    facts.x_m, facts.y_m, margin, [0, 10], colors=[ACCENT], alpha=alpha, zorder=1
+                )
         if facts.walked.any() and not facts.walked.all():
             plan.contour(
-                facts.walked.astype(float), [0.5], extent=edges, origin="lower",
+                facts.x_m, facts.y_m, smoothed(facts.walked.astype(float)), [0.5],
                 colors=[SOFT], linewidths=1.0, linestyles="dashed", zorder=3,
             )  # fmt: skip
-        for count in range(most + 1):
-            plan.plot([], [], "s", ms=9, color=tuple(shades[count]), label=str(count))
+        lay_plan(plan, facts.extent)
+        plan.grid(visible=False)
+        for count in np.unique(number).tolist():
+            shade = to_rgba(ACCENT, 1 - (1 - alpha) ** count)
+            plan.plot([], [], "s", ms=9, mfc=shade, mec=LINE, mew=0.6, label=str(count))
         plan.legend(
             title="cameras that see the floor", loc="upper right", bbox_to_anchor=(1.0, -0.005),
-            ncols=min(most + 1, 10), handletextpad=0.1, columnspacing=1.0, title_fontsize=8.5,
+            ncols=10, handletextpad=0.1, columnspacing=1.0, title_fontsize=8.5,
         )  # fmt: skip
         _draw_counts(bars, facts)
         draw_rig(plan, facts.rig, colours=[colour_of(n) for n in range(len(facts.rig))])
@@ -104,19 +109,21 @@ def _coverage(facts: CameraFacts) -> str:
 
 
 def _draw_counts(axes: "Axes", facts: CameraFacts) -> None:
-
-    rows = np.arange(MOST_COUNTED + 1)
+    classes = min(len(facts.rig), MOST_COUNTED) + 1
+    names = list(COUNTS[:classes])
+    if len(facts.rig) > MOST_COUNTED:
+        names[-1] = f"{MOST_COUNTED} or more"
+    rows = np.arange(classes)
     for offset, shares, colour, name in (
-        (-0.19, facts.by_count, SOFT, "person in view of"),
-        (0.19, facts.supported, ACCENT, "joint supported by"),
+        (-0.19, facts.by_count[:classes], SOFT, "person in view of"),
+        (0.19, facts.supported[:classes], ACCENT, "joint supported by"),
     ):
         axes.barh(rows + offset, 100 * shares, height=0.34, color=colour, label=name)
         for row, share in zip(rows, shares, strict=True):
             text = f"{100 * share:.0f} %" if share >= 0.005 or share == 0 else "< 1 %"
             axes.text(100 * share + 1.2, row + offset, text, va="center", fontsize=8, color=SOFT)
-    axes.set_yticks(rows, COUNTS)
-    axes.invert_yaxis()
-    axes.set(xlim=(0, 112), xlabel="share of the time [%]")
+    axes.set_yticks(rows, names)
+    axes.set(xlim=(0, 112), xlabel="share of the time [%]", ylim=(max(classes, 3) - 0.4, -0.6))
     axes.set_xticks([0, 25, 50, 75, 100])
     quiet(axes, grid="x")
     axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, handlelength=1.0)

@@ -33,8 +33,11 @@ class CameraFacts:
         The cameras.
     extent
         The part of the floor that is shown.
-    sees
-        Which camera sees which cell of it.
+    x_m, y_m
+        Middles of its cells [m].
+    margin
+        How far inside the image of each camera each cell is, as a share of its width; negative
+        outside.
     walked
         The cells at which somebody was.
     in_view
@@ -51,13 +54,20 @@ class CameraFacts:
 
     rig: Rig
     extent: Extent
-    sees: Bool[np.ndarray, "cam y x"]
+    x_m: Float64[np.ndarray, " x"]
+    y_m: Float64[np.ndarray, " y"]
+    margin: Float64[np.ndarray, "cam y x"]
     walked: Bool[np.ndarray, "y x"]
     in_view: Float64[np.ndarray, " cam"]
     by_count: Float64[np.ndarray, "5"]
     supported: Float64[np.ndarray, "5"]
     found: Reprojection | None
     images: dict[str, int]
+
+    @property
+    def sees(self) -> Bool[np.ndarray, "cam y x"]:
+        """Which camera sees which cell of the floor."""
+        return self.margin > 0
 
 
 def facts_of(recording: Recording) -> CameraFacts | None:
@@ -73,7 +83,7 @@ def facts_of(recording: Recording) -> CameraFacts | None:
         return None
     places_m = places_of(sample.xyz_m)
     extent = extent_of(places_m, rig)
-    sees, cells_m = _sees(rig, extent)
+    cells_m = _cells(extent)
     inside = _in_view(rig, recording)
     images: Counter[str] = Counter()
     found = None
@@ -84,7 +94,9 @@ def facts_of(recording: Recording) -> CameraFacts | None:
     return CameraFacts(
         rig=rig,
         extent=extent,
-        sees=sees,
+        x_m=cells_m[0, :, 0],
+        y_m=cells_m[:, 0, 1],
+        margin=np.stack([image_margin(camera, cells_m) for camera in rig]),
         walked=_walked(cells_m, places_m),
         in_view=inside.mean(axis=1),
         by_count=_shares(inside.sum(axis=0)),
@@ -94,15 +106,14 @@ def facts_of(recording: Recording) -> CameraFacts | None:
     )
 
 
-def _sees(
-    rig: Rig, extent: Extent
-) -> tuple[Bool[np.ndarray, "cam y x"], Float64[np.ndarray, "y x 3"]]:
+def _cells(extent: Extent) -> Float64[np.ndarray, "y x 3"]:
+    """Return the middles of the cells of the floor."""
     cell_m = max(extent.width_m, extent.depth_m) / CELLS
-    x_m = np.arange(extent.x_m[0] + cell_m / 2, extent.x_m[1], cell_m)
-    y_m = np.arange(extent.y_m[0] + cell_m / 2, extent.y_m[1], cell_m)
+    x_m = np.arange(extent.x_m[0], extent.x_m[1] + cell_m, cell_m)
+    y_m = np.arange(extent.y_m[0], extent.y_m[1] + cell_m, cell_m)
     cells_m = np.zeros((len(y_m), len(x_m), 3))
     cells_m[..., 0], cells_m[..., 1] = np.meshgrid(x_m, y_m)
-    return np.stack([image_margin(camera, cells_m) > 0 for camera in rig]), cells_m
+    return cells_m
 
 
 def _walked(

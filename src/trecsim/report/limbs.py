@@ -8,7 +8,7 @@ import numpy as np
 from trecsim.evaluation.limbs import LIMBS, Given, LimbRow, LimbSeries, limb_series, limb_table
 from trecsim.evaluation.people import people_of
 from trecsim.report.curves import curve
-from trecsim.report.page import Figure, Section, Table, Text
+from trecsim.report.page import Block, Figure, Section, Table, Text
 from trecsim.report.recording import Recording
 from trecsim.report.style import SOFT, as_svg, colour_of, css_colour, figure, quiet
 
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
 
-COLUMNS = 3
+COLUMNS = 2
+MOST_COMPARED = 3  # people in one table; each has three columns there
 MOST_POINTS = 260  # of one curve in one of the small pictures
 TITLE = "Limb lengths"
 LEAD = (
@@ -45,8 +46,8 @@ def section(recording: Recording, given: Given, source: str) -> Section:
             TITLE, [Text("Nobody was followed: there are no limbs to measure.", "missing")]
         )
     rows = limb_table(series, given)
-    blocks: list[Table | Figure | Text] = [_table(recording, rows, given, source)]
-    blocks.append(Figure(_drawn(recording, series, given), _caption(recording, given, source)))
+    curves = Figure(_drawn(recording, series, given), _caption(given, source), "Over time")
+    blocks: list[Block] = [*_tables(recording, rows, given, source), curves]
     if not given:
         blocks.append(
             Text(
@@ -58,18 +59,13 @@ def section(recording: Recording, given: Given, source: str) -> Section:
     return Section(TITLE, blocks, LEAD)
 
 
-def _table(recording: Recording, rows: Sequence[LimbRow], given: Given, source: str) -> Table:
+def _tables(
+    recording: Recording, rows: Sequence[LimbRow], given: Given, source: str
+) -> list[Table]:
     people = sorted({row.person for row in rows}, key=recording.number.__getitem__)
     by_place = {(row.person, row.limb): row for row in rows}
-    columns = ["limb"]
-    for person in people:
-        columns += [f"person {person}"] + ([source, "difference"] if person in given else [])
-    lines = []
-    for limb in LIMBS:
-        line = [limb]
-        for person in people:
-            line += _cells(by_place[person, limb], person in given)
-        lines.append(line)
+    each = MOST_COMPARED if given else len(people)
+    parts = [people[begin : begin + each] for begin in range(0, len(people), each)]
     caption = (
         "Mean ± standard deviation in centimetres, over the moments at which a camera supports "
         "both ends of the limb."
@@ -78,7 +74,32 @@ def _table(recording: Recording, rows: Sequence[LimbRow], given: Given, source: 
         caption += f" Difference: estimated mean minus the {source} length."
     if len(recording.stays) > len(people):
         caption += f" Shown are the {len(people)} who were there longest."
-    return Table(columns, lines, caption)
+    captions = [*[""] * (len(parts) - 1), caption]
+    return [
+        _table(part, by_place, given, source, text)
+        for part, text in zip(parts, captions, strict=True)
+    ]
+
+
+def _table(
+    people: Sequence[int],
+    by_place: Mapping[tuple[int, str], LimbRow],
+    given: Given,
+    source: str,
+    caption: str,
+) -> Table:
+    columns, groups = ["limb"], [("", 1)]
+    for person in people:
+        names = ["estimated", source, "difference"] if person in given else ["estimated"]
+        columns += names
+        groups.append((f"person {person}", len(names)))
+    rows = [
+        [limb, *(c for one in people for c in _cells(by_place[one, limb], one in given))]
+        for limb in LIMBS
+    ]
+    if not any(person in given for person in people):
+        columns, groups = ["limb", *(f"person {person}" for person in people)], []
+    return Table(columns, rows, caption, groups=groups)
 
 
 def _cells(row: LimbRow, compared: bool) -> list[str]:
@@ -87,10 +108,12 @@ def _cells(row: LimbRow, compared: bool) -> list[str]:
         return [length]
     if not np.isfinite(row.given_m):
         return [length, "–", "–"]
-    return [length, f"{100 * row.given_m:.1f}", f"{100 * row.difference_m:+.1f}" if row.n else "–"]
+    difference_cm = round(100 * row.difference_m, 1) + 0.0 if row.n else np.nan  # no -0.0
+    difference = f"{difference_cm:+.1f}".replace("-", "−") if row.n else "–"
+    return [length, f"{100 * row.given_m:.1f}", difference]
 
 
-def _caption(recording: Recording, given: Given, source: str) -> str:
+def _caption(given: Given, source: str) -> str:
     text = (
         "Length of each limb over time, one colour per person. Bold: both ends are supported by "
         "a camera; pale: carried along from before. Values far outside are cut off."
@@ -99,18 +122,15 @@ def _caption(recording: Recording, given: Given, source: str) -> str:
 
 
 def _drawn(recording: Recording, series: Sequence[LimbSeries], given: Given) -> str:
-    rows = -(-len(LIMBS) // COLUMNS)
-    with figure(1.55 * rows) as drawing:
-        grid = drawing.subplots(rows, COLUMNS, sharex=True, squeeze=False).ravel()
-        for place, axes in enumerate(grid):
-            if place >= len(LIMBS):
-                axes.set_axis_off()
-                continue
+    rows = len(LIMBS) // COLUMNS
+    with figure(0.45 + 1.35 * rows) as drawing:
+        grid = drawing.subplots(rows, COLUMNS, sharex=True, squeeze=False)
+        for place, axes in enumerate(grid.ravel()):
             _draw_limb(axes, recording, series, given, place)
-            axes.xaxis.set_tick_params(labelbottom=place + COLUMNS >= len(LIMBS))
-            if place + COLUMNS >= len(LIMBS):
-                axes.set_xlabel(recording.clock.label)
-        _legend(drawing, grid[-1], recording, series, given)
+        for axes in grid[-1]:
+            axes.set_xlabel(recording.clock.label)
+        drawing.align_ylabels(grid[:, 0])
+        _legend(drawing, recording, series, given)
         return as_svg(drawing, "limbs")
 
 
@@ -128,7 +148,7 @@ def _draw_limb(
         all_of_it = curve(t, length_cm, most=MOST_POINTS)
         firm = curve(t, np.where(one.supported[:, limb], length_cm, np.nan), most=MOST_POINTS)
         axes.plot(all_of_it.t, all_of_it.middle, color=colour, linewidth=0.9, alpha=0.3)
-        axes.plot(firm.t, firm.middle, color=colour, linewidth=1.1)
+        axes.plot(firm.t, firm.middle, color=colour, linewidth=1.0)
         known = length_cm[np.isfinite(length_cm)]
         spread += np.quantile(known, (0.01, 0.99)).tolist() if len(known) else []
         if one.person in given and np.isfinite(given[one.person][limb]):
@@ -143,12 +163,11 @@ def _draw_limb(
     axes.locator_params(axis="y", nbins=4)
     quiet(axes)
     if limb % COLUMNS == 0:
-        axes.set_ylabel("length [cm]")
+        axes.set_ylabel("[cm]")
 
 
 def _legend(
     drawing: "Drawing",
-    axes: "Axes",
     recording: Recording,
     series: Sequence[LimbSeries],
     given: Mapping[int, object],
@@ -162,7 +181,7 @@ def _legend(
     if given:
         marks.append(Line2D([], [], color=SOFT, linewidth=1, linestyle=(0, (5, 3))))
         names.append("true length")
-    axes.legend(marks, names, loc="center", ncols=1 + (len(names) > 4))
+    drawing.legend(marks, names, loc="outside upper left", ncols=9, columnspacing=1.4)
 
 
 def swatches(recording: Recording) -> list[str]:

@@ -68,6 +68,8 @@ class Table:
         What one sees.
     align
         Of each column; without it the first stands left and the others right.
+    groups
+        Texts over several columns each, with how many; none if empty.
     swatches
         A colour per row, drawn before its first text, as `trecsim.report.style.css_colour` returns
         it.
@@ -77,6 +79,7 @@ class Table:
     rows: Sequence[Sequence[str]]
     caption: str = ""
     align: Sequence[Alignment] = ()
+    groups: Sequence[tuple[str, int]] = ()
     swatches: Sequence[str] = ()
 
     def __post_init__(self) -> None:

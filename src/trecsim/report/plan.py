@@ -90,7 +90,13 @@ def _draw_scale(axes: "Axes", extent: Extent) -> None:
     axes.plot([start, end], [-0.03, -0.03], color=INK, linewidth=2.4, clip_on=False,
               transform=across, solid_capstyle="butt")  # fmt: skip
     axes.text(
-        end, -0.03, f"  {length_m:g} m", va="center", transform=across, color=SOFT, fontsize=8.5
+        end + 0.01 * extent.width_m,
+        -0.03,
+        f"{length_m:g} m",
+        va="center",
+        transform=across,
+        color=SOFT,
+        fontsize=8.5,
     )
 
 
@@ -102,7 +108,7 @@ def draw_rig(axes: "Axes", rig: Rig | None, *, colours: list[str] | None = None)
     for camera, colour in zip(rig, drawn, strict=True):
         draw_camera(axes, camera, colour)
     for line in axes.lines[-len(rig) :]:
-        line.set(markersize=11, markeredgewidth=0.6, markeredgecolor="none")
+        line.set(markersize=11, markeredgewidth=0)
     if len(rig) <= MOST_NAMES:
         write_labels(
             axes,
@@ -136,3 +142,13 @@ def heat_map() -> "Colormap":
     return LinearSegmentedColormap.from_list(
         "heat", [to_rgba(name, alpha) for name, alpha in stops]
     )
+
+
+def smoothed(count: Float64[np.ndarray, "y x"]) -> Float64[np.ndarray, "y x"]:
+    """Return the counts, each spread over its neighbours: nobody is as thin as a cell."""
+    kernel = np.exp(-0.5 * (np.arange(-4, 5) / 1.6) ** 2)
+    kernel /= kernel.sum()
+    for axis in (0, 1):
+        count = np.apply_along_axis(np.convolve, axis, count, kernel, mode="full")
+        count = np.take(count, range(4, count.shape[axis] - 4), axis=axis)
+    return count

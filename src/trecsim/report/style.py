@@ -169,7 +169,13 @@ def as_svg(drawn: "Figure", name: str) -> str:
     text = text.replace("xlink:href", "href")
     text = re.sub(r"font-family: [^;\"]*;? ?", "", text)
     text = re.sub(r"font: ([\d.]+px) [^;\"]*", r"font-size: \1", text)
+    text = re.sub(r' (d|x|y|points)="[^"]*"', lambda found: _rounded(found[0]), text)
     return _with_variables(text).strip()
+
+
+def _rounded(text: str) -> str:
+    """Leave two decimals to every number: a hundredth of a point is less than one can see."""
+    return re.sub(r"(\d\.\d\d)\d+", r"\1", text)
 
 
 def _with_variables(text: str) -> str:
