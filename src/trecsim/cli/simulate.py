@@ -23,6 +23,7 @@ def simulate(
     list_: Annotated[bool, Parameter(name="--list")] = False,
     show: str | None = None,
     pictures: Path | None = None,
+    schema: bool = False,
     json: bool = False,
 ) -> None:
     """Make 2D poses with known truth: people and cameras of a scene.
@@ -48,17 +49,21 @@ def simulate(
         Print the file of a built-in scene, to begin your own with.
     pictures
         Directory to draw a picture of each built-in scene into, or of the one scene given.
+    schema
+        Print the JSON schema of scene files, for editors.
     json
         Print the summary as one JSON object.
     """
     asked = [scene is not None and pictures is None, list_, show is not None, pictures is not None]
-    if sum(asked) != 1:
+    if sum(asked) + schema != 1:
         raise InputError(
-            "expected one of: a SCENE to simulate, --list, --show NAME, --pictures DIRECTORY; "
-            "trecsim simulate --list shows the built-in scenes"
+            "expected one of: a SCENE to simulate, --list, --show NAME, --pictures DIRECTORY, "
+            "--schema; trecsim simulate --list shows the built-in scenes"
         )
     if show is not None:
         _show(show, json)
+    elif schema:
+        _schema(json)
     elif list_:
         _list(json)
     elif pictures is not None:
@@ -94,6 +99,15 @@ def _show(name: str, json: bool) -> None:
 
     text = built_in_text(name)
     finish({"scene": name, "text": text}, json, text.rstrip())
+
+
+def _schema(json: bool) -> None:
+    import json as format_json
+
+    from trecsim.simulation.scene_file import scene_schema
+
+    schema = scene_schema()
+    finish(schema, json, format_json.dumps(schema, indent=2))
 
 
 def _list(json: bool) -> None:

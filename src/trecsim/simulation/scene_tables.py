@@ -78,7 +78,7 @@ else:
                 Number | None
                 if field.type is float
                 else Annotated[tuple[Number, ...], Field(strict=False)] | Number | None,
-                Field(None, description=_ABOUT[field.name] + " Without it as in the preset."),
+                Field(None, description=_ABOUT[field.name]),
             )
             for field in fields(Detector)
         },
