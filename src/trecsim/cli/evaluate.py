@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from trecsim.cli.terminal import finish, note, progress_bar
-from trecsim.errors import InputError
 
 if TYPE_CHECKING:
     from trecsim.evaluation.evaluating import Evaluation
@@ -56,8 +55,6 @@ def evaluate(
     from trecsim.cli.score_table import details_table, score_table
     from trecsim.evaluation.evaluating import evaluate as run
 
-    if not tracks:
-        raise InputError("no tracks are given; see: trecsim evaluate --help")
     results = []
     with progress_bar("tracks", total=len(tracks), quiet=json) as bar:
         for path in tracks:

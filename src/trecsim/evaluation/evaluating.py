@@ -131,21 +131,17 @@ def evaluate(
     if isinstance(truth, (str, Path)):
         truth = read_truth(truth)
     recorded = read_moments(tracks)
+    scores = _scores(recorded, truth, from_s, until_s, remark) if truth else None
     moments = within(recorded.moments, from_s, until_s)
-    people = people_of(moments)
-    given = {
-        **(true_lengths(people, truth) if truth else {}),
-        **(read_measured(lengths) if lengths else {}),
-    }
-    limbs = limb_table(limb_series(people), given)
-    usual_s = interval_s(moments)
+    people, usual_s = people_of(moments), interval_s(moments)
+    limbs = _limbs(people, truth, lengths)
     return Evaluation(
         tracks=recorded.path,
         moments=len(moments.t_s),
         people=len(people),
         first_s=float(moments.t_s[0]) if len(moments.t_s) else float("nan"),
         last_s=float(moments.t_s[-1]) if len(moments.t_s) else float("nan"),
-        scores=_scores(recorded, truth, from_s, until_s, remark) if truth else None,
+        scores=scores,
         shelf=score_shelf(read_tracks(tracks), read_annotation(shelf)) if shelf else None,
         limbs=limbs,
         limb_summary=limb_summary(limbs),
@@ -164,6 +160,14 @@ def _check_request(
         raise InputError("reprojection errors need both, the rig and the poses")
     if not from_s < until_s:
         raise InputError(f"the time must run forwards, got from {from_s:g} s until {until_s:g} s")
+
+
+def _limbs(
+    people: tuple[PersonTrack, ...], truth: Truth | None, lengths: Path | str | None
+) -> tuple[LimbRow, ...]:
+    true = true_lengths(people, truth) if truth else {}
+    measured = read_measured(lengths) if lengths else {}
+    return limb_table(limb_series(people), {**true, **measured})
 
 
 def _reprojection(
