@@ -156,7 +156,7 @@ def analyse(
     outcome: Outcomes,
     level: Int64[np.ndarray, "point factor"],
     blocks: Blocks,
-    reference: Sequence[Float64[np.ndarray, " level"]],
+    reference: Sequence[Float64[np.ndarray, " _"]],
     *,
     balanced: bool = True,
     anchor: int | None = None,
@@ -318,7 +318,7 @@ def _pairs(
         effect = _effect(
             (blocks.weight @ residual) @ mean.T,
             _deviations(blocks, residual @ mean.T) + unexplained @ mean.T,
-            0.0, np.zeros(len(known)), total, cell, blocks,
+            float(np.mean(blocks.weight @ outcome)), np.zeros(len(known)), total, cell, blocks,
         )  # fmt: skip
         shown = (blocks.weight @ outcome) @ mean.T
         shown[empty] = np.nan
