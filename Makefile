@@ -9,7 +9,8 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 # where the doors are: what comes in there may be anything, and is refused with better words.
 SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimation,$\
-  trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots
+  trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots,$\
+  trecsim.report
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check bench bench-quick figures tables docs constraints clean
