@@ -43,6 +43,7 @@ def test_one_that_is_carried_on_for_a_moment_is_a_break_too():
         standing(2, 4.2, 5),  # too late
         standing(2, 0.8, 5),  # too early: both were there for 1.2 s
         standing(2, 2.0, 5, x_m=0.6),  # too far: 0.5 m and nothing to walk in
+        standing(2, 1.4, 5, x_m=0.6),  # nor does an overlap give time to walk
         standing(2, 2.4, 5, x_m=1.2),  # 0.5 m and 0.6 m in 0.4 s
     ],
 )

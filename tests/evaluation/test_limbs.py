@@ -105,7 +105,7 @@ def test_true_lengths_are_those_of_the_person_followed():
     people = [
         track(7, TIMES_S + 0.01, np.array([large + beside_m + 0.02] * 5)),
         track(8, TIMES_S[:2], np.array([small] * 2)),
-        track(9, TIMES_S, np.array([small + 30.0] * 5)),
+        track(9, TIMES_S, np.array([small + np.array([0.0, 0.0, 0.51])] * 5)),
     ]
     given = true_lengths(people, truth)
     assert sorted(given) == [7, 8]

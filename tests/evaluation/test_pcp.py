@@ -63,6 +63,8 @@ def right_groups(body_m):
         ({"bottom_head": 31}, 9),  # the head; the torso is off by 15.5 cm of 30
         ({"bottom_head": 61}, 8),  # both
         ({"left_hip": 51}, 9),  # left thigh 25.5 of 25; the middle of the hips by half of it
+        ({"left_hip": 119}, 9),  # the middle of the hips by 59.5: the torso by 29.75 of 30
+        ({"left_hip": 121}, 8),  # 30.25
         ({"left_hip": 61, "right_hip": 61}, 7),  # both thighs and the torso, 30.5 of 30
         ({"left_wrist": 20, "left_elbow": 9}, 10),  # (20 + 9) / 2 = 14.5 of 15
         ({"left_wrist": 20, "left_elbow": 11}, 9),  # 15.5 of 15; the upper arm 5.5
@@ -70,6 +72,28 @@ def right_groups(body_m):
 )
 def test_a_part_is_right_up_to_half_its_length(by_cm, right):
     assert parts_correct(moved(**by_cm), UPRIGHT_M).sum() == right
+
+
+@pytest.mark.parametrize(
+    ("joint", "group"),
+    [
+        ("left_wrist", "lower arms"),
+        ("right_wrist", "lower arms"),
+        ("left_ankle", "lower legs"),
+        ("right_ankle", "lower legs"),
+        ("top_head", "head"),
+    ],
+)
+def test_a_joint_at_the_end_spoils_one_part_of_its_group(joint, group):
+    actor = count_pcp([found(moved(**{joint: 50}))], UPRIGHT_M[None, None]).actors[0]
+    wrong = np.subtract(actor.group_total, actor.group_correct)
+    assert {name: count for name, count in zip(GROUPS, wrong, strict=True) if count} == {group: 1}
+
+
+def test_every_change_of_identity_is_one_switch():
+    frames = [found(UPRIGHT_M, ids=[identity]) for identity in (5, 7, 7, 7, 5)]
+    score = count_pcp(frames, np.array([[UPRIGHT_M] * 5]))
+    assert score.switches == 2
 
 
 def test_a_part_without_an_end_is_wrong():

@@ -94,6 +94,15 @@ def test_somebody_whom_no_track_explains_belongs_to_none():
     assert result.overall.p90_px < 1e-6
 
 
+def test_one_key_point_far_away_makes_nobody_a_stranger():
+    person = walker(1)
+    seen = moved(image(RIG["east"], 0.2, person), "left_wrist", [5000.0, 0.0])
+    result = reprojection([seen], RIG, [person], STEP_S)
+    assert result.cameras[0].matched == 1
+    assert by_name(result)["east", "left_wrist"].median_px == pytest.approx(5000.0)
+    assert result.overall.median_px < 1e-6
+
+
 def test_missing_key_points_do_not_count():
     person = walker(1)
     seen = image(RIG["east"], 0.2, person)

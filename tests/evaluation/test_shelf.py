@@ -47,6 +47,7 @@ def folder(tmp_path):
     people = np.zeros((3, 17, 3), np.float32)
     people[:, :12] = [400.0, 300.0, 1.04]  # a score may be a little above 1
     people[2, 3] = 0.0
+    people[2, 4] = [0.0, 20.0, 0.5]  # at the very border of the image
     np.savez(path / DETECTIONS, cam=[0, 1, 1], frame=[300, 300, 600], coco17=people)
     return path
 
@@ -75,9 +76,9 @@ def test_every_camera_has_an_image_of_every_frame(folder):
     }
     last = images[601]
     assert np.isnan(last.xy_px[0, [3, 12, 16]]).all()
-    assert last.xy_px[0, 0].tolist() == [400.0, 300.0]
-    assert last.score[0, [0, 3]].tolist() == [1.0, 0.0]
-    assert last.person_score.tolist() == [1.0]
+    assert last.xy_px[0, [0, 4]].tolist() == [[400.0, 300.0], [0.0, 20.0]]
+    assert last.score[0, [0, 3, 4]].tolist() == [1.0, 0.0, 0.5]
+    assert last.person_score.tolist() == [10.5 / 11]
 
 
 def test_some_cameras_keep_their_own_detections(folder):
@@ -107,10 +108,14 @@ def test_the_nearest_moment_within_half_a_frame_counts(folder):
     annotation = read_annotation(folder)
     tracks = [
         *(standing(12.0 - 0.015, identity=1, shift_m=9.0), standing(12.0 + 0.005, identity=2)),
-        *(standing(12.04 + 0.019, identity=3), standing(12.08 + 0.0201, identity=3, shift_m=9.0)),
+        standing(12.04 + 0.019, identity=3),
     ]
     actor = score_shelf(tracks, annotation).actors[0]
     assert (actor.correct, actor.switches) == (20, 1)
+    early = score_shelf([standing(12.0 - 0.0199)], annotation)
+    assert early.actors[0].correct == 10
+    with pytest.raises(InputError, match="12 s to 24 s"):
+        score_shelf([standing(12.0 - 0.0201)], annotation)
 
 
 def test_tracks_of_another_time_are_told(folder):
