@@ -10,6 +10,7 @@ from trecsim.simulation.paths import STEP_S, smooth
 from trecsim.simulation.pose import STRAIGHT, Joints, Pose, joints, unit
 
 WRIST_M = 0.03
+SOFT_M = 0.006  # hands slow down so far above that
 # How high face, shoulders, elbows, wrists, hips and knees are at least: there is flesh around them.
 LEAST_M = np.repeat([0.02, 0.05, 0.035, 0.0, 0.06, 0.05], [5, 2, 2, 2, 2, 2])
 SOON_S = 0.06  # a body is lifted so long before and after it would touch
@@ -64,9 +65,10 @@ def _with_hands_up(xyz_m: Joints, body: Body) -> Joints:
     """
     a_m, b_m = body.upper_arm_m, body.forearm_m
     for side in (0, 1):
-        low = xyz_m[:, 9 + side, 2] < WRIST_M
+        low = xyz_m[:, 9 + side, 2] < WRIST_M + 8 * SOFT_M
         shoulder_m, elbow_m = xyz_m[low, 5 + side], xyz_m[low, 7 + side]
-        way_m = np.maximum(xyz_m[low, 9 + side], [-np.inf, -np.inf, WRIST_M]) - shoulder_m
+        way_m = xyz_m[low, 9 + side] - shoulder_m
+        way_m[:, 2] += SOFT_M * np.log1p(np.exp((WRIST_M - xyz_m[low, 9 + side, 2]) / SOFT_M))
         wanted_m = np.linalg.norm(way_m, axis=1, keepdims=True)
         along = way_m / wanted_m
         length_m = np.clip(wanted_m, abs(a_m - b_m) + 0.02, STRAIGHT * (a_m + b_m))

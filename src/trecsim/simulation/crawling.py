@@ -17,7 +17,7 @@ STRIDE = 0.29  # stride length as a share of the stature
 STANCE = 0.62  # share of a stride for which a hand or knee rests
 MID_STANCE = 0.31  # the body passes over it here
 HAND_M, LIFT_M = 0.04, 0.05  # height of a wrist that rests, and by how much it is lifted
-TURN_RADPS = 0.7
+TURN_RADPS, STEP_RAD = 0.6, 0.6  # turning, and how much of it takes a stride
 LEVEL_RAD = 1.45  # how far the trunk is pitched
 
 Flat = Float64[np.ndarray, "time 2"]
@@ -56,7 +56,7 @@ def crawl(body: Body, place: Place, to_m: Sequence[Point], speed_mps: float) -> 
 
 def _crawling(body: Body, path: FloorPath, bouts: Sequence[Bout]) -> Pose:
     """Return the poses along a path."""
-    turning_hz = np.abs(np.gradient(path.heading_rad, STEP_S)) / 1.5
+    turning_hz = np.abs(np.gradient(path.heading_rad, STEP_S)) / STEP_RAD
     rate_hz = path.speed_mps / (STRIDE * body.stature_m) + turning_hz
     phase, _ = strides(rate_hz, bouts, MID_STANCE)
     inside = (path.t_s >= path.enter_s - STEP_S / 2) & (path.t_s < path.leave_s - STEP_S / 2)

@@ -105,7 +105,7 @@ def sitting(body: Body, seat_m: float) -> Pose:
     reach_m = np.sqrt(max(body.thigh_m**2 - (knee_m - height_m) ** 2, 0.1**2))
     return _pose(
         (-0.95 * float(reach_m), 0.0, height_m),
-        _feet(body, wide=0.6),
+        _feet(body),
         pitched(-0.1),
         pitched(-0.08),
         pitched(0.05),
@@ -119,7 +119,7 @@ def leaning(body: Body, seat_m: float) -> Pose:
     height_m = 0.45 * seat.root_m[0, 2] + 0.55 * (body.ankle_m + body.leg_m)
     return _pose(
         (0.95 * seat.root_m[0, 0], 0.0, float(height_m)),
-        _feet(body, wide=0.5),
+        _feet(body),
         pitched(0.5),
         pitched(0.95),
         pitched(0.35),

@@ -8,7 +8,6 @@ from jaxtyping import Float32, Float64
 
 from trecsim.errors import InputError
 from trecsim.simulation.actions import (
-    LONGEST_S,
     Action,
     Bend,
     Clip,
@@ -34,6 +33,7 @@ from trecsim.simulation.postures import LYING, STAND, Being, Posture, stepping_o
 from trecsim.simulation.sampled import Sampled
 from trecsim.simulation.timing import even
 
+LONGEST_S = 4 * 3600.0  # every moment is in memory
 BRIDGE_S = 0.6  # from a posture into a clip and out of it
 AHEAD_RAD = 0.6
 
@@ -76,7 +76,7 @@ def perform(
     Raises
     ------
     InputError
-        If all together takes longer than a day, or a clip cannot be read.
+        If all together takes longer than four hours, or a clip cannot be read.
 
     Examples
     --------
@@ -131,7 +131,9 @@ class _Script:
         """Return the times of the next so many seconds."""
         steps = max(round(seconds / STEP_S), 1)
         if (self.steps + steps) * STEP_S > LONGEST_S:
-            raise InputError("what one person does must take no more than a day")
+            raise InputError(
+                f"what one person does must take no more than {LONGEST_S / 3600:g} hours together"
+            )
         return self.enter_s + (self.steps + np.arange(steps)) * STEP_S
 
     def show(self, pose: Pose) -> None:
@@ -187,6 +189,7 @@ class _Script:
 
     def go(self, actions: list[OnFoot], leaves: bool) -> None:
         """Stand, turn, walk and run."""
+        self.times_s(_least_s(self.place, actions))
         self.become(STAND)
         comes = self.steps == 0 and isinstance(actions[0], Walk | Run)
         goes = leaves and isinstance(actions[-1], Walk | Run)
@@ -225,6 +228,7 @@ class _Script:
             if abs(shortest(towards_rad - self.place.heading_rad)) > AHEAD_RAD:
                 self.go([Turn(to_rad=towards_rad)], False)
         self.become(Posture("fours"))
+        self.times_s(_least_s(self.place, [Walk(action.to_m, 1.0)]) / action.speed_mps)
         pose, self.place = crawl(self.being.body, self.place, action.to_m, action.speed_mps)
         self.show(self.being.on_hands(pose, self.times_s(len(pose.root_m) * STEP_S)))
 
@@ -253,6 +257,19 @@ class _Script:
         share = even(np.arange(times) / times)
         a, b = at(first, 0, times), at(last, 0, times)
         self.show(stepping_over(blend(a, b, share), a, b, share))
+
+
+def _least_s(place: Place, actions: Sequence[OnFoot]) -> float:
+    """Return how long these actions take at least [s]."""
+    seconds, here_m = 0.0, (place.x_m, place.y_m)
+    for action in actions:
+        if isinstance(action, Stand):
+            seconds += action.seconds
+        elif isinstance(action, Walk | Run):
+            corners_m = np.array([here_m, *action.to_m], dtype=float)
+            way_m = np.linalg.norm(np.diff(corners_m, axis=0), axis=1).sum()
+            seconds, here_m = seconds + float(way_m) / action.speed_mps, action.to_m[-1]
+    return seconds
 
 
 def _posture(action: RaiseArms | Bend | Sit | Lie) -> Posture:

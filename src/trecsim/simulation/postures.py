@@ -241,19 +241,14 @@ class Being:
             When [s].
         """
         back = (start.name, goal.name) not in _CHANGES
-        key = (goal.name, start.name) if back else (start.name, goal.name)
-        change = _CHANGES[key]
-        after = (
-            _undone(place, change.moved(self.body))
-            if back
-            else place.ahead(*change.moved(self.body))
-        )
-        if (start.name, goal.name) == ("kneel", "stand"):  # the rear foot comes to the one ahead
-            after = place.ahead(self.body.shin_m + 0.9 * self.body.thigh_m)
+        change = _CHANGES[(goal.name, start.name) if back else (start.name, goal.name)]
+        moved = change.moved(self.body)
+        after = _undone(place, moved) if back else place.ahead(*moved)
         via = None
         if change.via is not None:
-            farther = start if back else goal
-            via = placed(change.via(self.body, farther), place)
+            via = placed(change.via(self.body, start if back else goal), after if back else place)
+        if (start.name, goal.name) == ("kneel", "stand"):  # the rear foot comes to the one ahead
+            after = place.ahead(self.body.shin_m + 0.9 * self.body.thigh_m)
         return Motion(self, (start, place), (goal, after), via, start_s, change.seconds), after
 
     def fall(

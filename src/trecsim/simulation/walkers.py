@@ -16,7 +16,7 @@ RUNNING_STANCE = 0.36  # less than a half: between two steps both feet are in th
 RUNNING_MID_STANCE = 0.17
 RUNNING_LIFT = 0.16  # heels go up behind, as a share of the stature
 WALKING_MPS, RUNNING_MPS = 2.0, 2.4  # walked below, run above
-BOUNCE_M = 0.025  # a runner's pelvis goes up and down by so much
+BOUNCE_M = 0.02  # a runner's pelvis goes up and down by so much
 HEEL_OFF = 0.76  # share of the stance after which the heel comes up
 STRIDE = 0.64  # stride length at 1 m/s as a share of the stature
 LIFT = 0.055  # height of the swinging ankle as a share of the stature
@@ -173,7 +173,11 @@ def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
     lowest_m = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1).min(axis=1)
     # Highest while both feet are in the air, half way between two steps.
     flight = np.cos(4 * np.pi * (person.phase - RUNNING_STANCE / 2 - 0.25))
-    return smooth(lowest_m, DIP_S / 4) + BOUNCE_M * person.running * (flight - 1.2)
+    runs = smooth(person.running, 0.25)  # from a walk to a run in a step or two
+    exact_m, even_m = smooth(lowest_m, DIP_S / 4), smooth(lowest_m, DIP_S)
+    bounce_m = BOUNCE_M * (flight - 1.2)
+    pelvis_m: Float64[np.ndarray, " step"] = exact_m + runs * (even_m - exact_m + bounce_m)
+    return pelvis_m
 
 
 def _joints(person: Walker, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
