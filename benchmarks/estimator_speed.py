@@ -80,21 +80,28 @@ def per_image(look: Any, frames: "list[Frame]") -> dict[str, Figure]:
 
     for frame in frames[:5]:
         look(frame)
-    rounds, calibration = [], []
+    rounds, used, calibration = [], [], []
     for _ in range(ROUNDS):
         before_ms = calibration_ms()
-        took_ms = []
+        took_ms, used_ms = [], []
         for frame in frames:
-            began_s = time.perf_counter()
+            began_s, used_s = time.perf_counter(), time.process_time()
             look(frame)
+            used_ms.append(1e3 * (time.process_time() - used_s))
             took_ms.append(1e3 * (time.perf_counter() - began_s))
         calibration.append((before_ms + calibration_ms()) / 2)
-        rounds.append(np.array(took_ms))
+        rounds.append(took_ms)
+        used.append(used_ms)
     takes: dict[str, Callable[[Any], Any]] = {
         "median": np.median, "mean": np.mean, "std": np.std, "max": np.max, "min": np.min,
     }  # fmt: skip
     return {
-        name: timed([float(take(ms)) for ms in rounds], calibration, watched=name == "median")
+        name: timed(
+            [float(take(ms)) for ms in rounds],
+            calibration,
+            used=[float(take(ms)) for ms in used],
+            watched=name == "median",
+        )
         for name, take in takes.items()
     }
 

@@ -28,7 +28,7 @@ from harness.options import Options, sample_folder
 SIZE_PX = (1920, 1080)
 FPS = 30
 ROUNDS = 3
-SECONDS = (12.0, 36.0)
+SECONDS = (8.0, 24.0)
 
 
 def make_videos(scene: Path, out: Path, seconds: float) -> None:

@@ -4,6 +4,7 @@ Run: ``python benchmarks/startup.py``
 """
 
 import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -20,32 +21,41 @@ TRECSIM = Path(sys.executable).with_name("trecsim")
 ROUNDS = 9
 
 
-def seconds(arguments: list[str], environment: Mapping[str, str] | None = None) -> float:
-    """Return the wall time of one call [s]."""
-    began_s = time.perf_counter()
+def seconds(
+    arguments: list[str], environment: Mapping[str, str] | None = None
+) -> tuple[float, float]:
+    """Return wall and processor time of one call [s]."""
+    began_s, used_s = time.perf_counter(), children_s()
     subprocess.run(
         [TRECSIM, *arguments],
         check=True,
         capture_output=True,
         env={**os.environ, **(environment or {})},
     )
-    return time.perf_counter() - began_s
+    return time.perf_counter() - began_s, children_s() - used_s
+
+
+def children_s() -> float:
+    """Return the processor time of all calls so far [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def measure(options: Options) -> Figures:
     """Measure the wall time of commands from start to end."""
     seconds(["--help"])
-    took_s, calibration = [], []
+    calls, calibration = [], []
     for _ in range(ROUNDS):
         calibration.append(calibration_ms())
-        took_s.append(seconds(["--help"]))
-    figures: dict[str, Figure] = {"trecsim --help": timed(took_s, calibration, "s")}
+        calls.append(seconds(["--help"]))
+    took_s, used_s = ([call[n] for call in calls] for n in (0, 1))
+    figures: dict[str, Figure] = {"trecsim --help": timed(took_s, calibration, "s", used=used_s)}
     if not options.quick:
         with tempfile.TemporaryDirectory() as folder:
             for name in ("trecsim demo, kernels compiled on the way", "trecsim demo, again"):
                 calibrated_ms = calibration_ms()
                 cache = {"NUMBA_CACHE_DIR": f"{folder}/cache"}
-                took = seconds(["demo", "--out", f"{folder}/{len(figures)}"], cache)
+                took, _ = seconds(["demo", "--out", f"{folder}/{len(figures)}"], cache)
                 figures[name] = timed([took], [calibrated_ms], "s", watched=False)
     return {"wall time": figures}
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from harness.calibration import calibration_ms
 from harness.command import alone
-from harness.figures import Figures, once, timed
+from harness.figures import Figure, Figures, once, timed
 from harness.options import Options
 
 if TYPE_CHECKING:
@@ -56,25 +56,35 @@ def of_file(path: Path, made: "list[Snapshot]") -> Figures:
     """Return time per moment and bytes per person and second of one kind of file."""
     from trecsim.store.tracks import read_tracks, tracks_writer
 
-    write_ms, read_ms, calibration = [], [], []
+    write_ms, read_ms, calibration = [], [], []  # wall and processor time of each
     for _ in range(ROUNDS):
         before_ms = calibration_ms()
-        began_s = time.perf_counter()
+        began = _now_ms()
         with tracks_writer(path) as writer:
             for snapshot in made:
                 writer.write(snapshot)
-        written_s = time.perf_counter()
+        written = _now_ms()
         count = sum(1 for _ in read_tracks(path))
-        read_ms.append(1e3 * (time.perf_counter() - written_s) / count)
-        write_ms.append(1e3 * (written_s - began_s) / len(made))
+        read_ms.append([(b - a) / count for a, b in zip(written, _now_ms(), strict=True)])
+        write_ms.append([(b - a) / len(made) for a, b in zip(began, written, strict=True)])
         calibration.append((before_ms + calibration_ms()) / 2)
         size = path.stat().st_size
         path.unlink()
     return {
-        "writing a moment": timed(write_ms, calibration),
-        "reading a moment": timed(read_ms, calibration),
+        "writing a moment": _timed(write_ms, calibration),
+        "reading a moment": _timed(read_ms, calibration),
         "per person and second": once(size / (PEOPLE * SECONDS), "bytes"),
     }
+
+
+def _now_ms() -> tuple[float, float]:
+    """Return wall and processor time now [ms]."""
+    return 1e3 * time.perf_counter(), 1e3 * time.process_time()
+
+
+def _timed(both_ms: list[list[float]], calibration: list[float]) -> Figure:
+    wall_ms, used_ms = ([one[n] for one in both_ms] for n in (0, 1))
+    return timed(wall_ms, calibration, used=used_ms)
 
 
 if __name__ == "__main__":

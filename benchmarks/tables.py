@@ -126,6 +126,15 @@ def postures(results: Results) -> str:
     return table(["somebody who is", "joint error of that walking", "switches"], rows)
 
 
+def busy(result: Result) -> str:
+    """Return a warning where a machine had too much to do for its times to be quoted."""
+    machine = result.about["machine"]
+    load = max(machine["load_average"][0], machine["load_average_after"][0])
+    if load <= machine["cores"]:
+        return ""
+    return f"\n\n*The machine was busy (load {load:.1f} on {machine['cores']} cores): too long.*"
+
+
 def _grid(results: Results) -> tuple[list[int], list[int], Callable[[int, int, str], float]]:
     """Return the numbers of cameras and people that were timed, and how to look a time up."""
     cells = results["speed"].figures["per frame set"]
@@ -145,7 +154,7 @@ def speed(results: Results) -> str:
         [str(p), *(f"{number(at(c, p, 'median'))} / {number(at(c, p, 'p95'))}" for c in cameras)]
         for p in people
     ]
-    return table(["people", *(f"{c} cameras" for c in cameras)], rows)
+    return table(["people", *(f"{c} cameras" for c in cameras)], rows) + busy(results["speed"])
 
 
 def speed_short(results: Results) -> str:
@@ -156,7 +165,8 @@ def speed_short(results: Results) -> str:
         ["fusion per frame set, median [ms]", *(number(at(c, p, "median")) for c, p in sites)],
         ["95th percentile [ms]", *(number(at(c, p, "p95")) for c, p in sites)],
     ]
-    return table(["cameras x people", *(f"{c} x {p}" for c, p in sites)], rows)
+    made = table(["cameras x people", *(f"{c} x {p}" for c, p in sites)], rows)
+    return made + busy(results["speed"])
 
 
 def thesis_speed(results: Results) -> str:

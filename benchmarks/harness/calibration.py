@@ -1,8 +1,8 @@
 """How fast this machine is at this moment, by a workload that never changes.
 
 It is made of what the fusion is made of, compiled arithmetic on small arrays and calls of NumPy
-from Python, but shares no code with it. Times are compared relative to it, so that a machine that
-is slower, or busy with other things, does not look like a slower program.
+from Python, but shares no code with it. Times are compared relative to it, and as processor time,
+so that a machine that is slower, or busy with other things, does not look like a slower program.
 """
 
 import statistics
@@ -15,15 +15,15 @@ _made: list[Callable[[], float]] = []
 
 
 def calibration_ms() -> float:
-    """Return how long the workload takes now, the median of a few runs [ms]."""
+    """Return the processor time that the workload takes now, the median of a few runs [ms]."""
     if not _made:
         _made.append(_workload())
         _made[0]()
     took_ms = []
     for _ in range(REPEATS):
-        began_s = time.perf_counter()
+        began_s = time.thread_time()
         _made[0]()
-        took_ms.append(1e3 * (time.perf_counter() - began_s))
+        took_ms.append(1e3 * (time.thread_time() - began_s))
     return statistics.median(took_ms)
 
 

@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from harness import comparing, figures, machine, markdown
-from harness.calibration import calibration_ms
 from harness.figures import Figures, Result, Skipped
 from harness.options import Options, parse_override
 
@@ -43,7 +42,7 @@ def alone(file: str, measure: Measure, arguments: Sequence[str] | None = None) -
             given.out.write_text(json.dumps({"skipped": str(reason)}), encoding="utf-8")
         return 0
     except KeyboardInterrupt:
-        return 130
+        return 130  # as shells have it
     if given.out:
         figures.store(result, given.out)
     else:
@@ -58,7 +57,6 @@ def run(name: str, measure: Measure, options: Options) -> Result:
     """Return what a benchmark measures, with all that belongs to it."""
     os.environ.update(ONE_THREAD)
     about = machine.describe()
-    about["calibration_ms"] = round(calibration_ms(), 3)
     began_s = time.monotonic()
     measured = measure(options)
     about["took_s"] = round(time.monotonic() - began_s, 1)

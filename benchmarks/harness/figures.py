@@ -38,7 +38,7 @@ class Figure:
     runs
         The value of each seed or round.
     relative
-        Times only: each round's value divided by the calibration workload's time in that round.
+        Times only: each round's processor time divided by the calibration workload's in that round.
     matters
         Least change that is worth naming, in the unit; None: the rule's own (see `comparing`).
     watched
@@ -95,11 +95,30 @@ def summed(runs: Mapping[int, float], unit: str = "", better: Better = "lower") 
 
 
 def timed(
-    rounds: Sequence[float], calibration: Sequence[float], unit: str = "ms", *, watched: bool = True
+    rounds: Sequence[float],
+    calibration: Sequence[float],
+    unit: str = "ms",
+    *,
+    used: Sequence[float] | None = None,
+    watched: bool = True,
 ) -> Figure:
-    """Return the median over rounds of something timed, with what the calibration took in each."""
+    """Return the median over rounds of something timed.
+
+    Parameters
+    ----------
+    rounds
+        Wall time of each; their median is quoted.
+    calibration
+        What `calibration_ms` said in each.
+    unit
+        Of the rounds.
+    used
+        Processor time of each round, which is what is compared; the wall time, if None.
+    watched
+        Whether the comparison looks at it.
+    """
     by_name = {str(number): float(value) for number, value in enumerate(rounds, start=1)}
-    relative = tuple(t / c for t, c in zip(rounds, calibration, strict=True))
+    relative = tuple(t / c for t, c in zip(used or rounds, calibration, strict=True))
     value = statistics.median(rounds)
     return Figure(value, unit, "lower", "time", by_name, relative, watched=watched)
 

@@ -17,6 +17,7 @@ from harness.figures import Result
 from harness.machine import ROOT
 
 FOLDER = ROOT / "benchmarks"
+INTERRUPTED = 130  # exit status after Ctrl-C
 PATIENCE_S = 1200.0  # a benchmark that takes longer hangs
 
 
@@ -80,6 +81,8 @@ def _run_one(
         out = Path(place) / "result.json"
         code = _call([sys.executable, str(folder / f"{name}.py"), *arguments, "--out", str(out)])
         text = out.read_text(encoding="utf-8") if code == 0 and out.exists() else ""
+    if code == INTERRUPTED:
+        raise KeyboardInterrupt
     if not text:
         outcome.failed.append(name)
         print(f"  FAILED (exit status {code}); the others go on", flush=True)

@@ -54,6 +54,13 @@ def test_one_that_breaks_does_not_lose_the_others(
     assert "skipped: no data here" in out
 
 
+def test_after_an_interrupt_what_was_done_is_kept_and_nothing_more_is_begun(folder: Path) -> None:
+    outcome = running.run_all(["good", "stopped", "worse"], [], store=True, folder=folder)
+    assert outcome.interrupted
+    assert [result.name for result in outcome.done] == ["good"]
+    assert [path.stem for path in (folder / "results").iterdir()] == ["good"]
+
+
 def test_a_setting_is_read_as_what_it_is() -> None:
     assert parse_override("knot_s=0.2") == ("knot_s", 0.2)
     assert parse_override("min_joints=7") == ("min_joints", 7)
