@@ -10,8 +10,8 @@ from jaxtyping import Float64
 
 from trecsim.simulation.noise import ornstein_uhlenbeck
 
-STEP_S = 0.02
-FAST, FAST_S, SLOW_S = 0.25, 0.17, 7.0  # share of the variance that changes quickly; memories
+STEP_S = 0.08  # coarse on purpose: what habit adds does not tremble
+FAST, FAST_S, SLOW_S = 0.7, 0.3, 8.0  # share of the variance that changes quickly; memories
 
 Joints = Float64[np.ndarray, "time person 17 3"]
 

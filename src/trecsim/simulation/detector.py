@@ -27,7 +27,7 @@ from trecsim.types import Poses2D
 
 HEAD, LIMBS = slice(0, 5), slice(5, 17)
 FEWEST_JOINTS = 6  # with fewer joints in the image nobody is found
-MOSTLY_HIDDEN = 0.7  # somebody of whom more is hidden is not found
+MOSTLY_HIDDEN = 0.8  # somebody of whom more is hidden is not found
 
 Times = Float64[np.ndarray, " time"]
 Points = Float64[np.ndarray, "time person 17 2"]
@@ -100,14 +100,14 @@ class Detector:
     slow: float = 0.65
     fast_s: float = 0.17
     slow_s: float = 7.0
-    doubt: tuple[float, ...] = _per_joint(0.12, 0.17, 0.14, 0.18, 0.31, 0.23, 0.22)
-    missing_joint: tuple[float, ...] = _per_joint(0.03, 0.027, 0.165, 0.215, 0.012, 0.022, 0.042)
-    missing_person: float = 0.042
-    swapped: float = 0.004
-    stray: tuple[float, ...] = _per_joint(0.005, 0.008, 0.013, 0.022, 0.009, 0.018, 0.021)
+    doubt: tuple[float, ...] = _per_joint(0.12, 0.17, 0.14, 0.18, 0.33, 0.225, 0.215)
+    missing_joint: tuple[float, ...] = _per_joint(0.03, 0.017, 0.145, 0.19, 0.0045, 0.0115, 0.009)
+    missing_person: float = 0.01
+    swapped: float = 0.0056
+    stray: tuple[float, ...] = _per_joint(0.005, 0.001, 0.0105, 0.015, 0.0, 0.006, 0.034)
     stray_sigma: float = 0.15
     hidden_missing: tuple[float, ...] = _per_joint(0.5, 0.33, 0.63, 0.61, 0.15, 0.21, 0.40)
-    hidden_sigma: float = 2.0
+    hidden_sigma: float = 1.9
     small_px: float = 60.0
     false_people: float = 0.01
     common_up_m: tuple[float, ...] = (0.0,) * 17
@@ -147,8 +147,10 @@ REAL = Detector()
 
 ANNOTATED = replace(
     REAL,
-    common_up_m=_per_joint(0.0, 0.028, 0.016, 0.020, 0.060, 0.021, 0.016),
-    common_spread_m=_per_joint(0.010, 0.020, 0.022, 0.028, 0.024, 0.022, 0.020),
+    # Habit differs between cameras as doubt does, so that less is left for the errors of each.
+    sigma=_per_joint(0.010, 0.0135, 0.0110, 0.0138, 0.0095, 0.0165, 0.0107),
+    common_up_m=_per_joint(0.0, 0.032, 0.0155, 0.023, 0.069, 0.0215, 0.019),
+    common_spread_m=_per_joint(0.010, 0.018, 0.0185, 0.0285, 0.019, 0.0145, 0.0135),
 )
 """Errs like a real one that is compared with what people marked in the images."""
 
@@ -166,11 +168,13 @@ PERFECT = Detector(
 )
 """Sees everything that is in the image, exactly, even through walls."""
 
-# Doubt (one less the score) varies like exp(DOUBT_SPREAD n): partly for the whole person, partly
-# quickly. What stays wrong grows with a power of it, what trembles with a higher one.
-DOUBT_SPREAD, OF_PERSON, QUICK, QUICK_S = 0.50, 0.43, 0.2, 0.1
-SLOW_POWER, FAST_POWER = 0.6, 1.6
-MOST_DOUBT = 0.9
+# Doubt (one less the score) varies like exp(DOUBT_SPREAD n), slowly, partly for the whole person;
+# the score quivers about that by QUICK. What stays wrong grows with a power of doubt, what trembles
+# with a higher one.
+DOUBT_SPREAD, OF_PERSON = 0.38, 0.43
+QUICK, QUICK_S = 0.2, 0.1
+SLOW_POWER, FAST_POWER, HABIT_POWER = 1.0, 2.8, 0.8
+MOST_DOUBT, MOST_HABIT = 0.9, 1.4
 STRAY_KNOWN, STRAY_DOUBT = 0.35, 2.0  # so many of the joints gone astray have more doubt
 STEEPNESS = 2.35  # with which somebody who gets smaller is lost
 MISSING_S, STRAY_S, UNFOUND_S = 2.5, 0.15, 0.3  # about how long
@@ -223,12 +227,14 @@ def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> li
     xyz_m = np.ascontiguousarray(np.moveaxis(footage.xyz_m, 0, 1))
     height_px = _height_in_image(camera, xyz_m, footage.stature_m)
     hidden = _hidden(footage, xyz_m, detector)
-    xy_px = _seen(footage, xyz_m, detector)
     unsure = _unsureness(t_s, height_px, hidden, detector, rng)
+    xy_px = _seen(footage, xyz_m, unsure, detector)
     share = _usual_errors(t_s, unsure, detector, rng)
     away, dubious = _strays(t_s, len(footage.stature_m), detector, rng)
     xy_px += (share + away) * height_px[..., None, None]
-    doubt = np.array(detector.doubt) * np.exp(unsure) * np.where(dubious, STRAY_DOUBT, 1.0)
+    unsure += QUICK * ornstein_uhlenbeck(rng, t_s, QUICK_S, *unsure.shape[1:])
+    unsure += np.log(STRAY_DOUBT) * dubious
+    doubt = np.array(detector.doubt) * np.exp(unsure)
     score = 1.0 - np.minimum(doubt, MOST_DOUBT)
     xy_px, score = exchanged(t_s, xy_px, score, detector.swapped, rng)
     xy_px[_missing(t_s, hidden, detector, rng)] = np.nan
@@ -257,16 +263,22 @@ def _shuffled(
 
 
 def _seen(
-    footage: Footage, xyz_m: Float64[np.ndarray, "time person 17 3"], detector: Detector
+    footage: Footage,
+    xyz_m: Float64[np.ndarray, "time person 17 3"],
+    unsure: Values,
+    detector: Detector,
 ) -> Points:
     """Return where joints would be in the images without any error that differs between cameras."""
-    camera, believed_m = footage.camera, xyz_m
+    camera = footage.camera
+    xy_px = camera.project(xyz_m)
     if any(detector.common_up_m) or any(detector.common_spread_m):
         rng = np.random.default_rng(footage.common_seed)
-        believed_m = misplaced(
-            footage.taken_s, xyz_m, detector.common_up_m, detector.common_spread_m, rng
-        )
-    xy_px = _inside(camera, camera.project(believed_m))
+        up_m, spread_m = detector.common_up_m, detector.common_spread_m
+        believed_m = misplaced(footage.taken_s, xyz_m, up_m, spread_m, rng)
+        # Who sees badly trusts habit more than the image.
+        trust = np.minimum(np.exp(HABIT_POWER * unsure), MOST_HABIT)
+        xy_px += (camera.project(believed_m) - xy_px) * trust[..., None]
+    xy_px = _inside(camera, xy_px)
     if any(detector.hidden_missing):
         xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan
     return xy_px
@@ -309,9 +321,8 @@ def _unsureness(
 ) -> Values:
     """Return the logarithm of doubt per key point, in multiples of the joint's usual doubt."""
     shape = hidden.shape[1:]
-    unsure: Values = np.sqrt(QUICK) * ornstein_uhlenbeck(rng, t_s, QUICK_S, *shape)
-    lasting = np.sqrt(1.0 - OF_PERSON - QUICK)
-    unsure += lasting * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    own = np.sqrt(1.0 - OF_PERSON)
+    unsure: Values = own * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
     unsure += np.sqrt(OF_PERSON) * ornstein_uhlenbeck(rng, t_s, detector.slow_s, shape[0], 1)
     unsure *= DOUBT_SPREAD
     unsure += hidden * (np.log(detector.hidden_sigma) / SLOW_POWER)
