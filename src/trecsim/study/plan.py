@@ -13,7 +13,7 @@ from trecsim.study.table import SettingTable, StudyTable
 FIRST_REPORTING_SEED = 1000
 """Seeds below are for tuning, seeds from here on for stating how good the result is."""
 
-MOST_RUNS = 1_000_000
+MOST_RUNS = 200_000
 _MOST_SEEDS = 10_000
 _LARGEST_SEED = 2**63 - 1
 _MOST_FAULTS = 8
@@ -190,7 +190,7 @@ def _factor(name: str, setting: SettingTable, *, drawn: bool) -> Factor:
 
 def _typed(value: object, kind: type) -> Value:
     if kind is float and isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value) if abs(value) < 1e300 else float("inf")
+        return float("inf") if abs(value) > 1e300 else float(value)
     if isinstance(value, kind) and (kind is bool or not isinstance(value, bool)):
         return value  # type: ignore[return-value]
     wanted = {int: "whole numbers", float: "numbers", bool: "true or false"}.get(kind, "text")
@@ -235,11 +235,22 @@ def _check_points(design: Design, origin: str) -> None:
             settings_of(design, point)
         except ConfigError as error:
             reason = str(error).removeprefix("fusion settings: ")
-            pairs = [(f.name, value) for f, value in zip(design.factors, point, strict=True)]
-            guilty = [pair for pair in pairs if f"{pair[0]} " in reason] or pairs
-            faults.setdefault(reason, ", ".join(f"{name} = {value}" for name, value in guilty))
+            faults.setdefault(reason, _guilty(design, point))
     if faults:
         raise _all_of(origin, [f"{values}: {reason}" for reason, values in faults.items()])
+
+
+def _guilty(design: Design, point: Point) -> str:
+    """Return the values of a point that cannot be even alone; all of them if each could."""
+    default = design.points[0]
+    told, alone = [], []
+    for k, (factor, value) in enumerate(zip(design.factors, point, strict=True)):
+        told.append(f"{factor.name} = {value}")
+        try:
+            settings_of(design, (*default[:k], value, *default[k + 1 :]))
+        except ConfigError:
+            alone.append(told[-1])
+    return ", ".join(alone or told)
 
 
 def settings_of(design: Design, point: Point) -> FusionSettings:
