@@ -19,7 +19,7 @@ def evaluate(
     poses: Path | None = None,
     lengths: Path | None = None,
     from_s: float | None = None,
-    until_s: float | None = None,
+    to_s: float | None = None,
     details: bool = False,
     json: bool = False,
 ) -> None:
@@ -45,7 +45,7 @@ def evaluate(
         Limb lengths measured with a tape (TOML), to compare with.
     from_s
         Score from this time on [s].
-    until_s
+    to_s
         Score until this time [s].
     details
         Show every joint, and every limb of everybody.
@@ -67,7 +67,7 @@ def evaluate(
                     poses=poses,
                     lengths=lengths,
                     from_s=-float("inf") if from_s is None else from_s,
-                    until_s=float("inf") if until_s is None else until_s,
+                    until_s=float("inf") if to_s is None else to_s,
                     remark=note,
                 )
             )

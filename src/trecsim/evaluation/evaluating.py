@@ -241,6 +241,6 @@ def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float
     if recorded.frame_set_t_s is None and until_s - found[-1] > 1.5 * step_s:
         remarks.append(
             f"the tracks end {until_s - found[-1]:.3g} s before the truth does; until there nobody "
-            "counts as found (tracks with a lag: give --until-s)"
+            "counts as found (tracks with a lag: give --to-s)"
         )
     return remarks
