@@ -107,7 +107,7 @@ def _time_bar(drawing: "Drawing", axes: "Axes", recording: Recording) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    last = max(recording.length_s / recording.clock.unit_s, 1e-6)
+    last = recording.length
     shades = ScalarMappable(Normalize(0, last), time_map())
     bar = drawing.colorbar(shades, ax=axes, location="bottom", shrink=0.62, aspect=38, pad=0.06)
     bar.set_label(recording.clock.label)
@@ -199,7 +199,7 @@ def _heads(recording: Recording) -> str:
         axes.axhline(0.0, color=INK, linewidth=1.0)
         axes.locator_params(axis="y", nbins=5)
         axes.set(xlabel=recording.clock.label, ylabel="height [m]")
-        axes.set_xlim(0, max(recording.length_s / recording.clock.unit_s, 1e-3))
+        axes.set_xlim(0, recording.length)
         quiet(axes)
         axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), handlelength=1.2)
         return as_svg(drawing, "heads")

@@ -51,12 +51,12 @@ def _presence(recording: Recording) -> str:
         axes = drawing.add_subplot()
         for row, stay in enumerate(bars):
             start, end = clock(np.array([stay.first_s, stay.last_s]))
-            width = max(end - start, 0.002 * clock(np.array(recording.end_s)))
+            width = max(end - start, 0.002 * recording.length)
             colour = colour_of(recording.number[stay.person])
             axes.barh(row, width, left=start, height=0.62, color=colour)
         axes.set_yticks(range(len(bars)), [f"person {stay.person}" for stay in bars])
         axes.set(xlabel=clock.label, ylim=(max(len(bars), 2) - 0.4, -0.6))
-        axes.set_xlim(0, max(float(clock(np.array(recording.end_s))), 1e-3))
+        axes.set_xlim(0, recording.length)
         quiet(axes, grid="x")
         return as_svg(drawing, "presence")
 

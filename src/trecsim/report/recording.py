@@ -66,7 +66,7 @@ class Clock:
 
     def __call__(self, t_s: Float64[np.ndarray, "..."]) -> Float64[np.ndarray, "..."]:
         """Return times in the unit, from the start."""
-        return (t_s - self.start_s) / self.unit_s
+        return np.asarray((t_s - self.start_s) / self.unit_s)
 
     @property
     def label(self) -> str:
@@ -127,6 +127,11 @@ class Recording:
         """How long it is [s]; 0 where nothing is known."""
         length_s = self.end_s - self.start_s
         return length_s if math.isfinite(length_s) else 0.0
+
+    @property
+    def length(self) -> float:
+        """How long it is in the unit of its clock, never quite nothing: the end of a time axis."""
+        return max(self.length_s / self.clock.unit_s, 1e-3)
 
     @property
     def unfinished(self) -> bool:

@@ -72,8 +72,10 @@ def _length(length_s: float) -> str:
     if length_s < 60:
         return f"{length_s:.1f} s"
     minutes, seconds = divmod(round(length_s), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02d} min" if hours else f"{minutes} min {seconds:02d} s"
+    if minutes < 60:
+        return f"{minutes} min {seconds:02d} s"
+    hours, minutes = divmod(round(length_s / 60), 60)
+    return f"{hours} h {minutes:02d} min"
 
 
 def _run_warnings(recording: Recording) -> Iterator[str]:

@@ -58,7 +58,7 @@ def _over_time(recording: Recording) -> str:
         firm = curve(recording.clock(recording.t_s[rows]), share, together=True)
         below.plot(firm.t, firm.middle, color=SOFT)
         below.set(ylabel="2+ cameras [%]", ylim=(0, 105), xlabel=recording.clock.label)
-        below.set_xlim(0, max(recording.length_s / recording.clock.unit_s, 1e-3))
+        below.set_xlim(0, recording.length)
         for axes in (above, below):
             quiet(axes)
         drawing.align_ylabels()
