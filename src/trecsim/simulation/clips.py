@@ -4,8 +4,7 @@ A clip is an ``.npz`` file with ``joints`` (time, 17 or more, 3) [m], z up, the 
 COCO-17, and ``fps``, its frames per second.
 """
 
-import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,15 +12,17 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError
-from trecsim.simulation.actions import Point
+from trecsim.simulation.actions import FARTHEST_M, Point
 from trecsim.simulation.body import Body
 from trecsim.simulation.paths import STEP_S, smooth
 from trecsim.simulation.pose import Joints, Place, Pose, blend, cut, joined, pose_of, unit
 from trecsim.simulation.postures import STAND, Posture
 from trecsim.simulation.sampled import between
 from trecsim.simulation.timing import even
+from trecsim.store.npz import Shapes, read_arrays
 
 MOST_FRAMES = 1_000_000
+FEWEST_FPS, MOST_FPS = 1.0, 1000.0
 # Nose, eyes and ears seen from the head of those recorded: forward, left, up [m].
 FACE_M = np.array(
     [
@@ -86,35 +87,37 @@ def read_clip(path: Path) -> Take:
     InputError
         If the file is not one, or its numbers make no sense.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            found = {name: file[name] for name in ("joints", "fps") if name in file}
-    except FileNotFoundError:
-        raise InputError(f"clip {path}: there is no such file") from None
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, MemoryError) as error:
-        raise InputError(f"clip {path}: cannot be read as an .npz file ({error})") from None
-    missing = sorted({"joints", "fps"} - set(found))
-    if missing:
-        raise InputError(f"clip {path}: needs the arrays joints and fps, lacks {missing}")
-    return _take(path, found["joints"], found["fps"])
-
-
-def _take(path: Path, xyz_m: np.ndarray, fps: np.ndarray) -> Take:
-    """Return a take after looking whether it can be one."""
+    arrays = read_arrays(Path(path), ("joints", "fps"), "clip of motion", _shape_faults)
+    fps = float(arrays["fps"].reshape(()))
+    xyz_m = arrays["joints"][:, :17]
     faults = []
-    if not (xyz_m.ndim == 3 and xyz_m.shape[1] >= 17 and xyz_m.shape[2] == 3):
-        faults.append(f"joints must have the shape (time, 17 or more, 3), got {xyz_m.shape}")
-    elif not 2 <= len(xyz_m) <= MOST_FRAMES:
-        faults.append(f"needs 2 to {MOST_FRAMES} frames, got {len(xyz_m)}")
-    elif xyz_m.dtype.kind not in "fiu" or not np.isfinite(xyz_m[:, :17]).all():
-        faults.append("joints must be finite numbers")
-    elif np.abs(xyz_m[:, :17]).max() > 1e4:
-        faults.append("joints must be in metres, got some farther than 10 km")
-    if fps.size != 1 or fps.dtype.kind not in "fiu" or not 1.0 <= float(fps.reshape(())) <= 1000.0:
-        faults.append("fps must be one number from 1 to 1000")
+    if not FEWEST_FPS <= fps <= MOST_FPS:
+        faults.append(f"fps: expected {FEWEST_FPS:g} to {MOST_FPS:g}, found {fps:g}")
+    if not np.isfinite(xyz_m).all():
+        faults.append("joints: expected finite numbers, found NaN or infinity; fill the gaps first")
+    elif np.abs(xyz_m).max() > FARTHEST_M:
+        faults.append(f"joints: found one farther than {FARTHEST_M:g} m; the unit is metres")
+    elif not 0.3 <= _leg_m(xyz_m) <= 1.5:
+        faults.append(f"joints: expected legs of 0.3 to 1.5 m, found {_leg_m(xyz_m):.3g} m")
     if faults:
-        raise InputError(f"clip {path}: " + "; ".join(faults))
-    return Take(float(fps.reshape(())), np.asarray(xyz_m[:, :17], dtype=np.float64))
+        raise InputError(f"{path}: " + "; ".join(faults))
+    return Take(fps, xyz_m)
+
+
+def _leg_m(xyz_m: Joints) -> float:
+    """Return the length of the left leg at first [m]."""
+    return float(np.linalg.norm(np.diff(xyz_m[0, [11, 13, 15]], axis=0), axis=1).sum())
+
+
+def _shape_faults(shapes: Shapes) -> Iterator[str]:
+    """Yield what is wrong with the shapes that the arrays of a clip claim."""
+    shape, fps = shapes["joints"], shapes["fps"]
+    if len(shape) != 3 or shape[1] < 17 or shape[2] != 3:
+        yield f"joints: expected the shape time x 17 or more x 3, found {shape}"
+    elif not 2 <= shape[0] <= MOST_FRAMES:
+        yield f"joints: expected 2 to {MOST_FRAMES} frames, found {shape[0]}"
+    if fps not in ((), (1,)):
+        yield f"fps: expected a single number, found the shape {fps}"
 
 
 def posed(take: Take, body: Body) -> Pose:
@@ -134,8 +137,7 @@ def posed(take: Take, body: Body) -> Pose:
     entry = np.arange(int(seconds / STEP_S) + 1) * STEP_S * take.fps
     xyz_m = between(take.xyz_m, entry)
     pose = pose_of(xyz_m, FACE_M)
-    legs_m = np.linalg.norm(np.diff(take.xyz_m[0, [11, 13, 15]], axis=0), axis=1).sum()
-    scale = body.leg_m / legs_m
+    scale = body.leg_m / _leg_m(take.xyz_m)
     upright = pose.chest[:, 2, 2] > UPRIGHT
     soles_m = scale * pose.ankles_m[..., 2].min(axis=1)
     raised_m = body.ankle_m - np.percentile(soles_m[upright], 5) if upright.any() else 0.0
