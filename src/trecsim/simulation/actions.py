@@ -5,8 +5,8 @@ point, getting up before walking, sitting down before lying) is made by
 :func:`trecsim.simulation.performance.perform`.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Literal
 
@@ -269,11 +269,10 @@ def _check_seconds(action: str, seconds: float) -> None:
     _check(action, "seconds", seconds, 0.0, LONGEST_S, "s")
 
 
-def _check(
-    action: str, name: str, value: float | None, least: float, most: float, unit: str
-) -> None:
+def _check(action: str, name: str, value: object, least: float, most: float, unit: str) -> None:
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not (number and isfinite(value or 0.0) and least <= (value or 0.0) <= most):
+    # What is not a number compares as false.
+    if not (number and least <= value <= most):  # type: ignore[operator]
         raise InputError(
             f"{action}: {name} must be a number from {least:g} to {most:g} {unit}".rstrip()
             + f", got {value!r}"
@@ -285,7 +284,7 @@ def _check_choice(action: str, name: str, value: str, choices: tuple[str, ...]) 
         raise InputError(f"{action}: {name} must be one of {', '.join(choices)}, got {value!r}")
 
 
-def _check_points(action: str, points_m: tuple[Point, ...], least: int) -> None:
+def _check_points(action: str, points_m: Sequence[Sequence[object]], least: int) -> None:
     if len(points_m) < least:
         raise InputError(f"{action}: needs a way point to go to, got none")
     for number, point in enumerate(points_m, 1):
