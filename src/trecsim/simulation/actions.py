@@ -265,7 +265,7 @@ class Clip:
 Action = Walk | Run | Crawl | Stand | Turn | RaiseArms | Bend | Sit | Lie | Fall | Clip
 
 
-def _check_seconds(action: str, seconds: float) -> None:
+def _check_seconds(action: str, seconds: object) -> None:
     _check(action, "seconds", seconds, 0.0, LONGEST_S, "s")
 
 
