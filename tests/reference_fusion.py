@@ -32,7 +32,9 @@ def factor(score, good_score):
     return min(max(1.0, (good_score / score) ** 1.7), 6.0)
 
 
-def score_pair(P, focal_px, xyz_m, cov_m2, xy_px, score, noise, outlier_area_m2, flipped):
+def score_pair(
+    P, focal_px, xyz_m, cov_m2, xy_px, trust, noise, outlier_share, outlier_area_m2, flipped
+):
     """Sum the log ratios of all joints of one detection under one person."""
     total = noise.log_flip if flipped else 0.0
     for j in range(len(xyz_m)):
@@ -41,11 +43,46 @@ def score_pair(P, focal_px, xyz_m, cov_m2, xy_px, score, noise, outlier_area_m2,
         if np.isnan(xy_px[m, 0]) or not w > 0.05:
             continue
         J = jacobian(P, xyz_m[j])
-        sigma = noise.sigma_m[j] * focal_px / w * factor(score[m], noise.good_score)
+        sigma = noise.sigma_m[j] * focal_px / w * trust[m]
         C = J @ cov_m2[j] @ J.T + (sigma**2 + noise.floor_px**2) * np.eye(2)
         e = xy_px[m] - project(P, xyz_m[j])
-        total += log_ratio(e, C, w / focal_px, noise.outlier_share, outlier_area_m2)[0]
+        total += log_ratio(e, C, w / focal_px, outlier_share, outlier_area_m2)[0]
     return total
+
+
+def responsibility(ratio, temper):
+    """Share every detection between the tracks and clutter, whose log ratio is 0."""
+    weight = np.exp(ratio / temper)
+    return weight / (weight.sum(axis=0) + 1.0)
+
+
+def associate(ratio):
+    """Assign every track of an image by SciPy; pairs below 0 are worth nothing."""
+    return assign(np.maximum(ratio, -1.0))
+
+
+def prefilter(xy_px, score, min_score, good_score):
+    """Blot out key points one by one; the factors of the others."""
+    xy_px, trust = xy_px.copy(), np.full(score.shape, 6.0)
+    for place in np.ndindex(score.shape):
+        if score[place] >= min_score and np.isfinite(xy_px[place]).all():
+            trust[place] = factor(score[place], good_score)
+        else:
+            xy_px[place] = np.nan
+    return xy_px, trust
+
+
+def expected(P, size_px, looking, torso, x_m):
+    """Count the cameras that look and have at least half of the torso in their image."""
+    count = np.zeros(len(x_m), int)
+    for k, joints in enumerate(x_m[:, torso]):
+        for p, size, looks in zip(P, size_px, looking, strict=True):
+            inside = [
+                depth(p, x) > 0.1 and (project(p, x) >= 0).all() and (project(p, x) < size).all()
+                for x in joints
+            ]
+            count[k] += looks and np.mean(inside) >= 0.5
+    return count
 
 
 def assign(gain):

@@ -85,13 +85,14 @@ def test_weak_joints_land_where_least_squares_puts_them():
     length = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) * [1.1, 0.9, 1.05, 1.0]
     var = np.full(4, 0.02**2)
     place = np.array([-1, 0, 3, 6])
-    A, b, inverse = np.empty((9, 9)), np.empty(9), np.empty((9, 9))
+    A, b = np.empty((9, 9)), np.empty(9)
     d = np.zeros((4, 3))
     limbs = kernels.Limbs(pairs, np.full(4, 0.01**2))
     for _ in range(60):
         anatomy.gather(A, b, x, d, cov, place, limbs, length, var)
-        anatomy.factor_and_invert(A, inverse)
-        d[1:] = (inverse @ b).reshape(3, 3)
+        anatomy.factor(A)
+        anatomy.solve_factored(A, b)
+        d[1:] = b.reshape(3, 3)
 
     def residuals(shift, d=d):
         moved = x + np.vstack([np.zeros(3), shift.reshape(3, 3)])
@@ -108,27 +109,33 @@ def test_weak_joints_land_where_least_squares_puts_them():
     np.testing.assert_allclose(d[1:].ravel(), expected, atol=2e-5)
 
 
-def test_a_message_from_the_body_makes_the_joint_what_the_body_says():
+def test_a_factor_gives_solutions_and_the_blocks_of_the_inverse():
+    rng = np.random.default_rng(11)
+    A = rng.normal(size=(9, 9))
+    A = A @ A.T + np.eye(9)
+    b = rng.normal(size=9)
+    expected, inverse = np.linalg.solve(A, b), np.linalg.inv(A)
+    anatomy.factor(A)
+    anatomy.solve_factored(A, b)
+    np.testing.assert_allclose(b, expected, atol=1e-10)
+    anatomy.invert_factor(A)
+    block = np.empty((3, 3))
+    for first in (0, 3, 6):
+        anatomy.joint_block(A, first, block)
+        np.testing.assert_allclose(block, inverse[first : first + 3, first : first + 3], atol=1e-10)
+
+
+def test_a_message_from_the_body_is_what_makes_the_joint_what_the_body_says():
     rng = np.random.default_rng(8)
-    weights = np.array([0.1, 0.5, 0.35, 0.05])
-    R, z = np.zeros((1, 1, 24, 24)), np.zeros((1, 1, 24))
-    kernels.start_all(R[0], z[0], rng.normal(size=(1, 3)), np.array([0.3]), 0.1, np.array([10.0]))
-    before, c, x = np.empty((1, 1, 3, 3)), np.empty((1, 1, 24)), np.empty((1, 1, 3))
-    kernels.solve_all(R, z, c)
-    kernels.evaluate_all(c, 2, weights, x)
-    kernels.covariance_all(R, 2, weights, before)
-    told = np.diag([1e3, 1e2, 0.0])
-    after = np.linalg.inv(np.linalg.inv(before[0, 0]) + told)
-    shift = np.array([0.05, -0.02, 0.01])
-    anatomy.fold_message(
-        R[0, 0], z[0, 0], x[0, 0].copy(), before[0, 0], after, shift, 2, weights, 1.0, np.empty(24)
-    )
-    now, cov = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3))
-    kernels.solve_all(R, z, c)
-    kernels.evaluate_all(c, 2, weights, now)
-    kernels.covariance_all(R, 2, weights, cov)
-    np.testing.assert_allclose(cov[0, 0], after, rtol=1e-6, atol=1e-10)
-    np.testing.assert_allclose((now - x)[0, 0, :2], shift[:2], atol=1e-9)
+    A = rng.normal(size=(3, 3))
+    before = np.linalg.inv(A @ A.T + np.eye(3))
+    told, shift = np.diag([1e3, 1e2, 0.0]), np.array([0.05, -0.02, 0.01])
+    after = np.linalg.inv(np.linalg.inv(before) + told)
+    info, vector = np.empty((3, 3)), np.empty(3)
+    size = anatomy.quotient(before, after, shift, info, vector)
+    np.testing.assert_allclose(info, told, atol=1e-8)
+    np.testing.assert_allclose(vector, np.linalg.inv(after) @ shift, rtol=1e-8)
+    assert np.isclose(size, np.trace(np.linalg.inv(after)))
 
 
 def test_stiffness_is_what_the_acceleration_of_a_spline_asks_for():

@@ -4,16 +4,15 @@ No distance from a camera is assumed (thesis section 3.6.3 had to): the viewing 
 cameras meet, and what they meet in must be a body.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.association import score
-from trecsim.fusion.images import Images
-from trecsim.fusion.kernels.mixture import LARGEST_FACTOR, SCORE_POWER
+from trecsim.fusion.images import Detections
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
@@ -36,96 +35,72 @@ class Candidate:
     Attributes
     ----------
     member
-        The detection of each image that shows the person, image to index of detection.
+        The detections that show the person, at most one per camera.
     flip
-        The same images to 1 where left and right are exchanged.
+        1 where left and right are exchanged, per member.
     xyz_m
         The joints that two cameras see; NaN for the others.
     """
 
-    member: Mapping[int, int]
-    flip: Mapping[int, int]
+    member: Int64[np.ndarray, " member"]
+    flip: Int64[np.ndarray, " member"]
     xyz_m: Float64[np.ndarray, "joint 3"]
 
 
-def rays(
-    P: Float64[np.ndarray, "cam 3 4"],
-    cam: Int64[np.ndarray, " person"],
-    xy_px: Float64[np.ndarray, "person joint 2"],
-) -> tuple[Float64[np.ndarray, "person 3"], Float64[np.ndarray, "person joint 3"]]:
-    """Return origin [m] and unit direction, in the world, of the rays through key points."""
-    inverse = np.linalg.inv(P[:, :, :3])[cam]
-    origin = -np.einsum("dab,db->da", inverse, P[cam, :, 3])
-    homogeneous = np.concatenate([xy_px, np.ones_like(xy_px[..., :1])], axis=-1)
-    direction = np.einsum("dab,djb->dja", inverse, homogeneous)
-    return origin, direction / np.linalg.norm(direction, axis=-1, keepdims=True)
+def rays(model: Model, found: Detections) -> Float64[np.ndarray, "person joint 3"]:
+    """Return unit directions, in the world, of the rays through key points."""
+    homogeneous = np.concatenate([found.xy_px, np.ones_like(found.xy_px[..., :1])], axis=-1)
+    direction = np.einsum("dab,djb->dja", model.ray_of[found.cam], homogeneous)
+    return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True))
 
 
-def candidates(model: Model, images: Images) -> Iterator[Candidate]:
+def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
     """Find new people, best first.
 
     Parameters
     ----------
     model
         Constants of the run.
-    images
+    pool
         Detections that belong to nobody.
     """
-    leftover = np.arange(len(images.xy_px))
-    if len(leftover) > _MOST:
-        leftover = np.sort(np.argsort(-images.score.sum(axis=1), kind="stable")[:_MOST])
-    view_of = images.view_of[leftover]
-    cam = images.cam[view_of]
-    if len(np.unique(cam)) < 2:
+    if len(pool) < 2 or (pool.cam == pool.cam[0]).all():
         return
-    pair, flip, origin, ray = _pairs(model, images, leftover, cam)
-    free = np.ones(len(leftover), bool)
-    for flat in np.argsort(-pair, axis=None, kind="stable"):
-        i, k = divmod(int(flat), len(leftover))
-        if pair[i, k] < _PAIR_SCORE:
-            return
+    best = np.arange(len(pool))
+    if len(pool) > _MOST:
+        worth = (np.isfinite(pool.xy_px[..., 0]) / pool.factor).sum(axis=1)
+        best = np.sort(np.argsort(-worth, kind="stable")[:_MOST])
+        pool = pool.take(best)
+    ray, origin = rays(model, pool), model.position_m[pool.cam]
+    pair, flip = _pairs(model, pool, origin, ray)
+    free = np.ones(len(pool), bool)
+    good = np.argwhere(pair >= _PAIR_SCORE)
+    for i, k in good[np.argsort(-pair[good[:, 0], good[:, 1]], kind="stable")]:
         if not (free[i] and free[k]):
             continue
         xyz = _meet(origin, ray, i, k, bool(flip[i, k]), model)
         if np.isfinite(xyz[:, 0]).sum() < _FEWEST:
             continue
-        member = {int(view_of[i]): i, int(view_of[k]): k}
-        mirrored = {int(view_of[i]): 0, int(view_of[k]): int(flip[i, k])}
-        _absorb(model, images, leftover, free, xyz, member, mirrored)
-        free[list(member.values())] = False
-        yield Candidate({v: int(leftover[d]) for v, d in member.items()}, mirrored, xyz)
+        member = {int(i): 0, int(k): int(flip[i, k])}
+        _absorb(model, pool, free, xyz, member)
+        chosen = np.array(list(member), np.int64)
+        free[chosen] = False
+        yield Candidate(best[chosen], np.array(list(member.values()), np.int64), xyz)
 
 
 def _pairs(
     model: Model,
-    images: Images,
-    leftover: Int64[np.ndarray, " person"],
-    cam: Int64[np.ndarray, " person"],
-) -> tuple[
-    Float64[np.ndarray, "person person"],
-    Int64[np.ndarray, "person person"],
-    Float64[np.ndarray, "person 3"],
-    Float64[np.ndarray, "person joint 3"],
-]:
-    s = model.settings
-    origin, ray = rays(model.P, cam, images.xy_px[leftover])
-    worse = s.good_score / np.maximum(images.score[leftover], 1e-3)
-    factor = np.clip(worse**SCORE_POWER, 1.0, LARGEST_FACTOR)
-    pair = np.full((len(leftover), len(leftover)), -np.inf)
+    pool: Detections,
+    origin: Float64[np.ndarray, "person 3"],
+    ray: Float64[np.ndarray, "person joint 3"],
+) -> tuple[Float64[np.ndarray, "person person"], Int64[np.ndarray, "person person"]]:
+    """Return how well any two detections are one person, and whether one of them is mirrored."""
+    pair = np.full((len(pool), len(pool)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
-    bones = np.ascontiguousarray(model.body.joints[model.body.bone])
     kernels.pair_scores(
-        cam,
-        origin,
-        ray,
-        factor,
-        bones,
-        model.body.length_m[model.body.bone],
-        model.noise,
-        pair,
-        flip,
+        pool.cam, origin, ray, pool.factor, model.bones, model.bone_m, model.noise, pair, flip
     )
-    return pair, flip, origin, ray
+    return pair, flip
 
 
 def _meet(
@@ -149,29 +124,22 @@ def _meet(
 
 def _absorb(
     model: Model,
-    images: Images,
-    leftover: Int64[np.ndarray, " person"],
-    free: np.ndarray,
+    pool: Detections,
+    free: Bool[np.ndarray, " person"],
     xyz_m: Float64[np.ndarray, "joint 3"],
     member: dict[int, int],
-    flip: dict[int, int],
 ) -> None:
-    """Add the other cameras' free detections of the same person to `member` and `flip`."""
+    """Add the other cameras' free detections of the same person, with their mirror state."""
     cov = np.broadcast_to(np.eye(3) * _SEED_SIGMA_M**2, (1, len(xyz_m), 3, 3)).copy()
-    cameras = {images.cam[v] for v in member}
-    for v in range(len(images)):
-        if images.cam[v] in cameras or images.offset[v] == images.offset[v + 1]:
+    taken = {int(pool.cam[d]) for d in member}
+    for cam in sorted(set(pool.cam.tolist()) - taken):
+        here = np.flatnonzero((pool.cam == cam) & free)
+        if not len(here):
             continue
-        ratio, mirrored = score(model, images, v, xyz_m[None], cov)
-        place = {int(d): n for n, d in enumerate(leftover) if free[n]}
-        for d in np.argsort(-ratio[0], kind="stable"):
-            if ratio[0, d] < _ABSORB_SCORE:
-                break
-            if int(images.offset[v] + d) in place:
-                member[v] = place[int(images.offset[v] + d)]
-                flip[v] = int(mirrored[0, d])
-                cameras.add(images.cam[v])
-                break
+        ratio, mirrored = score(model, cam, pool.xy_px[here], pool.factor[here], xyz_m[None], cov)
+        d = int(np.argmax(ratio[0]))
+        if ratio[0, d] >= _ABSORB_SCORE:
+            member[int(here[d])] = int(mirrored[0, d])
 
 
 def completed(
@@ -201,6 +169,9 @@ def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) 
     person = Population(
         R=np.zeros((1, n_joint, 3 * live, 3 * live)),
         z=np.zeros((1, n_joint, 3 * live)),
+        c=np.zeros((1, n_joint, 3 * live)),
+        x_m=np.empty((1, n_joint, 3)),
+        cov_m2=np.empty((1, n_joint, 3, 3)),
         id=np.array([id], np.int64),
         born_s=np.array([t_s]),
         confirmed=np.array([False]),
@@ -215,6 +186,7 @@ def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) 
     kernels.start_all(
         person.R[0],
         person.z[0],
+        person.c[0],
         completed(candidate.xyz_m, model),
         np.where(np.isfinite(candidate.xyz_m[:, 0]), _START_SIGMA_M, _GUESS_SIGMA_M),
         _START_SPEED_MPS * model.settings.knot_s,

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.fusion.settings import FusionSettings
-from trecsim.fusion.spline import ORDER, KnotGrid
-from trecsim.geometry import Rig
+from trecsim.fusion import kernels
+from trecsim.fusion.model import Model
 from trecsim.types import Poses2D
 
 
@@ -24,118 +23,105 @@ class Images:
         Image ``v`` has the detections ``offset[v] .. offset[v + 1]``.
     xy_px
         Undistorted key points; NaN where missing or not to be used [px].
-    score
-        Their scores.
+    factor
+        By how much each key point is less certain than a good one.
     """
 
     cam: Int64[np.ndarray, " view"]
     t_s: Float64[np.ndarray, " view"]
     offset: Int64[np.ndarray, " view_plus_1"]
     xy_px: Float64[np.ndarray, "person joint 2"]
-    score: Float64[np.ndarray, "person joint"]
-
-    @classmethod
-    def nothing(cls, n_joint: int) -> "Images":
-        """Return no image at all."""
-        return cls(
-            np.empty(0, np.int64),
-            np.empty(0),
-            np.zeros(1, np.int64),
-            np.empty((0, n_joint, 2)),
-            np.empty((0, n_joint)),
-        )
+    factor: Float64[np.ndarray, "person joint"]
 
     def __len__(self) -> int:
         """Return the number of images."""
         return len(self.cam)
 
-    @property
-    def view_of(self) -> Int64[np.ndarray, " person"]:
-        """The image each detection comes from."""
-        return np.repeat(np.arange(len(self)), np.diff(self.offset))
-
-    def placed(
-        self, grid: KnotGrid
-    ) -> tuple[Int64[np.ndarray, " view"], Float64[np.ndarray, "view 4"]]:
-        """Return each image's place on the knot grid: span and weights of control points."""
-        places = [grid.locate(t) for t in self.t_s]
-        return (
-            np.array([span for span, _ in places], np.int64),
-            np.array([weights for _, weights in places], np.float64).reshape(-1, ORDER),
+    def detections(self, which: Bool[np.ndarray, " person"]) -> "Detections":
+        """Return the detections that `which` marks, each by itself."""
+        view_of = np.repeat(np.arange(len(self)), np.diff(self.offset))[which]
+        return Detections(
+            self.cam[view_of], self.t_s[view_of], self.xy_px[which], self.factor[which]
         )
 
-    def images(self, which: Bool[np.ndarray, " view"]) -> "Images":
-        """Return the images that `which` marks, with all their detections."""
-        here = which[self.view_of]
-        count = np.diff(self.offset)[which]
-        return Images(
-            self.cam[which],
-            self.t_s[which],
-            np.concatenate([[0], np.cumsum(count)]),
-            self.xy_px[here],
-            self.score[here],
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detections:
+    """Detections that belong to nobody, each with the camera and time of its own image.
+
+    Attributes
+    ----------
+    cam, t_s
+        Camera (index in the rig) and time.
+    xy_px, factor
+        Key points, as for `Images`.
+    """
+
+    cam: Int64[np.ndarray, " person"]
+    t_s: Float64[np.ndarray, " person"]
+    xy_px: Float64[np.ndarray, "person joint 2"]
+    factor: Float64[np.ndarray, "person joint"]
+
+    @classmethod
+    def nothing(cls, n_joint: int) -> "Detections":
+        """Return no detection."""
+        return cls(
+            np.empty(0, np.int64), np.empty(0), np.empty((0, n_joint, 2)), np.empty((0, n_joint))
         )
 
-    def detections(self, which: Int64[np.ndarray, " some"]) -> "Images":
-        """Return the same images with only the detections `which`, given in rising order."""
-        count = np.bincount(self.view_of[which], minlength=len(self))
-        return Images(
-            self.cam,
-            self.t_s,
-            np.concatenate([[0], np.cumsum(count)]),
-            self.xy_px[which],
-            self.score[which],
-        )
+    def __len__(self) -> int:
+        """Return the number of detections."""
+        return len(self.cam)
 
-    def joined(self, other: "Images") -> "Images":
-        """Return these images and then those of `other`."""
-        return Images(
+    def take(self, which: Int64[np.ndarray, " some"] | Bool[np.ndarray, " person"]) -> "Detections":
+        """Return the detections `which`."""
+        return Detections(self.cam[which], self.t_s[which], self.xy_px[which], self.factor[which])
+
+    def joined(self, other: "Detections") -> "Detections":
+        """Return these detections and then those of `other`."""
+        return Detections(
             np.concatenate([self.cam, other.cam]),
             np.concatenate([self.t_s, other.t_s]),
-            np.concatenate([self.offset, self.offset[-1] + other.offset[1:]]),
             np.concatenate([self.xy_px, other.xy_px]),
-            np.concatenate([self.score, other.score]),
+            np.concatenate([self.factor, other.factor]),
         )
 
+    def as_images(self) -> Images:
+        """Return every detection as an image of its own."""
+        return Images(self.cam, self.t_s, np.arange(len(self) + 1), self.xy_px, self.factor)
 
-def prepare(views: Sequence[Poses2D], rig: Rig, n_joint: int, settings: FusionSettings) -> Images:
+
+def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     """Undistort the detections of `views`, leave out what cannot be used, and stack them.
 
     Parameters
     ----------
     views
         Images of known cameras.
-    rig
-        The cameras.
-    n_joint
-        Number of joints of the skeleton.
-    settings
-        Thresholds of scores and of key points per detection.
+    model
+        Constants of the run, among them the thresholds.
     """
-    xy_px, score, count = [np.empty((0, n_joint, 2))], [np.empty((0, n_joint))], [0]
-    for view in views:
-        xy, s = _usable(view, rig, settings)
-        xy_px.append(xy)
-        score.append(s)
-        count.append(len(s))
+    s = model.settings
+    cam = [model.cam_of[view.camera] for view in views]
+    xy_px = np.concatenate(
+        [_undistorted(view, c, model) for view, c in zip(views, cam, strict=True)]
+    )
+    score = np.concatenate([view.score for view in views]).astype(np.float64, copy=False)
+    offset = np.zeros(len(views) + 1, np.int64)
+    np.cumsum([len(view.xy_px) for view in views], out=offset[1:])
+    factor = np.empty(score.shape)
+    fewest = kernels.prefilter(xy_px, score, s.min_score, s.good_score, factor)
+    if fewest < s.min_joints:
+        enough = np.isfinite(xy_px[..., 0]).sum(axis=1) >= s.min_joints
+        kept = np.concatenate([[0], np.cumsum(enough)])
+        offset, xy_px, factor = kept[offset], xy_px[enough], factor[enough]
     return Images(
-        cam=np.array([rig.index(view.camera) for view in views], np.int64),
-        t_s=np.array([view.t_s for view in views], np.float64),
-        offset=np.cumsum(count),
-        xy_px=np.concatenate(xy_px),
-        score=np.concatenate(score),
+        np.array(cam, np.int64), np.array([view.t_s for view in views]), offset, xy_px, factor
     )
 
 
-def _usable(
-    view: Poses2D, rig: Rig, settings: FusionSettings
-) -> tuple[Float64[np.ndarray, "person joint 2"], Float64[np.ndarray, "person joint"]]:
-    """Return undistorted key points and scores of the detections worth looking at."""
-    xy = np.array(view.xy_px, np.float64)
-    score = np.nan_to_num(np.asarray(view.score, np.float64), nan=0.0)
-    xy[score < settings.min_score] = np.nan
-    if len(xy):
-        xy = rig[view.camera].undistort(xy)
-        xy[~np.isfinite(xy).all(axis=-1)] = np.nan
-    enough = np.isfinite(xy[..., 0]).sum(axis=1) >= settings.min_joints
-    return np.ascontiguousarray(xy[enough]), np.ascontiguousarray(score[enough])
+def _undistorted(view: Poses2D, cam: int, model: Model) -> Float64[np.ndarray, "person joint 2"]:
+    xy_px = np.asarray(view.xy_px, np.float64)
+    if not model.distorted[cam] or not len(xy_px):
+        return xy_px
+    return model.rig.cameras[cam].undistort(xy_px)

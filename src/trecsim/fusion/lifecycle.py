@@ -9,17 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
 from trecsim.fusion.images import Images
+from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
-# A camera supports a joint or person "now" if it did within this time [s].
-SUPPORT_S = 0.12
-_INLIER = 0.5
-_MIN_INLIERS = 3
 _TENTATIVE_S = 0.25
-_OUT_OF_VIEW_SHARE = 0.5
 # Who has been read mirrored for so long is mirrored [s].
 _MIRROR_S = 0.2
 
@@ -33,65 +30,45 @@ def note_support(
     elapsed_s: float,
 ) -> None:
     """Write down, in place, which camera supports whom and which joint now."""
-    supported = inlier > _INLIER
-    enough = (supported.sum(axis=2) >= _MIN_INLIERS) & (association.match >= 0)
-    for v in range(len(images)):
-        cam, when = images.cam[v], images.t_s[v]
-        people.camera_s[enough[:, v], cam] = when
-        joints = supported[:, v] & enough[:, v, None]
-        people.joint_s[:, :, cam] = np.where(joints, when, people.joint_s[:, :, cam])
-    two = cameras_now(people, t_s) >= 2
-    people.two_s[two] = t_s
-    people.together_s[two] += elapsed_s
+    kernels.note_support(
+        images.cam, images.t_s, association.match, inlier, people.camera_s, people.joint_s
+    )
+    kernels.age(
+        people.camera_s, association.match, association.flip, t_s, elapsed_s,
+        people.two_s, people.together_s, people.mirrored_s,
+    )  # fmt: skip
 
 
-def mend_mirrored(
-    people: Population, association: Association, model: Model, elapsed_s: float
-) -> None:
-    """Exchange left and right, in place, of people whom most cameras read the other way round.
-
-    Notes
-    -----
-    Whoever began with both cameras seeing the back for the front has a mirrored body, and every
-    later detection is read mirrored to fit it. One camera that errs now and then is outvoted.
-    """
-    seen = (association.match >= 0).sum(axis=1)
-    vote = (2 * association.flip.sum(axis=1) - seen) / np.maximum(seen, 1)
-    people.mirrored_s += vote * elapsed_s
-    np.clip(people.mirrored_s, 0.0, None, out=people.mirrored_s)
+def mend_mirrored(people: Population, model: Model) -> None:
+    """Exchange left and right, in place, of people whom most cameras read the other way round."""
+    if people.mirrored_s.max(initial=0.0) <= _MIRROR_S:
+        return
     for k in np.flatnonzero(people.mirrored_s > _MIRROR_S):
         people.mirror(int(k), model.noise.mirror)
         people.mirrored_s[k] = 0.0
 
 
-def cameras_now(people: Population, t_s: float) -> Int64[np.ndarray, " track"]:
-    """Return how many cameras support each person now."""
-    return np.asarray((people.camera_s > t_s - SUPPORT_S).sum(axis=1))
-
-
 def support(people: Population, t_s: float) -> Int64[np.ndarray, "track joint"]:
     """Return how many cameras support each joint at `t_s`."""
-    return np.asarray((people.joint_s > t_s - SUPPORT_S).sum(axis=2))
+    count = np.empty(people.joint_s.shape[:2], np.int64)
+    kernels.count_since(people.joint_s, t_s - SUPPORT_S, count)
+    return count
 
 
 def confirm(people: Population, model: Model, t_s: float) -> None:
     """Confirm, in place, whom two cameras have supported long enough or three support now."""
-    people.confirmed |= people.together_s >= model.settings.confirm_s - 1e-9
-    people.confirmed |= cameras_now(people, t_s) >= 3
+    kernels.confirm_all(
+        people.camera_s, people.together_s, t_s, model.settings.confirm_s, people.confirmed
+    )
 
 
 def expected_cameras(
-    model: Model,
-    xyz_m: Float64[np.ndarray, "track joint 3"],
-    looking: Bool[np.ndarray, " cam"],
+    people: Population, model: Model, looking: Bool[np.ndarray, " cam"]
 ) -> Int64[np.ndarray, " track"]:
     """Return in how many of the cameras that are looking each person should be, by the torso."""
-    torso = np.concatenate([xyz_m, np.ones_like(xyz_m[..., :1])], axis=-1)[:, model.torso]
-    h = np.einsum("cab,kjb->ckja", model.P, torso)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        uv = h[..., :2] / h[..., 2:]
-    inside = (h[..., 2] > 0.1) & (uv >= 0).all(-1) & (uv < model.size_px[:, None, None]).all(-1)
-    return np.asarray((inside.mean(axis=2) >= _OUT_OF_VIEW_SHARE)[looking].sum(axis=0))
+    expected = np.empty(len(people), np.int64)
+    kernels.expect_all(model.P, model.size_px, looking, model.torso, people.x_m, expected)
+    return expected
 
 
 def survivors(
@@ -106,25 +83,26 @@ def survivors(
     for `doubt_s` only one of three or more cameras that look at the place does.
     """
     s = model.settings
-    patience = np.where(expected == 0, 0.5 * s.death_s, s.death_s)
-    alone = t_s - people.two_s
-    alive = t_s - people.camera_s.max(axis=1, initial=-np.inf) <= patience
-    alive &= ~((alone > s.doubt_s) & (expected >= 3))
-    alive &= people.confirmed | (alone <= _TENTATIVE_S)
-    sane = np.isfinite(people.z).all(axis=(1, 2))
-    return np.asarray(alive & sane)
+    alive = np.empty(len(people), bool)
+    kernels.survive_all(
+        people.camera_s, people.two_s, people.confirmed, expected, people.x_m,
+        t_s, s.death_s, s.doubt_s, _TENTATIVE_S, alive,
+    )  # fmt: skip
+    return alive
 
 
 def close_pairs(
-    people: Population,
-    model: Model,
-    association: Association,
-    xyz_m: Float64[np.ndarray, "track joint 3"],
+    people: Population, model: Model, association: Association
 ) -> list[tuple[int, int]]:
-    """Return pairs of tracks that lie on each other and that no image tells apart, older first."""
-    if len(people) < 2:
+    """Return pairs of tracks that lie on each other and that no image tells apart, older first.
+
+    Only tracks that the association knows are compared.
+    """
+    known = len(association.match)
+    torso = people.x_m[:known]
+    if not kernels.any_close(torso, model.torso, model.settings.duplicate_m):
         return []
-    torso = xyz_m[:, model.torso]
+    torso = torso[:, model.torso]
     distance = np.linalg.norm(torso[:, None] - torso[None], axis=-1).mean(axis=-1)
     first, second = np.nonzero(np.triu(distance < model.settings.duplicate_m, k=1))
     seen = association.match >= 0

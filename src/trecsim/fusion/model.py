@@ -1,6 +1,7 @@
 """What stays the same while people are tracked: cameras, body, settings, as the kernels want it."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,14 +23,22 @@ class Model:
     ----------
     rig, skeleton, settings
         What the run was started with.
+    cam_of
+        Index of each camera by its name.
+    distorted
+        Whether a camera's key points must be undistorted.
     P, focal_px
         Projections for undistorted pixels and mean focal lengths, per camera.
+    ray_of, position_m
+        What turns a pixel into the direction of its viewing ray, and where the ray begins.
     size_px
         Image sizes (width, height), per camera.
     noise
         What the kernels assume of the detector.
     stiffness
         Weight of the smoothing prior, per joint.
+    bones, bone_m
+        The limbs of the skeleton and their usual lengths, for births.
     body
         What is known of anybody's body.
     limbs
@@ -41,11 +50,17 @@ class Model:
     rig: Rig
     skeleton: Skeleton
     settings: FusionSettings
+    cam_of: Mapping[str, int]
+    distorted: tuple[bool, ...]
     P: Float64[np.ndarray, "cam 3 4"]
+    ray_of: Float64[np.ndarray, "cam 3 3"]
+    position_m: Float64[np.ndarray, "cam 3"]
     focal_px: Float64[np.ndarray, " cam"]
     size_px: Float64[np.ndarray, "cam 2"]
     noise: Noise
     stiffness: Float64[np.ndarray, " joint"]
+    bones: Int64[np.ndarray, "bone 2"]
+    bone_m: Float64[np.ndarray, " bone"]
     body: UsualBody
     limbs: Limbs
     torso: Int64[np.ndarray, " joint_of_torso"]
@@ -59,11 +74,17 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         rig=rig,
         skeleton=skeleton,
         settings=settings,
+        cam_of={name: i for i, name in enumerate(rig.names)},
+        distorted=tuple(camera.distortion_model != "none" for camera in rig),
         P=np.array(rig.P, np.float64),
+        ray_of=np.linalg.inv(rig.P[:, :, :3]),
+        position_m=np.stack([camera.position_m for camera in rig]),
         focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
         size_px=np.array([c.size_px for c in rig], np.float64),
         noise=_noise(skeleton, settings),
         stiffness=body.stiffness(skeleton, settings),
+        bones=np.ascontiguousarray(usual.joints[usual.bone]),
+        bone_m=usual.length_m[usual.bone],
         body=usual,
         limbs=Limbs(usual.joints, usual.slack_m**2),
         torso=np.array(torso or range(len(skeleton.joints)), np.int64),
@@ -75,8 +96,7 @@ def _noise(skeleton: Skeleton, s: FusionSettings) -> Noise:
         sigma_m=body.key_point_sigma_m(skeleton, s),
         mirror=np.array(skeleton.mirror, np.int64),
         floor_px=float(s.floor_px),
-        good_score=float(s.good_score),
-        log_inlier=math.log((1.0 - s.outlier_share) * s.outlier_area_m2),
+        odds_m2=(1.0 - s.outlier_share) * s.outlier_area_m2 / (2.0 * math.pi * s.outlier_share),
         outlier_share=float(s.outlier_share),
         log_flip=math.log(s.flip_share / (1.0 - s.flip_share)),
         tail=float(s.tail_freedom),

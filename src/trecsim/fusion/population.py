@@ -14,6 +14,10 @@ class Population:
     ----------
     R, z
         Square-root information of each joint's live control points.
+    c
+        The control points themselves: the solution of ``R c = z`` [m].
+    x_m, cov_m2
+        Joints and their covariances at the time of the last frame set [m, m^2].
     id
         Identity, never reused for somebody else.
     born_s
@@ -36,6 +40,9 @@ class Population:
 
     R: Float64[np.ndarray, "track joint n n"]
     z: Float64[np.ndarray, "track joint n"]
+    c: Float64[np.ndarray, "track joint n"]
+    x_m: Float64[np.ndarray, "track joint 3"]
+    cov_m2: Float64[np.ndarray, "track joint 3 3"]
     id: Int64[np.ndarray, " track"]
     born_s: Float64[np.ndarray, " track"]
     confirmed: Bool[np.ndarray, " track"]
@@ -54,6 +61,9 @@ class Population:
         return cls(
             R=np.empty((0, n_joint, n, n)),
             z=np.empty((0, n_joint, n)),
+            c=np.empty((0, n_joint, n)),
+            x_m=np.empty((0, n_joint, 3)),
+            cov_m2=np.empty((0, n_joint, 3, 3)),
             id=np.empty(0, np.int64),
             born_s=np.empty(0),
             confirmed=np.empty(0, bool),
@@ -87,5 +97,5 @@ class Population:
 
     def mirror(self, k: int, mirror: Int64[np.ndarray, " joint"]) -> None:
         """Exchange left and right of track `k`, in place."""
-        for values in (self.R, self.z, self.joint_s):
+        for values in (self.R, self.z, self.c, self.x_m, self.cov_m2, self.joint_s):
             values[k] = values[k][mirror]

@@ -1,46 +1,15 @@
 """Uniform cubic B-splines: the curves on which joints move (thesis eq. 27 and 38-41).
 
 Knots lie on one grid for everybody, ``origin_s + i * knot_s``. In span ``i``, between knot ``i``
-and knot ``i + 1``, the curve is a blend of the four control points ``i .. i + 3``.
+and knot ``i + 1``, the curve is a blend of the four control points ``i .. i + 3``; their weights
+are in `trecsim.fusion.kernels.curve`.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
 
 ORDER = 4
-
-
-def basis(u: float) -> Float64[np.ndarray, "4"]:
-    """Return the weights of the four control points at the fraction `u` of a span.
-
-    Parameters
-    ----------
-    u
-        Where in the span, 0 at its first knot, 1 at the next.
-
-    Notes
-    -----
-    They are positive and sum to one, so the curve stays within its control points' hull.
-
-    Examples
-    --------
-    >>> basis(0.0) * 6
-    array([1., 4., 1., 0.])
-    """
-    v = 1.0 - u
-    return (
-        np.array(
-            [
-                v * v * v,
-                3.0 * u * u * u - 6.0 * u * u + 4.0,
-                3.0 * v * v * v - 6.0 * v * v + 4.0,
-                u * u * u,
-            ]
-        )
-        / 6.0
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,8 +32,9 @@ class KnotGrid:
     >>> grid = KnotGrid(origin_s=0.0, knot_s=0.1, live=6, first=0)
     >>> grid.end_s, grid.start_s
     (0.30000000000000004, 0.0)
-    >>> grid.moved_to(0.45).first
-    2
+    >>> moved = grid.moved_to(0.45)
+    >>> moved.first, round(moved.place(0.45), 9)
+    (2, 2.5)
     """
 
     origin_s: float
@@ -92,11 +62,6 @@ class KnotGrid:
         first = self.first + self.steps_to(t_s)
         return KnotGrid(self.origin_s, self.knot_s, self.live, first)
 
-    def locate(self, t_s: float) -> tuple[int, Float64[np.ndarray, "4"]]:
-        """Return the first of the four live control points active at `t_s`, and their weights.
-
-        Times outside the live part are taken at its nearer end.
-        """
-        position = (t_s - self.origin_s) / self.knot_s - self.first
-        span = min(max(int(np.floor(position)), 0), self.live - ORDER)
-        return span, basis(min(max(position - span, 0.0), 1.0))
+    def place(self, t_s: float) -> float:
+        """Return `t_s` in knots since the oldest live one, as the kernels want it."""
+        return (t_s - self.origin_s) / self.knot_s - self.first

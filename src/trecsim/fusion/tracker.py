@@ -1,5 +1,8 @@
 """The one object with state: frame sets in, people in 3D out."""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
@@ -7,7 +10,7 @@ from trecsim.errors import InputError
 from trecsim.fusion import birth, kernels, lifecycle
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.clocks import JUMP_S, Clocks
-from trecsim.fusion.images import Images, prepare
+from trecsim.fusion.images import Detections, Images, prepare
 from trecsim.fusion.lifecycle import Lost
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
@@ -65,7 +68,7 @@ class Tracker:
         self._grid: KnotGrid | None = None
         self._people = self._nobody()
         self._clocks = Clocks(len(rig))
-        self._leftover = Images.nothing(len(skeleton.joints))
+        self._leftover = Detections.nothing(len(skeleton.joints))
         self._lost: list[Lost] = []
         self._departed: list[tuple[float, KnotGrid, Population]] = []
         self._close_since: dict[tuple[int, int], float] = {}
@@ -79,8 +82,7 @@ class Tracker:
             return self._snapshot(self._clocks.now_s if self._grid else frame_set.t_s)
         elapsed_s = max(0.0, self._t_s - before_s) if np.isfinite(before_s) else 0.0
         self._advance(self._t_s)
-        n_joint = len(self._model.skeleton.joints)
-        images = prepare(views, self._model.rig, n_joint, self._model.settings)
+        images = prepare(views, self._model)
         association = self._update(images, min(elapsed_s, JUMP_S))
         replaced = self._begin(images, association)
         lifecycle.confirm(self._people, self._model, self._t_s)
@@ -106,12 +108,12 @@ class Tracker:
         views = frame_set.views
         n_joint = len(self._model.skeleton.joints)
         for view in views:
-            if view.xy_px.shape[1:] != (n_joint, 2) or not np.isfinite(view.t_s):
+            if view.xy_px.shape[1:] != (n_joint, 2) or not math.isfinite(view.t_s):
                 raise InputError(
                     f"camera {view.camera!r}: expected poses of {n_joint} joints at a finite time, "
                     f"found {view.xy_px.shape[1]} joints at t_s = {view.t_s}"
                 )
-        cam = np.array([self._model.rig.index(view.camera) for view in views], np.int64)
+        cam = np.array([self._camera(view) for view in views], np.int64)
         t_s = np.array([view.t_s for view in views], np.float64)
         use, anew = self._clocks.judge(cam, t_s)
         if anew:
@@ -120,12 +122,16 @@ class Tracker:
             use &= t_s >= self._grid.start_s
         return [view for view, good in zip(views, use, strict=True) if good]
 
+    def _camera(self, view: Poses2D) -> int:
+        cam = self._model.cam_of.get(view.camera)
+        return self._model.rig.index(view.camera) if cam is None else cam
+
     def _restart(self) -> None:
         """Forget everybody, as nobody can be followed over a jump in time; identities go on."""
         self._grid = None
         self._departed = []
         self._people = self._nobody()
-        self._leftover = Images.nothing(len(self._model.skeleton.joints))
+        self._leftover = Detections.nothing(len(self._model.skeleton.joints))
         self._lost = []
         self._close_since = {}
 
@@ -134,37 +140,44 @@ class Tracker:
         s = self._model.settings
         if self._grid is None:
             self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
-        for _ in range(self._grid.steps_to(t_s)):
-            self._extend(t_s)
-        self._grid = self._grid.moved_to(t_s)
-
-    def _extend(self, t_s: float) -> None:
-        """Append one control point to every joint, carried by its own and the body's velocity."""
-        people, s = self._people, self._model.settings
-        if not len(people):
+        steps = self._grid.steps_to(t_s)
+        if not steps:
             return
-        c = self._solve(people).reshape(len(people), -1, self._live, 3)
-        own = c[:, :, -1] - c[:, :, -2]
-        supported = lifecycle.support(people, t_s - s.knot_s) > 0
-        torso = np.zeros(supported.shape)
-        torso[:, self._model.torso] = np.where(supported[:, self._model.torso], 1.0, 0.05)
-        drift = (own * torso[..., None]).sum(axis=1) / torso.sum(axis=1)[:, None]
-        memory_s = np.where(supported, s.velocity_memory_s, s.drag_memory_s)
-        kernels.extend_all(
-            people.R, people.z, self._model.stiffness, np.exp(-s.knot_s / memory_s), drift
-        )
+        self._grid = self._grid.moved_to(t_s)
+        people = self._people
+        seen = lifecycle.support(people, t_s - s.knot_s)
+        for _ in range(steps):
+            kernels.extend_all(
+                people.R, people.z, people.c, seen, self._model.torso, self._model.stiffness,
+                math.exp(-s.knot_s / s.velocity_memory_s), math.exp(-s.knot_s / s.drag_memory_s),
+            )  # fmt: skip
 
     def _update(self, images: Images, elapsed_s: float) -> Association:
         """Associate and fit everybody who is already there."""
-        xyz = self._at_images(self._people, images)
-        prior = self._covariance_of(self._people, self._t_s)
+        people = self._people
+        xyz, prior = self._predicted(people, images)
         association = associate(self._model, images, xyz, prior)
-        inlier = self._fit(self._people, images, association, xyz, prior)
-        lifecycle.note_support(self._people, images, association, inlier, self._t_s, elapsed_s)
-        lifecycle.mend_mirrored(self._people, association, self._model, elapsed_s)
+        inlier = self._fit(people, images, association, xyz, prior)
+        lifecycle.note_support(people, images, association, inlier, self._t_s, elapsed_s)
+        lifecycle.mend_mirrored(people, self._model)
         self._constrain(elapsed_s)
         self._clocks.note(images.cam, images.t_s)
         return association
+
+    def _predicted(
+        self, people: Population, images: Images
+    ) -> tuple[Float64[np.ndarray, "view track joint 3"], Float64[np.ndarray, "track joint 3 3"]]:
+        """Return where everybody should be in each image, and how sure that is by now."""
+        n_track, n_joint = people.z.shape[:2]
+        xyz = np.empty((len(images), n_track, n_joint, 3))
+        kernels.evaluate_all(people.c, self._places(images), xyz)
+        prior = np.empty((n_track, n_joint, 3, 3))
+        kernels.covariance_all(people.R, self._knots.place(self._t_s), prior)
+        return xyz, prior
+
+    def _places(self, images: Images) -> Float64[np.ndarray, " view"]:
+        grid = self._knots
+        return np.asarray((images.t_s - grid.origin_s) / grid.knot_s - grid.first)
 
     def _fit(
         self,
@@ -175,37 +188,28 @@ class Tracker:
         prior_m2: Float64[np.ndarray, "track joint 3 3"],
     ) -> Float64[np.ndarray, "track view joint"]:
         """Fit `people` to their detections and return the joints' responsibilities."""
-        m, s = self._model, self._model.settings
-        since = self._clocks.since_s(images.cam, images.t_s)
-        worth = association.responsibility * np.clip(since / s.error_memory_s, 0.05, 1.0)
-        inlier = np.zeros((len(people), len(images), len(m.skeleton.joints)))
-        span, weights = images.placed(self._knots)
+        m = self._model
+        inlier = np.empty((len(people), len(images), len(m.skeleton.joints)))
+        worth = np.clip(
+            self._clocks.since_s(images.cam, images.t_s) / m.settings.error_memory_s, 0.05, 1.0
+        )
         kernels.fit_all(
-            people.R, people.z, xyz_m, prior_m2, images.cam, m.P, m.focal_px, span, weights,
-            images.xy_px, images.score, association.match, association.flip, worth, m.noise, inlier,
+            people.R, people.z, people.c, xyz_m, prior_m2, images.cam, m.P, m.focal_px,
+            self._places(images), images.xy_px, images.factor, association.match, association.flip,
+            association.responsibility * worth, m.noise, self._knots.place(self._t_s), inlier,
+            people.x_m, people.cov_m2,
         )  # fmt: skip
         return inlier
 
     def _constrain(self, elapsed_s: float) -> None:
         """Learn limb lengths, and hold by them what too few cameras see."""
         people, m = self._people, self._model
-        if not len(people):
-            return
-        span, weights = self._knots.locate(self._t_s)
         kernels.constrain_all(
-            people.R,
-            people.z,
-            self._evaluate(people, self._solve(people), self._t_s),
-            self._covariance_of(self._people, self._t_s),
-            lifecycle.support(people, self._t_s),
-            m.limbs,
-            people.limb_m,
-            people.limb_m2,
-            span,
-            weights,
-            elapsed_s,
-            float(np.clip(elapsed_s / m.settings.error_memory_s, 0.05, 1.0)),
-        )
+            people.R, people.z, people.c, people.x_m, people.cov_m2,
+            lifecycle.support(people, self._t_s), m.limbs, people.limb_m, people.limb_m2,
+            self._knots.place(self._t_s), elapsed_s,
+            min(max(elapsed_s / m.settings.error_memory_s, 0.05), 1.0),
+        )  # fmt: skip
 
     def _begin(self, images: Images, association: Association) -> Bool[np.ndarray, " track"]:
         """Let people begin where detections of two or more cameras meet; mark who is replaced.
@@ -216,50 +220,49 @@ class Tracker:
         replaced = np.zeros(len(self._people), bool)
         owner = self._owners(images, association)
         old = self._leftover
-        old = old.images(~np.isin(old.cam, images.cam) & (self._t_s - old.t_s <= _PAIR_S))
-        open_ = np.flatnonzero(owner != _TAKEN)
-        fresh = images.detections(open_)
-        pool = old.joined(fresh)
-        owner = np.concatenate([np.full(len(old.xy_px), _FREE), owner[open_]])
-        used: list[int] = []
+        if len(old):
+            old = old.take(~np.isin(old.cam, images.cam) & (self._t_s - old.t_s <= _PAIR_S))
+        open_ = owner != _TAKEN
+        if not len(old) and not open_.any():
+            self._leftover = old
+            return replaced
+        pool = old.joined(images.detections(open_))
+        owner = np.concatenate([np.full(len(old), _FREE), owner[open_]])
+        free = owner == _FREE
         for candidate in birth.candidates(self._model, pool):
-            members = list(candidate.member.values())
-            owners = np.unique(owner[members])
+            owners = np.unique(owner[candidate.member])
             owners = owners[owners >= 0]
             owners = owners[~replaced[owners]]  # each is replaced once
             self._add(candidate, pool, owners)
             replaced[owners] = True
-            used.extend(members)
-        free = np.setdiff1d(np.flatnonzero(owner == _FREE), used)
-        self._leftover = pool.detections(free)
+            free[candidate.member] = False
+        self._leftover = pool.take(free)
         return replaced
 
     def _owners(self, images: Images, association: Association) -> Int64[np.ndarray, " person"]:
         """Return for each detection its lonely track, or whether it is free or taken."""
         owner = np.full(len(images.xy_px), _FREE, np.int64)
+        track, view = np.nonzero(association.match >= 0)
         lonely = self._t_s - self._people.two_s > _LONELY_S
-        for k, matches in enumerate(association.match):
-            owner[matches[matches >= 0]] = k if lonely[k] else _TAKEN
+        owner[association.match[track, view]] = np.where(lonely[track], track, _TAKEN)
         return owner
 
     def _add(
         self,
         candidate: birth.Candidate,
-        pool: Images,
+        pool: Detections,
         owners: Int64[np.ndarray, " owner"],
     ) -> None:
         """Add somebody new, somebody who is back, or a better place for the tracks `owners`."""
         identity, known = self._identify(candidate, owners)
         person = birth.newborn(candidate, identity, self._t_s, self._live, self._model)
         person.confirmed[:] = known
-        match = np.full((1, len(pool)), -1, np.int64)
-        flip = np.zeros((1, len(pool)), np.int64)
-        for view, detection in candidate.member.items():
-            match[0, view], flip[0, view] = detection, candidate.flip[view]
-        association = Association(match, flip, np.ones(match.shape))
-        xyz, prior = self._at_images(person, pool), self._covariance_of(person, self._t_s)
-        inlier = self._fit(person, pool, association, xyz, prior)
-        lifecycle.note_support(person, pool, association, inlier, self._t_s, 0.0)
+        images = pool.take(candidate.member).as_images()
+        match = np.arange(len(images), dtype=np.int64)[None]
+        association = Association(match, candidate.flip[None], np.ones(match.shape))
+        xyz, prior = self._predicted(person, images)
+        inlier = self._fit(person, images, association, xyz, prior)
+        lifecycle.note_support(person, images, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(person)
 
     def _identify(
@@ -279,53 +282,42 @@ class Tracker:
 
     def _end(self, association: Association, replaced: Bool[np.ndarray, " old_track"]) -> None:
         """Drop duplicates and those whom nobody sees any more."""
-        people = self._people
-        if not len(people):
-            self._close_since = {}
-            return
-        xyz = self._evaluate(people, self._solve(people), self._t_s)
-        alive = np.ones(len(people), bool)
-        alive[: len(replaced)] = ~replaced
-        known = len(association.match)
-        pairs = lifecycle.close_pairs(people.keep(np.arange(len(people)) < known), self._model,
-                                      association, xyz[:known])  # fmt: skip
+        people, n_old = self._people, len(replaced)
+        pairs = lifecycle.close_pairs(people, self._model, association)
         close = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
         self._close_since = {p: self._close_since.get(p, self._t_s) for p in close}
+        expected = lifecycle.expected_cameras(people, self._model, self._clocks.looking())
+        stays = lifecycle.survivors(people, self._model, expected, self._t_s)
+        if not close and stays.all() and not replaced.any():
+            return
+        alive = np.ones(len(people), bool)
+        alive[:n_old] = ~replaced
         for pair, younger in close.items():
             if self._t_s - self._close_since[pair] >= _CLOSE_S:
                 alive[younger] = False
-        expected = lifecycle.expected_cameras(self._model, xyz, self._clocks.looking())
-        gone = ~lifecycle.survivors(people, self._model, expected, self._t_s)
-        self._remember(people, xyz, gone & alive & people.confirmed & (expected > 0))
-        left = gone & alive
-        left[: len(replaced)] |= replaced
+        left = ~stays & alive
+        self._remember(people, left & people.confirmed & (expected > 0))
+        left[:n_old] |= replaced
         self._depart(people.keep(left & people.confirmed))
-        self._people = people.keep(alive & ~gone)
+        self._people = people.keep(alive & stays)
 
     def _depart(self, people: Population) -> None:
         """Keep people who are gone until the lag has reached their end."""
         if self._lag_s > 0.0 and len(people) and self._grid is not None:
             self._departed.append((self._t_s, self._grid, people))
 
-    def _remember(
-        self,
-        people: Population,
-        xyz_m: Float64[np.ndarray, "track joint 3"],
-        who: Bool[np.ndarray, " track"],
-    ) -> None:
+    def _remember(self, people: Population, who: Bool[np.ndarray, " track"]) -> None:
         """Keep in mind people who were dropped in view, as they may come back."""
         recall_s = self._model.settings.recall_s
         self._lost = [one for one in self._lost if self._t_s - one.t_s <= recall_s]
         seen_s = people.camera_s.max(axis=1, initial=-np.inf)
         for k in np.flatnonzero(who):
-            then = max(seen_s[k], self._t_s - self._model.settings.window_s + 0.1)
-            one = people.keep(np.arange(len(people)) == k)
-            c = self._solve(one)
-            at = [
-                self._evaluate(one, c, t)[0, self._model.torso].mean(axis=0)
-                for t in (then - 0.1, then)
-            ]
-            self._lost.append(Lost(int(people.id[k]), then, at[1], (at[1] - at[0]) / 0.1))
+            then_s = max(seen_s[k], self._t_s - self._model.settings.window_s + 0.1)
+            at = evaluated(people.c[k : k + 1], self._knots, [then_s - 0.1, then_s])
+            torso = at[:, 0, self._model.torso].mean(axis=1)
+            self._lost.append(
+                Lost(int(people.id[k]), then_s, torso[1], (torso[1] - torso[0]) / 0.1)
+            )
 
     def _snapshot(self, now_s: float) -> Snapshot:
         """Return everybody who was there at `now_s` minus the lag, gone since or not."""
@@ -338,54 +330,37 @@ class Tracker:
         for grid, people in there:
             known = people.keep(people.born_s <= t_s + 1e-9)
             if len(known):
-                parts.append((known, grid))
+                parts.append(self._part(known, grid, t_s))
         if not parts:
             return nobody_at(t_s, len(self._model.skeleton.joints))
-        return Snapshot(
-            t_s=t_s,
-            id=np.concatenate([people.id for people, _ in parts]),
-            xyz_m=np.concatenate(
-                [self._evaluate(people, self._solve(people), t_s, grid) for people, grid in parts]
-            ),
-            cov_m2=np.concatenate(
-                [self._covariance_of(people, t_s, grid) for people, grid in parts]
-            ),
-            support=np.concatenate([lifecycle.support(people, t_s) for people, _ in parts]),
-        )
+        if len(parts) == 1:
+            return Snapshot(t_s, *parts[0])
+        return Snapshot(t_s, *(np.concatenate(values) for values in zip(*parts, strict=True)))
 
-    def _solve(self, people: Population) -> Float64[np.ndarray, "track joint n"]:
-        c = np.empty(people.z.shape)
-        kernels.solve_all(people.R, people.z, c)
-        return c
+    def _part(
+        self, people: Population, grid: KnotGrid, t_s: float
+    ) -> tuple[
+        Int64[np.ndarray, " person"],
+        Float64[np.ndarray, "person joint 3"],
+        Float64[np.ndarray, "person joint 3 3"],
+        Int64[np.ndarray, "person joint"],
+    ]:
+        """Return identities, joints, covariances and support of `people` at `t_s`."""
+        count = lifecycle.support(people, t_s)
+        if t_s == self._t_s:
+            return people.id.copy(), people.x_m.copy(), people.cov_m2.copy(), count
+        cov = np.empty(people.cov_m2.shape)
+        kernels.covariance_all(people.R, grid.place(t_s), cov)
+        return people.id.copy(), evaluated(people.c, grid, [t_s])[0], cov, count
 
-    def _evaluate(
-        self,
-        people: Population,
-        c: Float64[np.ndarray, "track joint n"],
-        t_s: float,
-        grid: KnotGrid | None = None,
-    ) -> Float64[np.ndarray, "track joint 3"]:
-        span, weights = (grid or self._knots).locate(t_s)
-        xyz = np.empty((len(people), c.shape[1], 3))
-        kernels.evaluate_all(c, span, weights, xyz)
-        return xyz
 
-    def _at_images(
-        self, people: Population, images: Images
-    ) -> Float64[np.ndarray, "view track joint 3"]:
-        c = self._solve(people)
-        xyz = np.empty((len(images), len(people), c.shape[1], 3))
-        for v, (span, weights) in enumerate(zip(*images.placed(self._knots), strict=True)):
-            kernels.evaluate_all(c, span, weights, xyz[v])
-        return xyz
-
-    def _covariance_of(
-        self, people: Population, t_s: float, grid: KnotGrid | None = None
-    ) -> Float64[np.ndarray, "track joint 3 3"]:
-        span, weights = (grid or self._knots).locate(t_s)
-        cov = np.empty((len(people), people.R.shape[1], 3, 3))
-        kernels.covariance_all(people.R, span, weights, cov)
-        return cov
+def evaluated(
+    c: Float64[np.ndarray, "track joint n"], grid: KnotGrid, t_s: Sequence[float]
+) -> Float64[np.ndarray, "time track joint 3"]:
+    """Return the joints at several times [m]."""
+    xyz = np.empty((len(t_s), *c.shape[:2], 3))
+    kernels.evaluate_all(c, np.array([grid.place(t) for t in t_s]), xyz)
+    return xyz
 
 
 def nobody_at(t_s: float, n_joint: int) -> Snapshot:

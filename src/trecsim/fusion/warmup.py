@@ -34,7 +34,7 @@ def warm_up() -> None:
         )
         # Then one camera alone, so that the body has to hold what the other saw.
         tracker.step(FrameSet(0.04 * n, views if n < 8 else views[:1]))
-    kernels.assign(np.ones((2, 2)), np.empty(2, np.int64))
+    kernels.match_view(np.ones((2, 2)), np.empty(2, np.int64))
 
 
 def _camera(name: str, angle_rad: float) -> Camera:

@@ -1,4 +1,4 @@
-"""Compiled kernels of the fusion; each has a slow, obvious twin in ``tests/reference.py``.
+"""Compiled kernels of the fusion; each has a slow, obvious twin in ``tests/reference_fusion.py``.
 
 Arrays are C-contiguous float64. Axes: track, joint, view, and ``n = 3 * live`` unknowns per joint.
 Importing this package imports numba; only the fusion does.
@@ -6,39 +6,63 @@ Importing this package imports numba; only the fusion does.
 
 from trecsim.fusion.kernels.anatomy import Limbs, constrain_all
 from trecsim.fusion.kernels.assignment import assign
-from trecsim.fusion.kernels.fitting import Observed, fit_all, fold_joint, locate_joint, scratch
+from trecsim.fusion.kernels.curve import evaluate_all, locate
+from trecsim.fusion.kernels.fitting import Observed, fit_all, locate_joint, scratch, sums
 from trecsim.fusion.kernels.information import (
     control_points,
     covariance_all,
-    evaluate_all,
     extend_all,
+    fold_gaussian,
     fold_row,
-    solve_all,
     start_all,
 )
-from trecsim.fusion.kernels.mixture import Noise, inlier_log_ratio, project, score_view
+from trecsim.fusion.kernels.matching import associate_all, match_view, responsibility, score_view
+from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
 from trecsim.fusion.kernels.pairing import pair_scores, ray_midpoint
+from trecsim.fusion.kernels.prefilter import prefilter
+from trecsim.fusion.kernels.presence import (
+    age,
+    any_close,
+    confirm_all,
+    count_since,
+    expect_all,
+    note_support,
+    survive_all,
+)
 
 __all__ = [
     "Limbs",
     "Noise",
     "Observed",
+    "age",
+    "any_close",
     "assign",
+    "associate_all",
+    "confirm_all",
     "constrain_all",
     "control_points",
+    "count_since",
     "covariance_all",
     "evaluate_all",
+    "expect_all",
     "extend_all",
     "fit_all",
-    "fold_joint",
+    "fold_gaussian",
     "fold_row",
-    "inlier_log_ratio",
+    "image_covariance",
+    "inlier_odds",
+    "locate",
     "locate_joint",
+    "match_view",
+    "note_support",
     "pair_scores",
+    "prefilter",
     "project",
     "ray_midpoint",
+    "responsibility",
     "score_view",
     "scratch",
-    "solve_all",
     "start_all",
+    "sums",
+    "survive_all",
 ]

@@ -7,7 +7,14 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numba import njit
 
-from trecsim.fusion.kernels.information import BLOCK, copy, fold_row, invert3
+from trecsim.fusion.kernels.curve import locate, point
+from trecsim.fusion.kernels.information import (
+    control_points,
+    copy,
+    curve_covariance,
+    fold_gaussian,
+    invert3,
+)
 
 # How a length is learnt: spread of one measurement, and time after which the next is new [s].
 _MEASURE_M2 = 0.02**2
@@ -32,6 +39,14 @@ class Limbs(NamedTuple):
 
     joints: Int64[np.ndarray, "limb 2"]
     slack_m2: Float64[np.ndarray, " limb"]
+
+
+class Held(NamedTuple):
+    """Scratch arrays: three equations, their right sides, and a block of columns."""
+
+    rows: Float64[np.ndarray, "3 n"]
+    right: Float64[np.ndarray, "3"]
+    y: Float64[np.ndarray, "n 3"]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -159,118 +174,110 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def factor_and_invert(A, inverse):
-    """Write the inverse of the symmetric positive `A` to `inverse`.
+def factor(A):
+    """Overwrite the lower triangle of the symmetric positive `A` by its Cholesky factor.
 
-    `A` is overwritten by its Cholesky factor and that factor's inverse.
+    The diagonal holds the inverse of the factor's, which is what every later step needs.
     """
     n = A.shape[0]
     for i in range(n):
-        for k in range(i + 1):
+        for k in range(i):
             s = A[i, k]
             for m in range(k):
                 s -= A[i, m] * A[k, m]
-            A[i, k] = math.sqrt(max(s, 1e-12)) if i == k else s / A[k, k]
+            A[i, k] = s * A[k, k]
+        s = A[i, i]
+        for m in range(i):
+            s -= A[i, m] * A[i, m]
+        A[i, i] = 1.0 / math.sqrt(max(s, 1e-12))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def solve_factored(A, b):
+    """Overwrite `b` by the solution of ``A x = b``, with `A` as `factor` leaves it."""
+    n = A.shape[0]
     for i in range(n):
-        A[i, i] = 1.0 / A[i, i]
+        s = b[i]
+        for m in range(i):
+            s -= A[i, m] * b[m]
+        b[i] = s * A[i, i]
+    for i in range(n - 1, -1, -1):
+        s = b[i]
+        for m in range(i + 1, n):
+            s -= A[m, i] * b[m]
+        b[i] = s * A[i, i]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def invert_factor(A):
+    """Overwrite the Cholesky factor that `factor` leaves in `A` by its inverse."""
+    n = A.shape[0]
+    for i in range(n):
         for k in range(i):
             s = 0.0
             for m in range(k, i):
                 s += A[i, m] * A[m, k]
             A[i, k] = -s * A[i, i]
-    for i in range(n):
-        for k in range(i + 1):
-            s = 0.0
-            for m in range(i, n):
-                s += A[m, i] * A[m, k]
-            inverse[i, k] = s
-            inverse[k, i] = s
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def quotient(before_m2, after_m2, shift_m, gain, vector):
-    """Write ``after^-1 - before^-1`` and ``after^-1 shift``; return the size of ``after^-1``."""
+def joint_block(A, first, out):
+    """Write a joint's covariance, a diagonal block of ``A^T A``, to `out` (3, 3).
+
+    `A` is the inverse of a Cholesky factor, `first` the joint's first unknown.
+    """
+    n = A.shape[0]
+    for p in range(3):
+        for q in range(p + 1):
+            s = 0.0
+            for m in range(first + p, n):
+                s += A[m, first + p] * A[m, first + q]
+            out[p, q] = s
+            out[q, p] = s
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def quotient(before_m2, after_m2, shift_m, info, vector):
+    """Write what the body says of a joint beyond its trajectory; return the information of both.
+
+    Parameters
+    ----------
+    before_m2
+        Covariance of the joint as its trajectory has it, (3, 3).
+    after_m2, shift_m
+        Covariance and shift of the joint with the body taken into account.
+    info, vector
+        Results: the quotient of the two Gaussians, information ``after^-1 - before^-1`` and
+        information vector ``after^-1 shift``.
+    """
     before = np.empty((3, 3))
     invert3(before_m2, before)
-    invert3(after_m2, gain)
-    size = gain[0, 0] + gain[1, 1] + gain[2, 2]
+    invert3(after_m2, info)
+    size = info[0, 0] + info[1, 1] + info[2, 2]
     for p in range(3):
         vector[p] = 0.0
         for q in range(3):
-            vector[p] += gain[p, q] * shift_m[q]
-            gain[p, q] -= before[p, q]
+            vector[p] += info[p, q] * shift_m[q]
+            info[p, q] -= before[p, q]
     return size
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def fold_message(R, z, x, before_m2, after_m2, shift_m, span, weights, worth, row):
-    """Fold into a joint what the body says about it beyond what its trajectory says already.
-
-    Parameters
-    ----------
-    R, z
-        Square-root information of the joint, changed in place.
-    x, before_m2
-        The joint as its trajectory has it, (3,) and (3, 3).
-    after_m2, shift_m
-        Covariance and shift of the joint with the body taken into account.
-    span, weights, worth, row
-        As in `fit_all`; scratch (n,).
-
-    Notes
-    -----
-    The message is the quotient of two Gaussians: information ``after^-1 - before^-1`` and
-    information vector ``after^-1 shift`` about `x`. Its Cholesky rows are folded; a row without
-    information (a zero pivot) is left out.
-    """
-    gain, vector = np.empty((3, 3)), np.empty(3)
-    size = quotient(before_m2, after_m2, shift_m, gain, vector)
-    for i in range(3):
-        pivot = gain[i, i]
-        if pivot < 1e-6 * size:
-            continue
-        root = math.sqrt(pivot)
-        row[:] = 0.0
-        y = vector[i] / root
-        for q in range(i, 3):
-            g = gain[i, q] / root
-            y += g * x[q]
-            for m in range(4):
-                row[BLOCK * (span + m) + q] = g * weights[m] * math.sqrt(worth)
-        for p in range(i + 1, 3):
-            share = gain[p, i] / pivot
-            vector[p] -= share * vector[i]
-            for q in range(i + 1, 3):
-                gain[p, q] -= share * gain[i, q]
-        fold_row(R, z, row, y * math.sqrt(worth))
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
-def move(inverse, b, place, d):
-    """Write the shifts ``inverse @ b`` of the weak joints to `d` (joint, 3)."""
-    for j in range(d.shape[0]):
-        if place[j] < 0:
-            continue
-        for p in range(3):
-            d[j, p] = 0.0
-            for q in range(b.shape[0]):
-                d[j, p] += inverse[place[j] + p, q] * b[q]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
-def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, row):
+def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, tmp):
     """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
 
     Parameters
     ----------
-    R, z
-        One person's square-root information, (joint, n, n) and (joint, n); changed in place.
+    R, z, c
+        One person's square-root information and control points, (joint, n, n) and (joint, n);
+        changed in place.
     x, cov_m2
-        Joints and covariances after the fit, (joint, 3) and (joint, 3, 3).
+        Joints and covariances after the fit, (joint, 3) and (joint, 3, 3); changed in place.
     n_seen
         Number of cameras that support each joint now.
     limbs, limb_m, limb_m2
@@ -279,8 +286,8 @@ def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, w
         Place of the frame set's time on the knot grid.
     worth
         Weight of this frame set, 0 to 1.
-    row
-        Scratch, (n,).
+    tmp
+        Scratch.
 
     Notes
     -----
@@ -296,44 +303,61 @@ def relax_body(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, w
         n += 3 if n_seen[j] < 2 else 0
     if n == 0:
         return
-    A, inverse, b = np.empty((n, n)), np.empty((n, n)), np.empty(n)
+    A, b = np.empty((n, n)), np.empty(n)
     d = np.zeros((n_joint, 3))
     for _ in range(_STEPS):
         gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2)
-        factor_and_invert(A, inverse)
-        move(inverse, b, place, d)
-    after = np.empty((3, 3))
+        factor(A)
+        solve_factored(A, b)
+        for j in range(n_joint):
+            if place[j] >= 0:
+                d[j, 0], d[j, 1], d[j, 2] = b[place[j]], b[place[j] + 1], b[place[j] + 2]
+    invert_factor(A)
+    after, info, vector = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     for j in range(n_joint):
         if place[j] < 0:
             continue
-        copy(inverse[place[j] : place[j] + 3, place[j] : place[j] + 3], after)
-        fold_message(R[j], z[j], x[j], cov_m2[j], after, d[j], span, weights, worth, row)
+        joint_block(A, place[j], after)
+        size = quotient(cov_m2[j], after, d[j], info, vector)
+        for p in range(3):
+            vector[p] *= worth
+            for q in range(3):
+                info[p, q] *= worth
+        fold_gaussian(
+            R[j], z[j], info, vector, 1e-6 * size * worth, x[j], span, weights, tmp.rows, tmp.right
+        )
+        control_points(R[j], z[j], c[j])
+        point(c[j], span, weights, x[j])
+        curve_covariance(R[j], span, weights, tmp.y, cov_m2[j])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def constrain_all(R, z, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, elapsed_s, worth):
+def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elapsed_s, worth):
     """Learn everybody's limb lengths and use them, in place.
 
     Parameters
     ----------
-    R, z
-        Square-root information, (track, joint, n, n) and (track, joint, n).
+    R, z, c
+        Square-root information and control points, (track, joint, n, n) and (track, joint, n).
     x, cov_m2
-        Joints and covariances after the fit, (track, joint, 3) and (track, joint, 3, 3).
+        Joints and covariances after the fit, (track, joint, 3) and (track, joint, 3, 3); changed
+        where the body has a say.
     n_seen
         Cameras that support each joint now, (track, joint).
     limbs, limb_m, limb_m2
         `Limbs`; lengths and variances per track, (track, limb).
-    span, weights
-        Place of the frame set's time on the knot grid.
+    now
+        Time of the frame set, in knots.
     elapsed_s, worth
         Time since the last frame set; weight of this one, 0 to 1.
     """
-    row = np.empty(R.shape[2])
+    tmp = Held(np.empty((3, R.shape[2])), np.empty(3), np.empty((R.shape[2], 3)))
+    weights = np.empty(4)
+    span = locate(now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
         learn(x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
         relax_body(
-            R[k], z[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k],
-            span, weights, worth, row,
+            R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k],
+            span, weights, worth, tmp,
         )  # fmt: skip

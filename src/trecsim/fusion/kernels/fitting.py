@@ -1,4 +1,4 @@
-"""Fitting a frame set: EM on each joint's place, then folding the images at their own times."""
+"""Fitting a frame set: EM on each joint's place, then one fold per moment into its trajectory."""
 
 import math
 from typing import NamedTuple, no_type_check
@@ -7,31 +7,36 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numba import njit
 
-from trecsim.fusion.kernels.information import BLOCK, copy, fold_row, invert3, marked, scale
-from trecsim.fusion.kernels.mixture import (
-    NEAR_M,
-    image_covariance,
-    inlier_log_ratio,
-    project,
-    score_to_factor,
+from trecsim.fusion.kernels.curve import locate, point
+from trecsim.fusion.kernels.information import (
+    control_points,
+    copy,
+    curve_covariance,
+    fold_gaussian,
+    invert3,
+    scale,
 )
+from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project
 
 # By how much the variance of a joint grows when its key points say it has turned sharply.
 LOOSEN = 25.0
 LOOSEN_M2 = 0.01
-# Typed, so that one compiled function serves both.
-_STEPS = np.array([3, 6])
+STEPS, LOOSE_STEPS = 3, 6
+# EM has converged when a step moves a joint by less [m^2].
+STILL_M2 = 0.0005**2
+# Images this close in time, in knots, enter the trajectory at their common mean time.
+TOGETHER = 0.5
 
 
 class Observed(NamedTuple):
-    """Key points of one joint in several images, and where those images stand.
+    """Key points of one joint in several images.
 
     Attributes
     ----------
-    P, focal_px
+    cam
         Cameras of the images.
-    span, weights
-        Place of each image on the knot grid.
+    place, moment
+        When they were taken, in knots, and the number of the moment each belongs to.
     xyz_m
         Predicted place of the joint at each image's own time.
     xy_px
@@ -42,28 +47,44 @@ class Observed(NamedTuple):
         What each observation is worth, 0 to 1.
     """
 
-    P: Float64[np.ndarray, "view 3 4"]
-    focal_px: Float64[np.ndarray, " view"]
-    span: Int64[np.ndarray, " view"]
-    weights: Float64[np.ndarray, "view 4"]
+    cam: Int64[np.ndarray, " view"]
+    place: Float64[np.ndarray, " view"]
+    moment: Int64[np.ndarray, " view"]
     xyz_m: Float64[np.ndarray, "view 3"]
     xy_px: Float64[np.ndarray, "view 2"]
     sigma_m: Float64[np.ndarray, " view"]
     worth: Float64[np.ndarray, " view"]
 
 
+class Sums(NamedTuple):
+    """What the images of each moment say about a joint, summed over the cameras.
+
+    Attributes
+    ----------
+    info, rhs
+        Information and information vector of the joint's shift from its prediction.
+    place, weight
+        Weighted sum of the images' times in knots, and sum of the weights.
+    """
+
+    info: Float64[np.ndarray, "moment 3 3"]
+    rhs: Float64[np.ndarray, "moment 3"]
+    place: Float64[np.ndarray, " moment"]
+    weight: Float64[np.ndarray, " moment"]
+
+
 class Scratch(NamedTuple):
     """Arrays that the kernels overwrite, allocated once per call."""
 
-    uv: Float64[np.ndarray, "2"]
-    J: Float64[np.ndarray, "2 3"]
-    C: Float64[np.ndarray, "2 2"]
-    e: Float64[np.ndarray, "2"]
     x: Float64[np.ndarray, "3"]
-    prior_inv: Float64[np.ndarray, "3 3"]
+    basis: Float64[np.ndarray, "4"]
     info: Float64[np.ndarray, "3 3"]
-    rhs: Float64[np.ndarray, "3"]
-    row: Float64[np.ndarray, " n"]
+    wide: Float64[np.ndarray, "3 3"]
+    shift_m: Float64[np.ndarray, "3"]
+    cov_m2: Float64[np.ndarray, "3 3"]
+    rows: Float64[np.ndarray, "3 n"]
+    right: Float64[np.ndarray, "3"]
+    y: Float64[np.ndarray, "n 3"]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -71,62 +92,82 @@ class Scratch(NamedTuple):
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
     return Scratch(
-        np.empty(2), np.empty((2, 3)), np.empty((2, 2)), np.empty(2), np.empty(3),
-        np.empty((3, 3)), np.empty((3, 3)), np.empty(3), np.empty(n),
+        np.empty(3), np.empty(4), np.empty((3, 3)), np.empty((3, 3)), np.empty(3),
+        np.empty((3, 3)), np.empty((3, n)), np.empty(3), np.empty((n, 3)),
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def tail_weight(e, var, tail):
-    """Return what a residual is worth under Student's t, relative to a Gaussian of its scale.
-
-    Notes
-    -----
-    The E step of a scale mixture of Gaussians: ``(nu + 2) / (nu + d^2)`` in two dimensions.
-    """
-    return (tail + 2.0) / (tail + (e[0] * e[0] + e[1] * e[1]) / var)
+def sums(n_moment):
+    """Allocate the sums of `n_moment` moments."""
+    return Sums(
+        np.empty((n_moment, 3, 3)), np.empty((n_moment, 3)), np.empty(n_moment), np.empty(n_moment)
+    )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def weigh(seen, v, shift_m, cov_m2, noise, tmp):
-    """Return the inlier responsibility of image `v` (E step) and the weight of its equations.
-
-    Leaves residual and Jacobian at ``xyz_m + shift_m`` in `tmp`.
-    """
-    if math.isnan(seen.xy_px[v, 0]):
-        return 0.0, 0.0
-    for a in range(3):
-        tmp.x[a] = seen.xyz_m[v, a] + shift_m[a]
-    depth = project(seen.P[v], tmp.x, tmp.uv, tmp.J)
-    if not depth > NEAR_M:
-        return 0.0, 0.0
-    m_per_px = depth / seen.focal_px[v]
-    sigma = seen.sigma_m[v] / m_per_px
-    var = sigma * sigma + noise.floor_px * noise.floor_px
-    tmp.e[0] = seen.xy_px[v, 0] - tmp.uv[0]
-    tmp.e[1] = seen.xy_px[v, 1] - tmp.uv[1]
-    image_covariance(tmp.J, cov_m2, var, tmp.C)
-    _, r = inlier_log_ratio(tmp.e, tmp.C, m_per_px, noise.log_inlier, noise.outlier_share)
-    return r, r * seen.worth[v] * tail_weight(tmp.e, var, noise.tail) / var
+def moments(place, moment):
+    """Write the moment each image belongs to, counted back from the newest; return how many."""
+    newest = -math.inf
+    for v in range(place.shape[0]):
+        newest = max(newest, place[v])
+    most = 0
+    for v in range(place.shape[0]):
+        moment[v] = int((newest - place[v]) / TOGETHER)
+        most = max(most, moment[v])
+    return most + 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
+def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
+    """Add an image's equations for the shift to `info` and `rhs`; return their information."""
+    along_u = eu + du[0] * shift_m[0] + du[1] * shift_m[1] + du[2] * shift_m[2]
+    along_v = ev + dv[0] * shift_m[0] + dv[1] * shift_m[1] + dv[2] * shift_m[2]
+    size = 0.0
+    for p in range(3):
+        gu, gv = weight * du[p], weight * dv[p]
+        rhs[p] += gu * along_u + gv * along_v
+        size += gu * du[p] + gv * dv[p]
+        for q in range(3):
+            info[p, q] += gu * du[q] + gv * dv[q]
+    return size
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def clear(total):
+    """Set all sums to zero; explicit loops compile many times faster than array expressions."""
+    for m in range(total.weight.shape[0]):
+        total.place[m] = 0.0
+        total.weight[m] = 0.0
+        for p in range(3):
+            total.rhs[m, p] = 0.0
+            for q in range(3):
+                total.info[m, p, q] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def locate_joint(P, focal_px, seen, n, prior_m2, noise, steps, total, shift_m, cov_m2, inlier, tmp):
     """Find one joint from its key points in several images and its predicted place, by EM.
 
     Parameters
     ----------
-    seen
-        The `Observed` key points.
+    P, focal_px
+        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,).
+    seen, n
+        The `Observed` key points; only the first `n` count.
     prior_m2
         Covariance of the prediction, (3, 3).
     noise
         The detector's `Noise`.
     steps
-        EM steps.
+        EM steps, at most.
+    total
+        Result: the images' `Sums`, linearised at the last step but one.
     shift_m, cov_m2, inlier
         Results: the joint lies at ``xyz_m + shift_m`` with this covariance; responsibility of
         the joint for each key point.
@@ -138,184 +179,240 @@ def locate_joint(seen, prior_m2, noise, steps, shift_m, cov_m2, inlier, tmp):
     E step: thesis eq. 33 with a clutter term. M step: one Gauss-Newton step of eq. 37 with the
     Jacobian of eq. 42-46. The images of a frame set share one shift of the predicted curve.
     """
-    invert3(prior_m2, tmp.prior_inv)
-    shift_m[:] = 0.0
+    # Out of the tuples once, as every access to one of their arrays costs more than its use.
+    cam, moment, place, worth = seen.cam, seen.moment, seen.place, seen.worth
+    xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
+    info, rhs, sum_place, sum_weight = total.info, total.rhs, total.place, total.weight
+    tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
+    for a in range(3):
+        shift_m[a] = 0.0
     copy(prior_m2, cov_m2)
     for _ in range(steps):
-        copy(tmp.prior_inv, tmp.info)
-        tmp.rhs[:] = 0.0
-        for v in range(seen.P.shape[0]):
-            inlier[v], g = weigh(seen, v, shift_m, cov_m2, noise, tmp)
-            if g == 0.0:
+        clear(total)
+        for v in range(n):
+            inlier[v] = 0.0
+            if math.isnan(xy_px[v, 0]):
                 continue
-            for a in range(2):
-                along = tmp.e[a]
-                for p in range(3):
-                    along += tmp.J[a, p] * shift_m[p]
-                for p in range(3):
-                    tmp.rhs[p] += g * tmp.J[a, p] * along
-                    for q in range(3):
-                        tmp.info[p, q] += g * tmp.J[a, p] * tmp.J[a, q]
-        invert3(tmp.info, cov_m2)
-        for a in range(3):
-            shift_m[a] = (
-                cov_m2[a, 0] * tmp.rhs[0] + cov_m2[a, 1] * tmp.rhs[1] + cov_m2[a, 2] * tmp.rhs[2]
-            )
+            w, u, v_, du, dv = project(
+                P, cam[v], xyz_m[v, 0] + shift_m[0], xyz_m[v, 1] + shift_m[1],
+                xyz_m[v, 2] + shift_m[2],
+            )  # fmt: skip
+            if not w > NEAR_M:
+                continue
+            eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
+            var = (sigma_m[v] / m_per_px) ** 2 + least_px2
+            uu, uv, vv = image_covariance(du, dv, cov_m2)
+            odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
+            inlier[v] = odds / (1.0 + odds)
+            # Student's t as a scale mixture of Gaussians, in two dimensions.
+            heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
+            weight = inlier[v] * worth[v] * heavy / var
+            m = moment[v]
+            size = add_image(info[m], rhs[m], weight, du, dv, eu, ev, shift_m)
+            sum_place[m] += size * place[v]
+            sum_weight[m] += size
+        if newton_step(total, prior_m2, shift_m, cov_m2, tmp) < STILL_M2:
+            return
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 @no_type_check
-def fold_joint(R, z, seen, shift_m, inlier, noise, tmp):
-    """Fold the key points of one joint into its trajectory, each at its image's own time.
+def newton_step(total, prior_m2, shift_m, cov_m2, tmp):
+    """Write the best shift and its covariance given all moments; return how far it moved [m^2]."""
+    info, rhs = tmp.info, tmp.x
+    invert3(prior_m2, info)
+    for a in range(3):
+        rhs[a] = 0.0
+    for m in range(total.weight.shape[0]):
+        for p in range(3):
+            rhs[p] += total.rhs[m, p]
+            for q in range(3):
+                info[p, q] += total.info[m, p, q]
+    invert3(info, cov_m2)
+    moved = 0.0
+    for a in range(3):
+        there = cov_m2[a, 0] * rhs[0] + cov_m2[a, 1] * rhs[1] + cov_m2[a, 2] * rhs[2]
+        moved += (there - shift_m[a]) ** 2
+        shift_m[a] = there
+    return moved
 
-    Parameters
-    ----------
-    R, z
-        Square-root information of the joint, changed in place.
-    seen
-        The `Observed` key points.
-    shift_m
-        The projections are linearised about ``xyz_m + shift_m``.
-    inlier
-        Responsibility of the joint for each key point.
-    noise, tmp
-        The detector's `Noise`; `Scratch`.
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+@no_type_check
+def fold_moments(R, z, c, total, tmp):
+    """Fold the sums of every moment into a joint's trajectory, at the moment's mean time.
+
+    Notes
+    -----
+    Each residual was taken at its image's own time; only the correction of the curve is taken as
+    constant over a moment. At the weighted mean time the error of that vanishes to first order.
     """
-    for v in range(seen.P.shape[0]):
-        if math.isnan(seen.xy_px[v, 0]) or not inlier[v] * seen.worth[v] > 1e-4:
+    for m in range(total.weight.shape[0]):
+        if not total.weight[m] > 0.0:
             continue
-        for a in range(3):
-            tmp.x[a] = seen.xyz_m[v, a] + shift_m[a]
-        depth = project(seen.P[v], tmp.x, tmp.uv, tmp.J)
-        if not depth > NEAR_M:
-            continue
-        sigma = seen.sigma_m[v] * seen.focal_px[v] / depth
-        var = sigma * sigma + noise.floor_px * noise.floor_px
-        tmp.e[0] = seen.xy_px[v, 0] - tmp.uv[0]
-        tmp.e[1] = seen.xy_px[v, 1] - tmp.uv[1]
-        weight = inlier[v] * seen.worth[v] * tail_weight(tmp.e, var, noise.tail)
-        gain = math.sqrt(weight / var)
-        for a in range(2):
-            tmp.row[:] = 0.0
-            y = tmp.e[a]
-            for p in range(3):
-                y += tmp.J[a, p] * tmp.x[p]
-                for m in range(4):
-                    column = BLOCK * (seen.span[v] + m) + p
-                    tmp.row[column] = gain * tmp.J[a, p] * seen.weights[v, m]
-            fold_row(R, z, tmp.row, gain * y)
+        span = locate(total.place[m] / total.weight[m], c.shape[0] // 3, tmp.basis)
+        point(c, span, tmp.basis, tmp.x)
+        least = 1e-6 * (total.info[m, 0, 0] + total.info[m, 1, 1] + total.info[m, 2, 2])
+        fold_gaussian(
+            R, z, total.info[m], total.rhs[m], least, tmp.x, span, tmp.basis, tmp.rows, tmp.right
+        )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial, tmp):
+def loosen_if_turned(
+    P, focal_px, R, z, seen, n, prior_m2, noise, total, shift_m, cov_m2, inlier, trial, tmp
+):
     """Seek a joint again with a wide prior where its key points agree, but not with the curve.
 
     A person has turned sharply when two or more key points fit each other and not the
-    prediction. Then the joint's information is loosened, in place, and shift and responsibilities
-    are those of the second search; otherwise nothing changes. `trial` is scratch, (3 + view,).
+    prediction. Then the joint's information is loosened, in place, and sums, shift and
+    responsibilities are those of the second search; otherwise nothing changes. `trial` is
+    scratch, (view,).
     """
-    n = seen.P.shape[0]
-    wide = np.empty((3, 3))
     for a in range(3):
         for b in range(3):
-            wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
-    loose_shift, loose_inlier = trial[:3], trial[3:]
-    locate_joint(seen, wide, noise, _STEPS[1], loose_shift, cov_m2, loose_inlier, tmp)
+            tmp.wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
+    locate_joint(
+        P, focal_px, seen, n, tmp.wide, noise, LOOSE_STEPS, total, shift_m, cov_m2, trial, tmp
+    )
     before, after = 0.0, 0.0
     for v in range(n):
         before += inlier[v]
-        after += loose_inlier[v]
+        after += trial[v]
     if after > max(1.5, before + 0.5):
         scale(R, z, 1.0 / math.sqrt(LOOSEN))
-        for a in range(3):
-            shift_m[a] = loose_shift[a]
         for v in range(n):
-            inlier[v] = loose_inlier[v]
+            inlier[v] = trial[v]
+    else:
+        locate_joint(
+            P, focal_px, seen, n, prior_m2, noise, STEPS, total, shift_m, cov_m2, inlier, tmp
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+@no_type_check
+def fit_joint(P, focal_px, R, z, c, seen, n, prior_m2, noise, total, inlier, trial, tmp):
+    """Locate one joint and fold its key points into the trajectory, in place."""
+    known = 0
+    for v in range(n):
+        inlier[v] = 0.0
+        if not math.isnan(seen.xy_px[v, 0]):
+            known += 1
+    if known == 0:
+        return
+    shift_m, cov_m2 = tmp.shift_m, tmp.cov_m2
+    locate_joint(P, focal_px, seen, n, prior_m2, noise, STEPS, total, shift_m, cov_m2, inlier, tmp)
+    agree = 0.0
+    for v in range(n):
+        agree += inlier[v]
+    if known >= 2 and agree < 0.5 * known:
+        loosen_if_turned(
+            P, focal_px, R, z, seen, n, prior_m2, noise, total, shift_m, cov_m2, inlier, trial, tmp
+        )
+    fold_moments(R, z, c, total, tmp)
+    control_points(R, z, c)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def fit_joint(R, z, seen, prior_m2, noise, inlier, trial, tmp):
-    """Locate one joint and fold its key points into the trajectory, in place."""
+def gather_views(seen, cam, place, moment, match, worth):
+    """Copy what the matched images of one track have in common to `seen`; return how many."""
     n = 0
-    for v in range(seen.P.shape[0]):
-        inlier[v] = 0.0
-        if not math.isnan(seen.xy_px[v, 0]):
+    for v in range(match.shape[0]):
+        if match[v] >= 0:
+            seen.cam[n], seen.place[n], seen.moment[n] = cam[v], place[v], moment[v]
+            seen.worth[n] = worth[v]
             n += 1
-    if n == 0:
-        return
-    shift_m = np.empty(3)
-    cov_m2 = np.empty((3, 3))
-    locate_joint(seen, prior_m2, noise, _STEPS[0], shift_m, cov_m2, inlier, tmp)
-    agree = 0.0
-    for v in range(seen.P.shape[0]):
-        agree += inlier[v]
-    if n >= 2 and agree < 0.5 * n:
-        loosen_if_turned(R, z, seen, prior_m2, noise, shift_m, cov_m2, inlier, trial, tmp)
-    fold_joint(R, z, seen, shift_m, inlier, noise, tmp)
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+@no_type_check
+def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
+    """Copy the key points of joint `j` in the matched images of one track to `seen`.
+
+    `xyz_m` is (view, joint, 3), the track's own.
+    """
+    n = 0
+    for v in range(match.shape[0]):
+        d = match[v]
+        if d < 0:
+            continue
+        m = noise.mirror[j] if flip[v] else j
+        for a in range(3):
+            seen.xyz_m[n, a] = xyz_m[v, j, a]
+        seen.xy_px[n, 0], seen.xy_px[n, 1] = xy_px[d, m, 0], xy_px[d, m, 1]
+        seen.sigma_m[n] = noise.sigma_m[j] * factor[d, m]
+        n += 1
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def fit_all(
-    R, z, xyz_m, prior_m2, cam, P, focal_px, span, weights,
-    xy_px, score, match, flip, worth, noise, inlier,
+    R, z, c, xyz_m, prior_m2, cam, P, focal_px, place,
+    xy_px, factor, match, flip, worth, noise, now, inlier, x_m, cov_m2,
 ):  # fmt: skip
     """Fit every track to the detections assigned to it in one frame set, in place.
 
     Parameters
     ----------
-    R, z
-        Square-root information, (track, joint, n, n) and (track, joint, n); changed in place.
+    R, z, c
+        Square-root information and control points, (track, joint, n, n) and (track, joint, n);
+        changed in place.
     xyz_m
         Predictions at each image's own time, (view, track, joint, 3).
     prior_m2
         Their covariance at the frame set's time, (track, joint, 3, 3).
     cam, P, focal_px
         Camera of each image (view,); projections (cam, 3, 4) and mean focal lengths (cam,).
-    span, weights
-        Place of each image on the knot grid, (view,) and (view, 4).
-    xy_px, score
-        All detections of the set, (person, joint, 2) and (person, joint).
+    place
+        Time of each image, in knots, (view,).
+    xy_px, factor
+        All detections of the set, (person, joint, 2) and (person, joint); see `score_view`.
     match, flip, worth
         Per track and view: index of its detection or -1; 1 to read it mirrored; weight 0 to 1.
     noise
         The detector's `Noise`.
+    now
+        Time of the frame set, in knots.
     inlier
         Result, (track, view, joint): responsibility of the joint for its key point.
+    x_m, cov_m2
+        Results: joints and covariances at the frame set's time after the fit, (track, joint, 3)
+        and (track, joint, 3, 3).
     """
     n_view = cam.shape[0]
     seen = Observed(
-        np.empty((n_view, 3, 4)), np.empty(n_view), np.empty(n_view, np.int64),
-        np.empty((n_view, 4)), np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view),
-        np.empty(n_view),
+        np.empty(n_view, np.int64), np.empty(n_view), np.empty(n_view, np.int64),
+        np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
     )  # fmt: skip
+    moment = np.empty(n_view, np.int64)
+    total = sums(moments(place, moment) if n_view else 0)
     tmp = scratch(R.shape[2])
-    trial = np.empty(3 + n_view)
-    r = np.empty(n_view)
-    views = np.empty(n_view, np.int64)
+    r, trial, weights = np.empty(n_view), np.empty(n_view), np.empty(4)
+    span = locate(now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
-        n = marked(match[k], views)
-        part = Observed(
-            seen.P[:n], seen.focal_px[:n], seen.span[:n], seen.weights[:n], seen.xyz_m[:n],
-            seen.xy_px[:n], seen.sigma_m[:n], seen.worth[:n],
-        )  # fmt: skip
-        for i in range(n):
-            v = views[i]
-            copy(P[cam[v]], part.P[i])
-            part.focal_px[i], part.span[i] = focal_px[cam[v]], span[v]
-            part.worth[i] = worth[k, v]
-            for m in range(4):
-                part.weights[i, m] = weights[v, m]
+        n = gather_views(seen, cam, place, moment, match[k], worth[k])
         for j in range(R.shape[1]):
-            for i in range(n):
-                v = views[i]
-                d, m = match[k, v], noise.mirror[j] if flip[k, v] else j
-                for a in range(3):
-                    part.xyz_m[i, a] = xyz_m[v, k, j, a]
-                part.xy_px[i, 0], part.xy_px[i, 1] = xy_px[d, m, 0], xy_px[d, m, 1]
-                part.sigma_m[i] = noise.sigma_m[j] * score_to_factor(score[d, m], noise.good_score)
-            fit_joint(R[k, j], z[k, j], part, prior_m2[k, j], noise, r[:n], trial[: 3 + n], tmp)
-            for i in range(n):
-                inlier[k, views[i], j] = r[i]
+            if n:
+                gather_joint(seen, j, xyz_m[:, k], match[k], flip[k], xy_px, factor, noise)
+                fit_joint(
+                    P, focal_px, R[k, j], z[k, j], c[k, j], seen, n, prior_m2[k, j], noise, total,
+                    r, trial, tmp,
+                )  # fmt: skip
+            spread(match[k], r, inlier[k], j)
+            point(c[k, j], span, weights, x_m[k, j])
+            curve_covariance(R[k, j], span, weights, tmp.y, cov_m2[k, j])
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def spread(match, r, inlier, j):
+    """Write the responsibilities `r` of the matched images to `inlier` (view, joint)."""
+    n = 0
+    for v in range(match.shape[0]):
+        inlier[v, j] = 0.0
+        if match[v] >= 0:
+            inlier[v, j] = r[n]
+            n += 1

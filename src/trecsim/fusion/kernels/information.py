@@ -13,14 +13,19 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
-BLOCK = 3
-REACH = 4 * BLOCK
+from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
+
+REACH = ORDER * BLOCK
+# What the velocity of a torso's joint counts that no camera supports, next to one that some do.
+UNSEEN_WEIGHT = 0.05
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def fold_row(R, z, row, y):
+def fold_row(R, z, row, y, first):
     """Fold the equation ``row @ c = y`` into ``R c = z``, in place; `row` is destroyed.
+
+    The columns of `row` before `first` must be zero.
 
     Notes
     -----
@@ -28,7 +33,7 @@ def fold_row(R, z, row, y):
     factor is banded and a rotation touches at most twelve columns.
     """
     n = R.shape[0]
-    for i in range(n):
+    for i in range(first, n):
         a = row[i]
         if a == 0.0:
             continue
@@ -48,13 +53,13 @@ def fold_row(R, z, row, y):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def extend(R, z, stiffness, memory, drift_m, work):
+def extend(R, z, c, stiffness, memory, drift_m, work):
     """Marginalise the oldest control point of one joint and append a new one, in place.
 
     Parameters
     ----------
-    R, z
-        Square-root information of the joint, (n, n) and (n,).
+    R, z, c
+        Square-root information of the joint, (n, n) and (n,), and its solution (n,).
     stiffness
         Weight of the smoothing prior, ``1 / sqrt(q knot^3)`` [1/m] (thesis eq. 49-56, second
         differences of control points).
@@ -64,12 +69,17 @@ def extend(R, z, stiffness, memory, drift_m, work):
         How far the body moves in one knot, (3,) [m]; the rest of the velocity.
     work
         Scratch, (n,).
+
+    Notes
+    -----
+    The new equations hold exactly for the extrapolated point, so the others' solution stays.
     """
     n = R.shape[0]
     for i in range(n - BLOCK):
-        for k in range(n - BLOCK):
+        for k in range(i, min(n - BLOCK, (i // BLOCK) * BLOCK + REACH)):
             R[i, k] = R[i + BLOCK, k + BLOCK]
         z[i] = z[i + BLOCK]
+        c[i] = c[i + BLOCK]
     for i in range(n):
         for k in range(n - BLOCK, n):
             R[i, k] = 0.0
@@ -81,7 +91,9 @@ def extend(R, z, stiffness, memory, drift_m, work):
         work[n - 9 + a] = memory * stiffness
         work[n - 6 + a] = -(1.0 + memory) * stiffness
         work[n - 3 + a] = stiffness
-        fold_row(R, z, work, (1.0 - memory) * drift_m[a] * stiffness)
+        step_m = (1.0 - memory) * drift_m[a]
+        fold_row(R, z, work, step_m * stiffness, n - 9)
+        c[n - 3 + a] = (1.0 + memory) * c[n - 6 + a] - memory * c[n - 9 + a] + step_m
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -97,18 +109,18 @@ def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
     for a in range(BLOCK):
         work[:] = 0.0
         work[a] = 1.0 / position_sigma_m
-        fold_row(R, z, work, xyz_m[a] / position_sigma_m)
+        fold_row(R, z, work, xyz_m[a] / position_sigma_m, 0)
         work[:] = 0.0
         work[a] = -1.0 / step_sigma_m
         work[BLOCK + a] = 1.0 / step_sigma_m
-        fold_row(R, z, work, 0.0)
+        fold_row(R, z, work, 0.0, 0)
     for p in range(n // BLOCK - 2):
         for a in range(BLOCK):
             work[:] = 0.0
             work[BLOCK * p + a] = stiffness
             work[BLOCK * (p + 1) + a] = -2.0 * stiffness
             work[BLOCK * (p + 2) + a] = stiffness
-            fold_row(R, z, work, 0.0)
+            fold_row(R, z, work, 0.0, 0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -154,53 +166,65 @@ def curve_covariance(R, span, weights, y, cov_m2):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def extend_all(R, z, stiffness, memory, drift_m):
+def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
     """Move every track and joint on by one control point, in place.
 
-    `stiffness` is per joint, `memory` per track and joint, `drift_m` per track (track, 3).
+    Parameters
+    ----------
+    R, z, c
+        Square-root information and control points, (track, joint, n, n) and (track, joint, n).
+    seen
+        How many cameras support each joint, (track, joint).
+    torso
+        The joints whose mean velocity is that of the body.
+    stiffness
+        Per joint; see `extend`.
+    own_memory, drag_memory
+        How much of its own velocity a joint keeps over one knot, supported or not.
     """
-    work = np.empty(R.shape[2])
+    n = R.shape[2]
+    work = np.empty(n)
+    drift_m = np.empty(BLOCK)
     for k in range(R.shape[0]):
+        body_step(c[k], seen[k], torso, drift_m)
         for j in range(R.shape[1]):
-            extend(R[k, j], z[k, j], stiffness[j], memory[k, j], drift_m[k], work)
+            memory = own_memory if seen[k, j] > 0 else drag_memory
+            extend(R[k, j], z[k, j], c[k, j], stiffness[j], memory, drift_m, work)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def start_all(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness):
+def body_step(c, seen, torso, step_m):
+    """Write how far the body moved between the two newest control points to `step_m` (3,)."""
+    n = c.shape[1]
+    total = 0.0
+    step_m[:] = 0.0
+    for j in torso:
+        weight = 1.0 if seen[j] > 0 else UNSEEN_WEIGHT
+        total += weight
+        for a in range(BLOCK):
+            step_m[a] += weight * (c[j, n - 3 + a] - c[j, n - 6 + a])
+    for a in range(BLOCK):
+        step_m[a] /= total
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
     """Set up all joints of one new track, in place; see `start`."""
     work = np.empty(R.shape[1])
     for j in range(R.shape[0]):
         start(R[j], z[j], xyz_m[j], position_sigma_m[j], step_sigma_m, stiffness[j], work)
+        control_points(R[j], z[j], c[j])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def solve_all(R, z, c):
-    """Write the control points of every track and joint to `c` (track, joint, n)."""
-    for k in range(R.shape[0]):
-        for j in range(R.shape[1]):
-            control_points(R[k, j], z[k, j], c[k, j])
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
-def evaluate_all(c, span, weights, xyz_m):
-    """Write the curves' points at ``span, weights`` to `xyz_m` (track, joint, 3)."""
-    for k in range(c.shape[0]):
-        for j in range(c.shape[1]):
-            for a in range(BLOCK):
-                s = 0.0
-                for m in range(4):
-                    s += weights[m] * c[k, j, BLOCK * (span + m) + a]
-                xyz_m[k, j, a] = s
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
-def covariance_all(R, span, weights, cov_m2):
-    """Write the curves' covariances at ``span, weights`` to `cov_m2` (track, joint, 3, 3)."""
+def covariance_all(R, place, cov_m2):
+    """Write everybody's covariances at one time (in knots) to `cov_m2` (track, joint, 3, 3)."""
     y = np.empty((R.shape[2], BLOCK))
+    weights = np.empty(ORDER)
+    span = locate(place, R.shape[2] // BLOCK, weights)
     for k in range(R.shape[0]):
         for j in range(R.shape[1]):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
@@ -240,11 +264,84 @@ def scale(R, z, factor):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def marked(match, out):
-    """Write the indices of the entries of `match` that are not negative to `out`; count them."""
-    n = 0
-    for i in range(match.shape[0]):
-        if match[i] >= 0:
-            out[n] = i
-            n += 1
-    return n
+def fold_block(R, z, rows, y, first):
+    """Fold the three equations ``rows @ c = y`` into ``R c = z``, in place; both are destroyed.
+
+    The columns of `rows` (3, n) before `first` must be zero.
+
+    Notes
+    -----
+    Householder reflections, one per column for the three rows together: a third of the square
+    roots and divisions, whose waiting times are most of what three times `fold_row` would cost.
+    """
+    n = R.shape[0]
+    for i in range(first, n):
+        a, b, c = rows[0, i], rows[1, i], rows[2, i]
+        s = a * a + b * b + c * c
+        if s == 0.0:
+            continue
+        d = R[i, i]
+        h = math.sqrt(d * d + s)
+        e = -s / (d + h)
+        f = 2.0 / (e * e + s)
+        R[i, i] = h
+        for k in range(i + 1, min(n, (i // BLOCK) * BLOCK + REACH)):
+            w = f * (e * R[i, k] + a * rows[0, k] + b * rows[1, k] + c * rows[2, k])
+            R[i, k] -= w * e
+            rows[0, k] -= w * a
+            rows[1, k] -= w * b
+            rows[2, k] -= w * c
+        w = f * (e * z[i] + a * y[0] + b * y[1] + c * y[2])
+        z[i] -= w * e
+        y[0] -= w * a
+        y[1] -= w * b
+        y[2] -= w * c
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def fold_gaussian(R, z, info, rhs, least, x, span, weights, rows, y):
+    """Fold what is known about a joint's place at one time into its trajectory, in place.
+
+    Parameters
+    ----------
+    R, z
+        Square-root information of the joint.
+    info, rhs
+        Information (3, 3) and information vector (3,) of the joint's shift from `x`; both are
+        destroyed.
+    least
+        Information in a direction [1/m^2] that is worth a row.
+    x
+        Where the shift is counted from, (3,) [m].
+    span, weights
+        Place on the knot grid; see `locate`.
+    rows, y
+        Scratch, (3, n) and (3,).
+
+    Notes
+    -----
+    The rows of the Cholesky factor of `info` are folded: three, however many images the
+    information comes from.
+    """
+    first = BLOCK * span
+    for i in range(BLOCK):
+        y[i] = 0.0
+        for k in range(first, rows.shape[1]):
+            rows[i, k] = 0.0
+        pivot = info[i, i]
+        if not pivot > least:
+            continue
+        root = math.sqrt(pivot)
+        y[i] = rhs[i] / root
+        for q in range(i, BLOCK):
+            g = info[i, q] / root
+            y[i] += g * x[q]
+            for m in range(ORDER):
+                rows[i, first + BLOCK * m + q] = g * weights[m]
+        for p in range(i + 1, BLOCK):
+            share = info[p, i] / pivot
+            rhs[p] -= share * rhs[i]
+            for q in range(i + 1, BLOCK):
+                info[p, q] -= share * info[i, q]
+    fold_block(R, z, rows, y, first)

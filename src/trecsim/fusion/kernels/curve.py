@@ -1,0 +1,66 @@
+"""Points on the trajectories: uniform cubic B-splines over the live control points."""
+
+import math
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+BLOCK = 3
+ORDER = 4
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def locate(place, live, weights):
+    """Write the weights of the four control points active at `place`; return the first of them.
+
+    Parameters
+    ----------
+    place
+        Time in knots since the oldest live one; beyond the live part it is taken at its end.
+    live
+        Number of live control points.
+    weights
+        Result, (4,).
+
+    Notes
+    -----
+    Uniform cubic B-spline basis (thesis eq. 38-41).
+    """
+    span = min(max(math.floor(place), 0), live - ORDER)
+    u = min(max(place - span, 0.0), 1.0)
+    v = 1.0 - u
+    weights[0] = v * v * v / 6.0
+    weights[1] = (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0
+    weights[2] = (3.0 * v * v * v - 6.0 * v * v + 4.0) / 6.0
+    weights[3] = u * u * u / 6.0
+    return span
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def point(c, span, weights, xyz_m):
+    """Write one joint's place at ``span, weights`` to `xyz_m` (3,)."""
+    for a in range(BLOCK):
+        xyz_m[a] = (
+            weights[0] * c[BLOCK * span + a]
+            + weights[1] * c[BLOCK * span + 3 + a]
+            + weights[2] * c[BLOCK * span + 6 + a]
+            + weights[3] * c[BLOCK * span + 9 + a]
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def evaluate_all(c, place, xyz_m):
+    """Write everybody's joints at several times to `xyz_m` (time, track, joint, 3).
+
+    `c` are control points (track, joint, n), `place` the times in knots (time,); see `locate`.
+    """
+    weights = np.empty(ORDER)
+    for v in range(place.shape[0]):
+        span = locate(place[v], c.shape[2] // BLOCK, weights)
+        for k in range(c.shape[0]):
+            for j in range(c.shape[1]):
+                point(c[k, j], span, weights, xyz_m[v, k, j])

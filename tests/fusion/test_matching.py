@@ -1,0 +1,133 @@
+"""Likelihoods of whole people, assignment and responsibilities equal their twins."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import reference_fusion as reference
+from fusion.somebody import MODEL, SETTINGS, seen, somebody
+from trecsim.fusion import kernels
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def score(cam, xyz, cov, xy, factor, reach_m=np.inf):
+    out, flip = np.empty((len(xyz), len(xy))), np.empty((len(xyz), len(xy)), np.int64)
+    kernels.score_view(
+        MODEL.P, MODEL.focal_px, cam, xyz, cov, xy, factor, MODEL.noise, reach_m, out, flip
+    )
+    return out, flip
+
+
+@given(SEEDS)
+def test_scores_of_a_view_equal_the_sum_over_joints(seed):
+    rng = np.random.default_rng(seed)
+    P, focal = MODEL.P[1], MODEL.focal_px[1]
+    xyz, cov = map(np.stack, zip(*[somebody(rng) for _ in range(2)], strict=True))
+    xy, factor = map(np.stack, zip(*[seen(rng, P, x) for x in xyz], strict=True))
+    out, flip = score(1, xyz, cov, xy, factor)
+    for k in range(2):
+        for d in range(2):
+            both = [
+                reference.score_pair(
+                    P, focal, xyz[k], cov[k], xy[d], factor[d], MODEL.noise,
+                    SETTINGS.outlier_share, SETTINGS.outlier_area_m2, f,
+                )
+                for f in range(2)
+            ]  # fmt: skip
+            assert out[k, d] == pytest.approx(max(both), rel=1e-6, abs=1e-6)
+            assert flip[k, d] == np.argmax(both)
+
+
+@given(SEEDS, st.floats(0.05, 1.5))
+def test_only_detections_within_reach_are_scored(seed, reach_m):
+    rng = np.random.default_rng(seed)
+    xyz, cov = somebody(rng)
+    xy, factor = seen(rng, MODEL.P[2], xyz + rng.normal(0, 0.5, 3))
+    known = np.isfinite(xy[:, 0])
+    uv = np.array([reference.project(MODEL.P[2], x) for x in xyz])
+    depth = np.array([reference.depth(MODEL.P[2], x) for x in xyz])
+    apart_m = (np.linalg.norm(xy - uv, axis=1) * depth / MODEL.focal_px[2])[known].mean()
+    if abs(apart_m - reach_m) < 1e-6:
+        return
+    out, _ = score(2, xyz[None], cov[None], xy[None], factor[None], reach_m)
+    assert np.isfinite(out[0, 0]) == (apart_m < reach_m)
+
+
+def test_a_mirrored_detection_is_read_mirrored():
+    rng = np.random.default_rng(1)
+    xyz, cov = somebody(rng)
+    xy = np.array([reference.project(MODEL.P[0], x) for x in xyz])[MODEL.noise.mirror]
+    _, flip = score(0, xyz[None], cov[None] * 0.1, xy[None], np.ones((1, 17)))
+    assert flip[0, 0] == 1
+
+
+@given(SEEDS, st.integers(1, 6), st.integers(1, 6))
+def test_assignment_reaches_the_same_gain_as_scipys(seed, n_row, n_column):
+    rng = np.random.default_rng(seed)
+    gain = rng.normal(1.0, 3.0, (n_row, n_column))
+    best = np.empty(n_row, np.int64)
+    kernels.assign(gain, best)
+    used = best[best >= 0]
+    assert len(set(used)) == len(used)
+    rows = np.flatnonzero(best >= 0)
+    expected = reference.assign(gain)
+    right = np.flatnonzero(expected >= 0)
+    total = gain[rows, best[rows]].sum()
+    assert total == pytest.approx(gain[right, expected[right]].sum())
+
+
+@given(SEEDS, st.integers(1, 6), st.integers(1, 6), st.floats(-4, 2))
+def test_weighing_only_contested_claims_gains_as_much_as_weighing_all(seed, n_row, n_column, usual):
+    ratio = np.random.default_rng(seed).normal(usual, 3.0, (n_row, n_column))
+    best = np.empty(n_row, np.int64)
+    kernels.match_view(ratio, best)
+    found = np.flatnonzero(best >= 0)
+    assert len(set(best[found])) == len(found)
+    expected = reference.associate(ratio)
+    right = np.flatnonzero(expected >= 0)
+    total = ratio[found, best[found]].sum()
+    assert total == pytest.approx(ratio[right, expected[right]].sum())
+
+
+@given(SEEDS, st.integers(1, 4), st.integers(1, 4))
+def test_responsibilities_share_a_detection_between_tracks_and_clutter(seed, n_track, n_person):
+    ratio = np.random.default_rng(seed).normal(0, 20, (n_track, n_person))
+    expected = reference.responsibility(ratio, 3.0)
+    got = [
+        [kernels.responsibility(ratio, k, d, 3.0) for d in range(n_person)] for k in range(n_track)
+    ]
+    np.testing.assert_allclose(got, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_ratios_beyond_any_number_share_without_overflow():
+    ratio = np.array([[1e6], [1e6], [-np.inf]])
+    shares = [kernels.responsibility(ratio, k, 0, 3.0) for k in range(3)]
+    assert shares == pytest.approx([0.5, 0.5, 0.0])
+
+
+@given(SEEDS)
+def test_a_frame_set_is_associated_image_by_image(seed):
+    rng = np.random.default_rng(seed)
+    xyz, cov = map(np.stack, zip(*[somebody(rng) for _ in range(3)], strict=True))
+    cam, offset = np.array([2, 0]), np.array([0, 2, 2])
+    xy, factor = map(
+        np.stack, zip(*[seen(rng, MODEL.P[2], x) for x in (xyz[1], xyz[0])], strict=True)
+    )
+    match, flip = np.empty((3, 2), np.int64), np.empty((3, 2), np.int64)
+    sure = np.empty((3, 2))
+    kernels.associate_all(
+        MODEL.P, MODEL.focal_px, cam, offset, np.stack([xyz, xyz]), cov, xy, factor, MODEL.noise,
+        np.inf, match, flip, sure,
+    )  # fmt: skip
+    ratio, mirrored = score(2, xyz, cov, xy, factor)
+    best = np.empty(3, np.int64)
+    kernels.match_view(ratio, best)
+    np.testing.assert_array_equal(match[:, 0], best)
+    assert (match[:, 1] == -1).all()
+    share = reference.responsibility(ratio, 3.0)
+    for k in np.flatnonzero(best >= 0):
+        assert flip[k, 0] == mirrored[k, best[k]]
+        assert sure[k, 0] == pytest.approx(share[k, best[k]])
+    assert (sure[best < 0, 0] == 0).all()

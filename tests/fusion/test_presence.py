@@ -1,0 +1,103 @@
+"""Support, expectation and survival equal their twins."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import reference_fusion as reference
+from fusion.somebody import MODEL, somebody
+from trecsim.fusion import kernels
+
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+@given(SEEDS)
+def test_expected_cameras_are_those_with_half_of_the_torso_in_view(seed):
+    rng = np.random.default_rng(seed)
+    x = np.stack([somebody(rng)[0] + rng.normal(0, 2.5, 3) for _ in range(3)])
+    looking = rng.random(4) < 0.7
+    count = np.empty(3, np.int64)
+    kernels.expect_all(MODEL.P, MODEL.size_px, looking, MODEL.torso, x, count)
+    expected = reference.expected(MODEL.P, MODEL.size_px, looking, MODEL.torso, x)
+    np.testing.assert_array_equal(count, expected)
+
+
+def test_a_camera_supports_whom_it_sees_with_three_joints_and_never_backwards_in_time():
+    camera_s, joint_s = np.full((2, 3), -np.inf), np.full((2, 4, 3), -np.inf)
+    inlier = np.zeros((2, 2, 4))
+    inlier[0, 0, :3], inlier[1, 0, :2] = 0.9, 0.9
+    inlier[0, 1] = 0.4
+    match = np.array([[0, 1], [1, -1]])
+    kernels.note_support(np.array([2, 0]), np.array([5.0, 6.0]), match, inlier, camera_s, joint_s)
+    assert camera_s[0].tolist() == [-np.inf, -np.inf, 5.0]
+    assert joint_s[0, :, 2].tolist() == [5.0, 5.0, 5.0, -np.inf]
+    assert (camera_s[1] == -np.inf).all()
+    kernels.note_support(np.array([2, 0]), np.array([4.0, 6.0]), match, inlier, camera_s, joint_s)
+    assert camera_s[0, 2] == 5.0
+    assert joint_s[0, 0, 2] == 5.0
+
+
+def test_time_with_two_cameras_and_time_read_mirrored_add_up():
+    camera_s = np.array([[9.95, 9.9, 0.0], [10.0, 0.0, 0.0]])
+    match, flip = np.array([[0, 1, 2], [3, -1, -1]]), np.array([[1, 1, 0], [0, 0, 0]])
+    two_s, together_s, mirrored_s = np.array([1.0, 2.0]), np.zeros(2), np.array([0.1, 0.03])
+    kernels.age(camera_s, match, flip, 10.0, 0.06, two_s, together_s, mirrored_s)
+    assert two_s.tolist() == [10.0, 2.0]
+    assert together_s.tolist() == [0.06, 0.0]
+    assert mirrored_s == pytest.approx([0.1 + 0.02, 0.0])  # two of three; then less than nothing
+
+
+@given(SEEDS, st.floats(0.05, 1.0))
+def test_people_are_close_when_the_mean_distance_of_their_torsos_is(seed, distance_m):
+    rng = np.random.default_rng(seed)
+    x = rng.normal(0, 0.3, (3, 17, 3))
+    apart = np.linalg.norm(x[:, None, MODEL.torso] - x[None, :, MODEL.torso], axis=-1).mean(-1)
+    some = (apart[np.triu_indices(3, 1)] < distance_m).any()
+    assert kernels.any_close(x, MODEL.torso, distance_m) == some
+
+
+@pytest.mark.parametrize(
+    ("last_s", "two_s", "confirmed", "expected", "lives"),
+    [
+        (9.6, 9.6, True, 3, True),  # seen within half a second
+        (9.4, 9.4, True, 3, False),  # not seen for longer
+        (9.7, 9.7, True, 0, False),  # out of everybody's view for a quarter of a second
+        (10.0, 8.0, True, 3, False),  # one camera against two that do not see the person
+        (10.0, 8.0, True, 2, True),
+        (10.0, 9.7, False, 2, False),  # tentative, and only one camera
+        (10.0, 9.8, False, 2, True),
+    ],
+)
+def test_who_lives_on(last_s, two_s, confirmed, expected, lives):
+    alive = np.empty(1, bool)
+    kernels.survive_all(
+        np.array([[last_s, -np.inf]]), np.array([two_s]), np.array([confirmed]),
+        np.array([expected]), np.zeros((1, 17, 3)), 10.0, 0.5, 1.5, 0.25, alive,
+    )  # fmt: skip
+    assert alive[0] == lives
+
+
+def test_a_body_that_is_not_finite_dies():
+    x = np.zeros((1, 17, 3))
+    x[0, 4, 1] = np.inf
+    alive = np.empty(1, bool)
+    kernels.survive_all(
+        np.full((1, 2), 10.0), np.array([10.0]), np.array([True]), np.array([2]), x, 10.0, 0.5, 1.5,
+        0.25, alive,
+    )  # fmt: skip
+    assert not alive[0]
+
+
+@given(SEEDS)
+def test_prefilter_blots_out_what_cannot_be_used(seed):
+    rng = np.random.default_rng(seed)
+    xy, score = rng.normal(0, 100, (3, 17, 2)), rng.uniform(0, 1, (3, 17))
+    xy[rng.random((3, 17)) < 0.2, 1] = np.inf
+    score[rng.random((3, 17)) < 0.2] = np.nan
+    expected, trust = reference.prefilter(xy, score, 0.15, 0.85)
+    factor = np.empty(score.shape)
+    fewest = kernels.prefilter(xy, score, 0.15, 0.85, factor)
+    np.testing.assert_array_equal(xy, expected)
+    np.testing.assert_allclose(factor, trust)
+    assert fewest == np.isfinite(expected[..., 0]).sum(axis=1).min()
