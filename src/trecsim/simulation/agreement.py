@@ -28,7 +28,7 @@ def misplaced(
     Parameters
     ----------
     t_s
-        Times, none of them negative [s].
+        Times; before 0 nothing changes [s].
     xyz_m
         Everybody's joints then, NaN while absent [m].
     up_m
@@ -52,8 +52,9 @@ def _wandering(t_s: Float64[np.ndarray, " time"], people: int, rng: np.random.Ge
     fast = ornstein_uhlenbeck(of_fast, grid_s, FAST_S, people, 17, 3)
     slow = ornstein_uhlenbeck(of_slow, grid_s, SLOW_S, people, 17, 3)
     grid = np.sqrt(FAST) * fast + np.sqrt(1.0 - FAST) * slow
-    before = np.floor(t_s / STEP_S).astype(np.intp)
-    share = (t_s / STEP_S - before)[:, None, None, None]
+    step = np.maximum(t_s, 0.0) / STEP_S
+    before = np.floor(step).astype(np.intp)
+    share = (step - before)[:, None, None, None]
     at: Joints = (1.0 - share) * grid[before] + share * grid[before + 1]
     return at
 

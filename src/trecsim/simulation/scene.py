@@ -153,7 +153,7 @@ def simulate(scene: Scene, seed: int | None = None, progress: Progress | None = 
     images: list[tuple[float, int, Poses2D]] = []
     seeds = of_cameras.spawn(len(scene.rig))
     for number, (camera, clock, own) in enumerate(zip(scene.rig, clocks, seeds, strict=True)):
-        taken_s, seen = _look(scene, camera, clock, people, np.random.default_rng(own))
+        taken_s, seen = _look(scene, camera, clock, people, np.random.default_rng(own), seed)
         images.extend(zip(taken_s, [number] * len(seen), seen, strict=True))
         if progress is not None:
             progress(number + 1, len(scene.rig))
@@ -180,6 +180,7 @@ def _look(
     clock: Clock,
     people: tuple[Person, ...],
     rng: np.random.Generator,
+    common_seed: int,
 ) -> tuple[list[float], list[Poses2D]]:
     """Return when one camera takes its images, and what is found in them."""
     taken_s, stamp_s = clock.ticks(scene.seconds, rng)
@@ -190,6 +191,7 @@ def _look(
         xyz_m=poses([person.motion for person in people], taken_s),
         stature_m=np.array([person.stature_m for person in people]),
         obstacles=scene.obstacles,
+        common_seed=common_seed,
     )
     chance = deepcopy(rng)
     seen = detect(footage, scene.detector, rng)
