@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from made_recording import make_recording
+from trecsim.store.rows import COLUMNS
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -27,10 +28,12 @@ def test_the_command_writes_a_page_and_sums_it_up(trecsim: Command, walk: Path) 
 
 
 def test_warnings_are_told_on_the_terminal_too(trecsim: Command, walk: Path) -> None:
+    (walk / "tracks.csv").write_text(",".join(COLUMNS) + "\n")
     (walk / "summary.json").write_text('{"ended": "stopped"}')
     code, out, _ = trecsim("report", walk, "--out", walk / "r.html")
     assert code == 0
     assert "look at this: The run was stopped before its end" in out
+    assert "look at this: Nobody was followed" in out
 
 
 HOSTILE = {

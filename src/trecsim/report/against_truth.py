@@ -9,7 +9,7 @@ from trecsim.report.recording import Recording
 from trecsim.report.style import ACCENT, PAPER, as_svg, figure, quiet
 
 TITLE = "Against the truth"
-LEAD = "The recording was made, so that it is known where everybody truly was."
+LEAD = "This recording was simulated: where everybody truly was is known exactly."
 
 
 def scores_of(recording: Recording) -> Scores | str | None:
