@@ -1,23 +1,21 @@
 """The demo: a simulated room through the same code as a recording, held against the truth."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 from trecsim.calibration import write_rig
 from trecsim.config.check import check_site
 from trecsim.errors import InputError, SetupError
-from trecsim.evaluation.truth import Comparison, compare
+from trecsim.evaluation.moments import read_moments, with_empty_moments
+from trecsim.evaluation.truth import Comparison, compare_moments
 from trecsim.pipeline import RunSummary, run
 from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
-from trecsim.store.truth import write_truth
 from trecsim.sources import PosesWriter
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.tracks import read_tracks
-from trecsim.types import Snapshot
+from trecsim.store.truth import Truth, write_truth
 
 Progress = Callable[[int, int | None], None]
 
@@ -105,8 +103,10 @@ def demo(
             progress(done, len(made.poses))
 
     summary = run(check_site(folder / "site.toml"), folder / RUN, progress=told, remark=remark)
-    snapshots = _with_empty_moments(read_tracks(folder / RUN), summary)
-    comparison = compare(snapshots, made.truth_t_s, made.truth_xyz_m)
+    truth = Truth(made.truth_t_s, made.truth_xyz_m)
+    first_s, last_s = float(truth.t_s[0]), float(truth.t_s[-1])
+    moments = with_empty_moments(read_moments(folder / RUN), first_s, last_s, truth.t_s)
+    comparison = compare_moments(moments, truth)
     picture = _draw(folder, made, comparison)
     return DemoSummary(folder, picture, people, summary, comparison)
 
@@ -172,32 +172,6 @@ def _write(folder: Path, made: Simulation) -> None:
     with PosesWriter(folder / "poses.jsonl") as writer:
         for poses in made.poses:
             writer.write(poses)
-
-
-def _with_empty_moments(snapshots: Iterable[Snapshot], summary: RunSummary) -> Iterator[Snapshot]:
-    """Yield the snapshots and, where files of tracks have none, moments without anybody."""
-    if summary.first_s is None or summary.last_s is None:
-        return
-    step_s = (summary.last_s - summary.first_s) / max(summary.frame_sets - 1, 1)
-    next_s = summary.first_s
-    for snapshot in snapshots:
-        yield from _nobody(next_s, snapshot.t_s, step_s)
-        yield snapshot
-        next_s = snapshot.t_s + step_s
-    yield from _nobody(next_s, summary.last_s + step_s, step_s)
-
-
-def _nobody(from_s: float, to_s: float, step_s: float) -> Iterator[Snapshot]:
-    """Yield empty moments from a time until half a step before another."""
-    missing = int((to_s - from_s) / step_s + 0.5) if step_s > 0 else 0
-    for number in range(missing):
-        yield Snapshot(
-            from_s + number * step_s,
-            np.empty(0, np.int64),
-            np.empty((0, 17, 3)),
-            np.empty((0, 17, 3, 3)),
-            np.empty((0, 17), np.int64),
-        )
 
 
 def _draw(folder: Path, made: Simulation, comparison: Comparison) -> Path | None:

@@ -81,9 +81,12 @@ def compare(
     then the smallest sum of distances. Pairs of earlier snapshots have no say, so an identity
     that is passed on counts as a switch at once.
     """
-    found = gather(snapshots)
     truth = Truth(truth_t_s, truth_xyz_m)
-    moments = in_common(found, truth)
+    return compare_moments(in_common(gather(snapshots), truth), truth)
+
+
+def compare_moments(moments: Moments, truth: Truth) -> Comparison:
+    """Return how tracks agree with a truth that is known at all their moments."""
     matcher = Matcher(moments, truth)
     for near in nearness(moments, truth):
         matcher.add(near)
