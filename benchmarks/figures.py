@@ -5,10 +5,12 @@ anew and nothing is stored.
 """
 
 import argparse
+import math
 import sys
 
 from harness import markdown
 from harness.figures import Result, stored
+from harness.machine import busy_with
 from harness.running import run_all
 from run import ALL
 from targets import FUSION, OTHERS, Target
@@ -32,10 +34,12 @@ def table_of(targets: tuple[Target, ...], found: dict[str, Result]) -> str:
         value = target.reached(found)
         shown = target.group if target.group != group else ""
         group = target.group
+        verdict = target.verdict(value)
+        if target.timed and math.isfinite(value) and busy_with(found[target.where[0]].about):
+            verdict += " (the machine was busy)"
         rows.append(
-            [shown, target.text, target.asked, markdown.plain(value), target.verdict(value),
-             target.peers]
-        )  # fmt: skip
+            [shown, target.text, target.asked, markdown.plain(value), verdict, target.peers]
+        )
     return markdown.table(["", "figure", "asked", "reached", "", "others (recorded)"], rows)
 
 

@@ -43,6 +43,9 @@ AUTHORS_SCENES = {
 }
 
 
+FEWER_ON_SHELF = {4: "93.8"}  # 4D Association, mean over all choices of so many cameras
+
+
 class OnShelf(NamedTuple):
     """What another program reached on Shelf, five cameras; PCP in percent."""
 

@@ -7,6 +7,8 @@ from typing import Literal
 
 from harness.figures import Path_, Result, leaves
 
+TIMED = ("speed", "simulating", "evaluating", "startup", "pipeline_cost")
+
 Relation = Literal["<=", ">="]
 
 
@@ -34,6 +36,11 @@ class Target:
     limit: float
     unit: str = ""
     peers: str = ""
+
+    @property
+    def timed(self) -> bool:
+        """Whether a busy machine makes it worse."""
+        return self.where[0] in TIMED and self.unit in ("s", "ms", "x real time", "")
 
     @property
     def asked(self) -> str:

@@ -3,6 +3,7 @@
 import os
 import platform
 import subprocess
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -29,6 +30,13 @@ def describe() -> dict[str, Any]:
         },
         "commit": commit(),
     }
+
+
+def busy_with(about: Mapping[str, Any]) -> float | None:
+    """Return the load of a machine that had too much to do for its times to be quoted, or None."""
+    machine = about["machine"]
+    load = float(max(machine["load_average"][0], machine.get("load_average_after", [0.0])[0]))
+    return load if load > machine["cores"] else None
 
 
 def installed(package: str) -> str | None:

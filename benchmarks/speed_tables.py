@@ -1,0 +1,121 @@
+"""Tables of how long things take."""
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from harness.figures import Result
+from harness.machine import busy_with
+from harness.markdown import NOTHING, fixed, number, table, value_of
+from recorded import AUTHORS_FIT_MS, THESIS_FIT_MS, THESIS_INFERENCE_MS
+
+Results = Mapping[str, Result]
+
+
+def speed(results: Results) -> str:
+    """Return median and 95th percentile over people and cameras [ms]."""
+    cameras, people, at = grid(results)
+    rows = [
+        [str(p), *(f"{number(at(c, p, 'median'))} / {number(at(c, p, 'p95'))}" for c in cameras)]
+        for p in people
+    ]
+    return table(["people", *(f"{c} cameras" for c in cameras)], rows) + busy(results["speed"])
+
+
+def speed_short(results: Results) -> str:
+    """Return the medians of a few sites [ms]."""
+    _, _, at = grid(results)
+    sites = ((2, 3), (4, 4), (4, 10), (12, 10), (12, 50))
+    rows = [
+        ["fusion per frame set, median [ms]", *(number(at(c, p, "median")) for c, p in sites)],
+        ["95th percentile [ms]", *(number(at(c, p, "p95")) for c, p in sites)],
+    ]
+    made = table(["cameras x people", *(f"{c} x {p}" for c, p in sites)], rows)
+    return made + busy(results["speed"])
+
+
+def thesis_speed(results: Results) -> str:
+    """Return the thesis' table 5 [ms] with ours beside it."""
+    _, people, at = grid(results)
+    rows = []
+    for p in (p for p in people if p <= 10):
+        ours = _mean_std(*(at(2, p, name) for name in ("mean", "std", "max", "min")))
+        rows.append(
+            [
+                str(p),
+                *ours,
+                *_recorded(THESIS_FIT_MS.get(p)),
+                number(AUTHORS_FIT_MS.get(p, math.nan)),
+            ]
+        )
+    head = ["people", "mean ± std", "max", "min", "thesis: mean ± std", "max", "min",
+            "author's program, recorded on a server like ours"]  # fmt: skip
+    return table(head, rows) + busy(results["speed"])
+
+
+def thesis_rate(results: Results) -> str:
+    """Return the thesis' table 6, frame sets per second, with ours beside it."""
+    _, people, at = grid(results)
+    rows = [
+        [str(p), fixed(1e3 / at(2, p, "mean"), 0), fixed(1e3 / at(2, p, "max"), 0),
+         fixed(1e3 / THESIS_FIT_MS[p][0], 0) if p in THESIS_FIT_MS else NOTHING,
+         fixed(1e3 / THESIS_FIT_MS[p][2], 0) if p in THESIS_FIT_MS else NOTHING]
+        for p in people if p <= 10
+    ]  # fmt: skip
+    head = ["people", "per second", "in the slowest", "thesis: per second", "in the slowest"]
+    return table(head, rows)
+
+
+def growth(results: Results) -> str:
+    """Return the exponents of growth."""
+    result = results["speed"]
+    rows = []
+    for fit in ("all", "from 4 people and cameras"):
+        at = partial(value_of, result.figures, "growth", fit)
+        rows.append([fit, fixed(at("people"), 2), fixed(at("cameras"), 2)])
+    rows.append(["author's program (recorded)", "1.75", NOTHING])
+    return table(["fitted to", "people to the power of", "cameras to the power of"], rows)
+
+
+def _mean_std(mean: float, std: float, most: float, least: float) -> list[str]:
+    return [f"{number(mean)} ± {number(std)}", number(most), number(least)]
+
+
+def _recorded(row: tuple[float, float, float, float] | None) -> list[str]:
+    return _mean_std(*row) if row else [NOTHING] * 3
+
+
+def estimator(results: Results) -> str:
+    """Return the thesis' tables 7 and 8 with ours beside them."""
+    result = results["estimator_speed"]
+    rows = []
+    for people, name in ((1, "one person"), (2, "two people")):
+        at = partial(value_of, result.figures, "per image", name)
+        ours = _mean_std(at("mean"), at("std"), at("max"), at("min"))
+        rows.append(
+            [name, *ours, fixed(1e3 / at("mean"), 0), *_recorded(THESIS_INFERENCE_MS[people])]
+        )
+    head = ["in the image", "mean ± std [ms]", "max", "min", "images per second",
+            "thesis (YOLOv7, GPU): mean ± std [ms]", "max", "min"]  # fmt: skip
+    return table(head, rows) + busy(result)
+
+
+def busy(result: Result) -> str:
+    """Return a warning where a machine had too much to do for its times to be quoted."""
+    load = busy_with(result.about)
+    if load is None:
+        return ""
+    cores = result.about["machine"]["cores"]
+    return f"\n\n*The machine was busy (load {load:.1f} on {cores} cores): too long.*"
+
+
+def grid(results: Results) -> tuple[list[int], list[int], Callable[[int, int, str], float]]:
+    """Return the numbers of cameras and people that were timed, and how to look a time up."""
+    cells = results["speed"].figures["per frame set"]
+    assert isinstance(cells, Mapping)
+    counts = [tuple(int(word) for word in name.split() if word.isdigit()) for name in cells]
+
+    def at(cameras: int, people: int, name: str) -> float:
+        return value_of(cells, f"{cameras} cameras, {people} people", name)
+
+    return sorted({c for c, _ in counts}), sorted({p for _, p in counts}), at

@@ -1,0 +1,55 @@
+"""Keep what a study found, and make of it the tables and the picture that the docs show.
+
+Run: ``python benchmarks/study_pages.py FOLDER OF THE STUDY`` (``make study`` does)
+"""
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+from harness import pages
+from harness.machine import ROOT
+from trecsim.report.style import PALETTE
+from trecsim.study.analysis import findings
+from trecsim.study.charts import effects_svg
+from trecsim.study.ledger import NAME, read_runs
+from trecsim.study.plan import planned
+from trecsim.study.results import DEFAULT, PAIRS, RESULTS, markdown, read_results, standing_markdown
+from trecsim.study.running import STUDY
+from trecsim.study.table import read_study_table
+
+KEPT = ROOT / "benchmarks" / "results" / "study_three"
+PAGE = ROOT / "docs" / "parameter-study.md"
+PICTURE = ROOT / "docs" / "pictures" / "study-three.svg"
+TABLES = {
+    "study-three": lambda: markdown(read_results(KEPT / RESULTS)),
+    "study-three-default": lambda: standing_markdown(read_results(KEPT / DEFAULT)),
+}
+
+
+def picture(folder: Path) -> str:
+    """Return how the error depends on each setting, as a picture file."""
+    study = planned(read_study_table(folder / STUDY), str(folder))
+    runs = read_runs(folder / NAME)
+    found = findings(study, runs, runs[-1].code)
+    drawn = effects_svg(found, found.findings[0])
+    plain = re.sub(r"var\(--(\w+)\)", lambda name: PALETTE[name[1]][0], drawn)
+    header = '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" '
+    return plain.replace("<svg ", header, 1) + "\n"
+
+
+def main() -> None:
+    """Write the tables and the picture."""
+    folder = Path(sys.argv[1])
+    KEPT.mkdir(parents=True, exist_ok=True)
+    for name in (RESULTS, PAIRS, DEFAULT):
+        shutil.copyfile(folder / name, KEPT / name)
+    pages.fill(PAGE, TABLES)
+    PICTURE.write_text(picture(folder))
+    for path in (KEPT, PAGE, PICTURE):
+        print(path.relative_to(ROOT))
+
+
+if __name__ == "__main__":
+    main()
