@@ -1,0 +1,41 @@
+"""What is said about speed follows from the times."""
+
+import pytest
+
+import speed
+from harness.figures import find, timed
+
+
+def test_the_fit_finds_the_exponents_that_times_were_made_with() -> None:
+    counts = speed.cells(quick=False)
+    times = [0.02 * people**1.2 * cameras**0.8 for cameras, people in counts]
+    assert speed.exponents(counts, times) == pytest.approx((1.2, 0.8))
+
+
+def test_what_is_fixed_does_not_hide_the_growth_of_larger_sites() -> None:
+    counts = speed.cells(quick=False)
+    cells = {
+        speed.cell_name(cameras, people): {
+            "median": timed(
+                [0.01 * people**1.5 * cameras if min(cameras, people) >= 4 else 1.0], [1]
+            )
+        }
+        for cameras, people in counts
+    }
+    grown = speed.growth(cells, counts)
+    large, all_sizes = (
+        find(grown, (fit, "people")) for fit in ("from 4 people and cameras", "all")
+    )
+    assert large is not None
+    assert all_sizes is not None
+    assert large.value == pytest.approx(1.5)
+    assert all_sizes.value < 1.4
+
+
+def test_the_quick_part_is_among_the_whole() -> None:
+    assert set(speed.cells(quick=True)) < set(speed.cells(quick=False))
+
+
+def test_fifty_people_have_the_room_of_ten_each() -> None:
+    (width_m, depth_m), (wide_m, deep_m) = speed.room_size_m(10), speed.room_size_m(50)
+    assert wide_m * deep_m / 50 == pytest.approx(width_m * depth_m / 10, rel=0.01)
