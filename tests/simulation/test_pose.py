@@ -6,7 +6,7 @@ import pytest
 from trecsim.simulation.body import body
 from trecsim.simulation.paths import through
 from trecsim.simulation.pose import about, blend, joints, pose_of
-from trecsim.simulation.sampled import Sampled, between
+from trecsim.simulation.sampled import Sampled, between, sampled
 from trecsim.simulation.walkers import walker
 
 ONE = body(1.8, np.random.default_rng(2))
@@ -49,6 +49,13 @@ def test_samples_are_met_and_parabolas_are_followed_exactly() -> None:
     entry = np.linspace(1.0, 8.0, 29)
     np.testing.assert_allclose(between(parabola, entry)[:, 0], entry**2, atol=1e-9)
     np.testing.assert_array_equal(between(parabola, steps), parabola)
+
+
+def test_a_sampled_walk_is_the_walk() -> None:
+    person = walker(ONE, through(np.array([0.5, 4.0]), np.array([[0.0, 0.0], [4.0, 1.0]])))
+    t_s = np.sort(np.random.default_rng(0).uniform(0.0, 4.5, 300))
+    np.testing.assert_allclose(sampled(person)(t_s), person(t_s), atol=5e-4)
+    np.testing.assert_allclose(sampled(person)(np.array([4.0])), person(np.array([4.0])), atol=1e-6)
 
 
 def test_a_sampled_motion_is_there_from_its_first_to_its_last_moment() -> None:

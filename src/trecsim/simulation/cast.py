@@ -25,6 +25,7 @@ from trecsim.simulation.actions import (
 from trecsim.simulation.body import Body, bodies, body
 from trecsim.simulation.paths import FloorPath
 from trecsim.simulation.performance import perform
+from trecsim.simulation.sampled import sampled
 from trecsim.simulation.walkers import Motion, walker
 from trecsim.simulation.wandering import wander
 
@@ -348,6 +349,6 @@ def _walking(
     bodies_: tuple[Body, ...], paths: tuple[FloorPath, ...], rng: np.random.Generator
 ) -> tuple[Person, ...]:
     return tuple(
-        Person(body.stature_m, walker(body, path, float(rng.uniform(0, 2 * np.pi))))
+        Person(body.stature_m, sampled(walker(body, path, float(rng.uniform(0, 2 * np.pi)))))
         for body, path in zip(bodies_, paths, strict=True)
     )

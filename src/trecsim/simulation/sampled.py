@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Float64
 
+from trecsim.simulation.paths import STEP_S
+from trecsim.simulation.walkers import Walker
+
 Weights = Float64[np.ndarray, "tap time"]
 
 
@@ -43,6 +46,20 @@ class Sampled:
         return xyz_m
 
 
+def sampled(walker: Walker) -> Sampled:
+    """Return the same walk, cheaper to look up: made once for all cameras.
+
+    Parameters
+    ----------
+    walker
+        Somebody who walks.
+    """
+    enter_s, leave_s = walker.path.enter_s, walker.path.leave_s
+    steps = max(int(np.ceil((leave_s - enter_s) / STEP_S)), 1)
+    t_s = np.linspace(enter_s, leave_s, steps + 1)
+    return Sampled(enter_s, (leave_s - enter_s) / steps, walker(t_s).astype(np.float32), leave_s)
+
+
 def between(
     samples: Float64[np.ndarray, "step *batch"] | Float32[np.ndarray, "step *batch"],
     entry: Float64[np.ndarray, " time"],
@@ -72,8 +89,18 @@ def between(
             -(u**2) + u**3,
         ]
     )
+    _go_straight(weights, left == 0, (0, 1, 2))
+    _go_straight(weights, left + 1 >= last, (3, 2, 1))
     value = np.zeros((len(entry), *samples.shape[1:]))
     for tap, weight in zip((-1, 0, 1, 2), weights, strict=True):
         row = np.clip(left + tap, 0, last)
         value += weight.reshape(-1, *[1] * (samples.ndim - 1)) * samples[row]
     return value
+
+
+def _go_straight(weights: Weights, there: np.ndarray, taps: tuple[int, int, int]) -> None:
+    """Let the values go on straight beyond an end: the first tap is missing there."""
+    missing, end, inner = taps
+    weights[end, there] += 2 * weights[missing, there]
+    weights[inner, there] -= weights[missing, there]
+    weights[missing, there] = 0.0
