@@ -84,7 +84,7 @@ def read_scene(source: Path | str) -> Scene:
     Examples
     --------
     >>> read_scene("crossing-50cm").about
-    'Two people pass each other at half a metre, to and fro.'
+    'Two people pass each other at half a metre, back and forth.'
     """
     if str(source) in BUILT_IN:
         return _built_in(str(source))
