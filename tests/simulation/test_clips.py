@@ -11,7 +11,8 @@ from trecsim.simulation.body import body
 from trecsim.simulation.clips import FACE_M, Take, posed, read_clip
 from trecsim.simulation.on_foot import on_foot
 from trecsim.simulation.performance import perform
-from trecsim.simulation.pose import Place, joints
+from trecsim.simulation.pose import joints
+from trecsim.simulation.turns import Place
 
 ONE = body(1.8, np.random.default_rng(3))
 OTHER = body(1.6)

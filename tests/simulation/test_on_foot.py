@@ -6,7 +6,7 @@ import pytest
 from trecsim.simulation.actions import Run, Stand, Turn, Walk
 from trecsim.simulation.body import body
 from trecsim.simulation.on_foot import OnFoot, on_foot, standing
-from trecsim.simulation.pose import Place
+from trecsim.simulation.turns import Place
 
 ONE = body(1.7, np.random.default_rng(1))
 WAYS: list[list[OnFoot]] = [

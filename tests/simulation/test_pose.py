@@ -5,8 +5,9 @@ import pytest
 
 from trecsim.simulation.body import body
 from trecsim.simulation.paths import through
-from trecsim.simulation.pose import about, blend, joints, pose_of
+from trecsim.simulation.pose import blend, joints, pose_of
 from trecsim.simulation.sampled import Sampled, between, sampled
+from trecsim.simulation.turns import about
 from trecsim.simulation.walkers import walker
 
 ONE = body(1.8, np.random.default_rng(2))

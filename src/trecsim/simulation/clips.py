@@ -15,10 +15,11 @@ from trecsim.errors import InputError
 from trecsim.simulation.actions import FARTHEST_M, Point
 from trecsim.simulation.body import Body
 from trecsim.simulation.paths import STEP_S, smooth
-from trecsim.simulation.pose import Joints, Place, Pose, blend, cut, joined, pose_of, unit
+from trecsim.simulation.pose import Joints, Pose, blend, cut, joined, pose_of
 from trecsim.simulation.postures import STAND, Posture
 from trecsim.simulation.sampled import between
 from trecsim.simulation.timing import even
+from trecsim.simulation.turns import Place, unit
 from trecsim.store.npz import Shapes, read_arrays
 
 MOST_FRAMES = 1_000_000

@@ -7,7 +7,8 @@ from jaxtyping import Float64
 
 from trecsim.simulation.body import Body
 from trecsim.simulation.paths import STEP_S, smooth
-from trecsim.simulation.pose import STRAIGHT, Joints, Pose, joints, unit
+from trecsim.simulation.pose import STRAIGHT, Joints, Pose, joints
+from trecsim.simulation.turns import unit
 
 WRIST_M = 0.03
 SOFT_M = 0.006  # hands slow down so far above that

@@ -7,11 +7,13 @@ from jaxtyping import Float64
 
 from trecsim.simulation.actions import Point
 from trecsim.simulation.body import Body
+from trecsim.simulation.bouts import Bout, end_of, path_along, stay, ways
 from trecsim.simulation.keyposes import ANKLE_M, FEET, KNEE_M, pitched
-from trecsim.simulation.on_foot import Bout, end_of, path_along, stay, strides, ways
+from trecsim.simulation.on_foot import strides
 from trecsim.simulation.paths import STEP_S, FloorPath, smooth
-from trecsim.simulation.pose import Place, Pose, about, reaching, unit
+from trecsim.simulation.pose import Pose, reaching
 from trecsim.simulation.timing import even
+from trecsim.simulation.turns import Place, about, unit
 
 STRIDE = 0.29  # stride length as a share of the stature
 STANCE = 0.62  # share of a stride for which a hand or knee rests

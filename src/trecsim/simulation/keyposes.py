@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.simulation.body import Body
-from trecsim.simulation.pose import Pose, about, unit
+from trecsim.simulation.pose import Pose
+from trecsim.simulation.turns import about, unit
 
 FLESH_M = 0.09  # joints of the trunk are so far from what they rest on
 KNEE_M, ANKLE_M = 0.055, 0.06

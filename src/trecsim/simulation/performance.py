@@ -23,19 +23,20 @@ from trecsim.simulation.actions import (
     Walk,
 )
 from trecsim.simulation.body import Body
+from trecsim.simulation.bouts import AHEAD_RAD, shortest
 from trecsim.simulation.clips import carried, looped, place_of, posed, read_clip, stays_in
 from trecsim.simulation.contact import on_the_floor
 from trecsim.simulation.crawling import crawl
-from trecsim.simulation.on_foot import OnFoot, on_foot, shortest
+from trecsim.simulation.on_foot import OnFoot, on_foot
 from trecsim.simulation.paths import STEP_S
-from trecsim.simulation.pose import Place, Pose, at, blend, joined
+from trecsim.simulation.pose import Pose, at, blend, joined
 from trecsim.simulation.postures import LYING, STAND, Being, Posture, stepping_over, way
 from trecsim.simulation.sampled import Sampled
 from trecsim.simulation.timing import even
+from trecsim.simulation.turns import Place
 
 LONGEST_S = 4 * 3600.0  # every moment is in memory
 BRIDGE_S = 0.6  # from a posture into a clip and out of it
-AHEAD_RAD = 0.6
 
 
 def perform(

@@ -11,8 +11,9 @@ from trecsim.simulation import keyposes
 from trecsim.simulation.body import Body
 from trecsim.simulation.crawling import on_all_fours
 from trecsim.simulation.on_foot import standing
-from trecsim.simulation.pose import Place, Pose, about, blend, joints, placed, pose_of, reaching
+from trecsim.simulation.pose import Pose, blend, joints, placed, pose_of, reaching
 from trecsim.simulation.timing import even, falling
+from trecsim.simulation.turns import Place, about
 
 Times = Float64[np.ndarray, " time"]
 Name = Literal[
