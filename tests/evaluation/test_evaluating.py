@@ -70,6 +70,11 @@ def test_times_of_frame_sets_beside_the_tracks_are_the_moments(tmp_path: Path) -
             writer.write(StepTiming(t_s, 2, people, 1.0))
     scores = scored(path)
     assert (scores.moments, scores.without_anybody, scores.missed) == (7, 2, 4)
+    with timing_writer(tmp_path / "timing.csv") as writer:
+        writer.write(StepTiming(0.25, 2, 2, 1.0))
+    remarks: list[str] = []
+    evaluate(path, TWO, remark=remarks.append)
+    assert any("timing.csv beside them is of other tracks" in remark for remark in remarks)
 
 
 def test_empty_tracks_are_a_stated_zero(tmp_path: Path) -> None:

@@ -94,10 +94,18 @@ def test_tracks_that_lag_behind_the_frame_sets_are_recognised(tmp_path: Path) ->
 
 def test_frame_sets_of_other_tracks_are_not_believed(tmp_path: Path) -> None:
     path = write(tmp_path, [0.0, 0.1, 0.2])
-    write_timing(tmp_path, [(0.0, 1), (0.5, 1), (0.6, 1)])
-    assert read_moments(path).frame_set_t_s is None
-    write_timing(tmp_path, [(0.0, 1), (0.1, 1)])
-    assert read_moments(path).frame_set_t_s is None
+    assert read_moments(path).other_timing is None
+    for steps in ([(0.0, 1), (0.5, 1), (0.6, 1)], [(0.0, 1), (0.1, 1)], []):
+        write_timing(tmp_path, steps)
+        recorded = read_moments(path)
+        assert recorded.frame_set_t_s is None
+        assert recorded.other_timing == tmp_path / "timing.csv"
+
+
+def test_a_frame_set_that_could_not_be_used_does_no_harm(tmp_path: Path) -> None:
+    path = write(tmp_path, [0.0, 0.1, 0.3])
+    write_timing(tmp_path, [(0.0, 1), (0.1, 1), (0.2, 1), (0.3, 1)])
+    assert moments_of(path, 0.0, 0.3).people.tolist() == [1, 1, 0, 1]
 
 
 def test_tracks_too_short_to_have_an_interval_take_the_times_given(tmp_path: Path) -> None:

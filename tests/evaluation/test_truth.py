@@ -119,3 +119,9 @@ def test_nothing_in_common_is_no_perfect_score() -> None:
         compare([snapshot(0.5, [1], people(0.0))], T_S, standing(0.0)[:, :, :13])
     with pytest.raises(InputError, match="truth is empty"):
         compare([], np.empty(0), np.empty((1, 0, 17, 3)))
+
+
+def test_thousands_of_people_at_one_moment_do_not_fill_the_memory() -> None:
+    many = people(*np.zeros(3000))
+    with pytest.raises(InputError, match="3000 people at one moment and the truth 3000"):
+        compare([snapshot(0.0, list(range(3000)), many)], np.zeros(1), many[:, None])

@@ -233,6 +233,11 @@ def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float
     counted = (found >= from_s) & (found <= until_s)
     step_s = interval_s(recorded.moments)
     remarks = []
+    if recorded.other_timing is not None:
+        remarks.append(
+            f"{recorded.other_timing.name} beside them is of other tracks; moments without anybody "
+            f"are taken to be {step_s:.3g} s apart"
+        )
     if not counted.all():
         remarks.append(
             f"{(~counted).sum()} of {len(found)} moments lie outside the time that counts, "

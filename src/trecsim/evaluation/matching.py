@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.errors import InputError
 from trecsim.evaluation.assignment import best_pairs
 from trecsim.evaluation.moments import Moments
 from trecsim.store.truth import Truth
@@ -13,7 +14,8 @@ from trecsim.store.truth import Truth
 GATE_M = 0.5  # a person further from somebody than this, mean over the joints, is not that one
 NOBODY = -1
 
-_MOST_DISTANCES = 1 << 20  # at a time: it bounds the memory
+_MANY_DISTANCES = 1 << 20  # so many are held at a time, unless one moment has more
+_MOST_DISTANCES = 1 << 25  # in one moment: a thousand people and as many found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,9 +118,14 @@ def nearness(moments: Moments, truth: Truth) -> Iterator[Nearness]:
         The tracks, within the time of the truth.
     truth
         With the same joints.
+
+    Raises
+    ------
+    InputError
+        There are thousands of people in both.
     """
     each = len(truth.xyz_m) * max(int(moments.people.max(initial=1)), 1) * truth.xyz_m.shape[2]
-    step = max(_MOST_DISTANCES // max(each, 1), 1)
+    step = max(_MANY_DISTANCES // max(each, 1), 1)
     for begin in range(0, len(moments.t_s), step):
         yield _nearness(moments, truth, begin, min(begin + step, len(moments.t_s)))
 
@@ -130,6 +137,11 @@ def _nearness(moments: Moments, truth: Truth, begin: int, end: int) -> Nearness:
     truth_m, known = truth_m[:, person], known[:, person]
     people = moments.people[begin:end]
     column = np.arange(people.max(initial=0))
+    if truth_m[0, ..., 0].size * len(column) > _MOST_DISTANCES:
+        raise InputError(
+            f"about {moments.t_s[begin]:g} s the tracks have {len(column)} people at one moment "
+            f"and the truth {len(person)}: too many to compare; are they right?"
+        )
     row = np.where(column < people[:, None], moments.first[begin:end, None] + column, NOBODY)
     found_m = np.full((*row.shape, *moments.xyz_m.shape[1:]), np.nan)
     found_m[row != NOBODY] = moments.xyz_m[row[row != NOBODY]]

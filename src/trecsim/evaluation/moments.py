@@ -69,11 +69,14 @@ class Recorded:
         Those in the file: at each of them somebody is there.
     frame_set_t_s
         The times of all moments, with those when nobody was there; None where nothing tells.
+    other_timing
+        A file with times that are not those of the tracks; None when there is none.
     """
 
     path: Path
     moments: Moments
     frame_set_t_s: Float64[np.ndarray, " step"] | None
+    other_timing: Path | None
 
 
 def gather(snapshots: Iterable[Snapshot], dtype: npt.DTypeLike = np.float64) -> Moments:
@@ -139,27 +142,30 @@ def read_moments(path: Path | str) -> Recorded:
     path = Path(path)
     moments = gather(read_tracks(path), np.float32)
     timing = (path if path.is_dir() else path.parent) / TIMING
-    times_s = _times_of(moments, read_timing(timing)) if timing.is_file() else None
-    return Recorded(path, moments, times_s)
+    if not timing.is_file():
+        return Recorded(path, moments, None, None)
+    times_s = _times_of(moments, read_timing(timing))
+    return Recorded(path, moments, times_s, timing if times_s is None else None)
 
 
 def _times_of(moments: Moments, timing: Timing) -> Float64[np.ndarray, " step"] | None:
-    """Return the times of all frame sets less the lag, or None when these are other tracks.
+    """Return the times of all frame sets less the lag, or None when these are other tracks."""
+    for lag_s in (_lag_s(moments, timing), 0.0):
+        times_s = np.unique(timing.t_s) - lag_s
+        if len(times_s) and (_nearest_s(moments.t_s, times_s) <= _SAME_S).all():
+            return times_s
+    return None
+
+
+def _lag_s(moments: Moments, timing: Timing) -> float:
+    """Return by how much the tracks lag behind the frame sets, if they are of the same run.
 
     Wherever a frame set left somebody, the tracks have a moment; the lag is what lies between.
     """
-    with_somebody = timing.t_s[timing.people > 0]
-    if len(with_somebody) != len(moments.t_s) or not len(timing.t_s):
-        return None
-    lags_s = with_somebody - moments.t_s
-    lag_s = float(np.median(lags_s)) if len(lags_s) else 0.0
-    if np.any(np.abs(lags_s - lag_s) > _SAME_S):
-        return None
-    times_s = np.unique(timing.t_s) - lag_s
-    near = np.searchsorted(times_s, moments.t_s - _SAME_S) < np.searchsorted(
-        times_s, moments.t_s + _SAME_S, side="right"
-    )
-    return times_s if near.all() else None
+    with_somebody_s = timing.t_s[timing.people > 0]
+    if not len(moments.t_s) or len(with_somebody_s) != len(moments.t_s):
+        return 0.0
+    return float(np.median(with_somebody_s - moments.t_s))
 
 
 def with_empty_moments(
