@@ -1,11 +1,14 @@
 """The simulated detector beside the real one it was made after, as a table.
 
-Run: ``python benchmarks/detector_figures.py [SEED]``; seed 1 is the one of the documentation.
+Run: ``python benchmarks/detector_figures.py [SEED]``; seed 1 is the one of the documentation. The
+column "here" is the recording itself, by the same code, where it is among the data beside the
+repository.
 """
 
 import sys
 
-from trecsim.evaluation.detector_figures import MEASURED, simulated
+from harness.options import Skipped, shared_data
+from trecsim.evaluation.detector_figures import MEASURED, recorded, simulated
 from trecsim.simulation.detector import ANNOTATED, REAL
 
 
@@ -13,11 +16,17 @@ def main() -> None:
     """Print the table."""
     seed = int(sys.argv[1]) if len(sys.argv) > 1 else 1
     annotated, real = simulated(ANNOTATED, seed), simulated(REAL, seed)
-    print("| figure | measured | annotated | deviation | real |\n|---|---|---|---|---|")
+    try:
+        here = recorded(shared_data("shelf"))
+    except Skipped:
+        here = {}
+    print("| figure | recorded | here | `annotated` | off by | `real` |")
+    print("|---|---|---|---|---|---|")
     for name, measured in MEASURED.items():
-        deviation = 100 * (annotated[name] / measured - 1)
+        again = f"{here[name]:.3g}" if here else ""
+        off_by = 100 * (annotated[name] / measured - 1)
         print(
-            f"| {name} | {measured:.3g} | {annotated[name]:.3g} | {deviation:+.0f} % "
+            f"| {name} | {measured:.3g} | {again} | {annotated[name]:.3g} | {off_by:+.0f} % "
             f"| {real[name]:.3g} |"
         )
 

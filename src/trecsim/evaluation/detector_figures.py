@@ -3,16 +3,20 @@
 Shelf is a recording of up to four people about a shelf, seen by five cameras of 1032 x 776 pixels.
 """
 
+from pathlib import Path
+
 import numpy as np
 from jaxtyping import Float64
 
 from trecsim.evaluation.key_points import LIMBS, Sights, figures, sights_of, together
+from trecsim.evaluation.shelf import read_shelf
 from trecsim.geometry.camera import Camera
 from trecsim.simulation.body import body
 from trecsim.simulation.cameras import look_at
 from trecsim.simulation.detector import Detector, Footage, detect
 from trecsim.simulation.paths import FloorPath, through
-from trecsim.simulation.walkers import poses, walker
+from trecsim.simulation.walkers import poses as poses_at
+from trecsim.simulation.walkers import walker
 
 MEASURED = {
     "person found": 0.955,
@@ -84,6 +88,33 @@ def simulated(detector: Detector, seed: int) -> dict[str, float]:
     return figures(stills, _sights(detector, *BURSTS, 20, of_bursts.spawn(4)))
 
 
+def recorded(folder: Path | str) -> dict[str, float]:
+    """Return the figures of OpenPose on the part of Shelf that is annotated in a folder.
+
+    Parameters
+    ----------
+    folder
+        Where the recording is; see :func:`trecsim.evaluation.shelf.read_shelf`.
+
+    Raises
+    ------
+    InputError
+        A file is missing or wrong.
+    """
+    shelf = read_shelf(folder)
+    truth = shelf.annotation.truth()
+    names = shelf.rig.names
+    parts = []
+    for poses in shelf.poses:
+        frame = int(np.argmin(np.abs(truth.t_s - poses.t_s)))
+        limbs_m = truth.xyz_m[:, frame, LIMBS]
+        if np.isfinite(limbs_m).any():
+            truth_px = shelf.rig[poses.camera].project(limbs_m)
+            parts.append(sights_of(names.index(poses.camera), frame, SIZE_PX, truth_px, poses))
+    sights = together(parts)
+    return figures(sights, sights)
+
+
 def _sights(
     detector: Detector,
     burst: tuple[int, ...],
@@ -121,7 +152,7 @@ def _people(
         walker(one, _circle(place_m, rng), float(rng.uniform(0, 2 * np.pi)))
         for one, place_m in zip(statures, PLACES_M, strict=True)
     ]
-    return poses(motions, t_s), np.array(STATURES_M)
+    return poses_at(motions, t_s), np.array(STATURES_M)
 
 
 def _circle(place_m: tuple[float, float], rng: np.random.Generator) -> FloorPath:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int64
+from jaxtyping import Bool, Float64, Int64, Shaped
 
 from trecsim.evaluation.assignment import best_pairs
 from trecsim.skeleton import COCO17
@@ -131,7 +131,7 @@ def together(parts: Sequence[Sights]) -> Sights:
 
 
 def figures(stills: Sights, bursts: Sights) -> dict[str, float]:
-    """Return what tells a detector's habits, by name.
+    """Return what tells a detector's habits, by name; NaN where nothing tells it.
 
     Parameters
     ----------
@@ -142,11 +142,11 @@ def figures(stills: Sights, bursts: Sights) -> dict[str, float]:
     """
     found = np.isfinite(stills.found_px[..., 0]).any(axis=1)
     possible = stills.inside.sum(axis=1) >= ENOUGH_JOINTS
-    values = {"person found": float(found[possible].mean())}
+    values = {"person found": _mean(found[possible])}
     values |= _of_joints(stills, found)
     values |= _of_scores(stills)
     values |= _over_time(bursts)
-    values["left and right swapped"] = float(_swapped(stills)[found].mean())
+    values["left and right swapped"] = _mean(_swapped(stills)[found])
     return values
 
 
@@ -156,7 +156,7 @@ def _of_joints(sights: Sights, found: Bool[np.ndarray, " sight"]) -> dict[str, f
     for number, name in enumerate(TYPES):
         both = slice(2 * number, 2 * number + 2)
         inside = sights.inside[found, both]
-        values[f"{name} missing"] = float(np.isnan(size_px[found, both])[inside].mean())
+        values[f"{name} missing"] = _mean(np.isnan(size_px[found, both])[inside])
         for percent, px in zip((50, 90, 99), _quantiles(size_px[:, both]), strict=True):
             values[f"{name} error p{percent} px"] = px
     for percent, share in zip(
@@ -166,17 +166,24 @@ def _of_joints(sights: Sights, found: Bool[np.ndarray, " sight"]) -> dict[str, f
     return values
 
 
+def _mean(values: Shaped[np.ndarray, "..."]) -> float:
+    return float(values.mean()) if values.size else np.nan
+
+
 def _quantiles(values: Float64[np.ndarray, "..."]) -> tuple[float, float, float]:
-    middle, high, highest = np.nanquantile(values, (0.5, 0.9, 0.99))
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return np.nan, np.nan, np.nan
+    middle, high, highest = np.quantile(known, (0.5, 0.9, 0.99))
     return float(middle), float(high), float(highest)
 
 
 def _of_scores(sights: Sights) -> dict[str, float]:
     size_px = np.linalg.norm(sights.error_px, axis=-1)
     return {
-        f"error p50 px, score {least} to {most}": float(
-            np.nanmedian(size_px[(sights.score > least) & (sights.score <= most)])
-        )
+        f"error p50 px, score {least} to {most}": _quantiles(
+            size_px[(sights.score > least) & (sights.score <= most)]
+        )[0]
         for least, most in BANDS
     }
 
@@ -195,13 +202,12 @@ def _over_time(sights: Sights) -> dict[str, float]:
         first, second = error_px[pairs], error_px[later[pairs]]
         both = np.isfinite(first) & np.isfinite(second)
         first, second = first[both], second[both]
-        product = (first * second).mean()
-        values[f"correlation over {lag}"] = float(
-            product / np.sqrt((first**2).mean() * (second**2).mean())
-        )
+        scale = np.sqrt(_mean(first**2) * _mean(second**2))
+        product = _mean(first * second)
+        values[f"correlation over {lag}"] = float(product / scale) if scale > 0 else np.nan
         if lag == 1:
-            tremble_px = 1.4826 * np.median(np.abs(second - first)) / np.sqrt(2.0)
-            values["white part px"] = float(tremble_px)
+            change_px = _quantiles(np.abs(second - first))[0]
+            values["white part px"] = float(1.4826 * change_px / np.sqrt(2.0))
     return values
 
 
