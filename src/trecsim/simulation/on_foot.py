@@ -69,14 +69,14 @@ def on_foot(
     goes
         Ends in the middle of a walk, without a stop.
     """
-    bouts = [] if comes else [stay(place, SETTLE_S)]
+    bouts = [] if comes else [stay(place, _rest_s(actions))]
     groups = _groups(actions)
     for number, group in enumerate(groups):
         first, last = number == 0, number == len(groups) - 1
         bouts += _bouts(place, group, comes and first, goes and last)
         place = end_of(bouts, place)
     if not goes:
-        bouts.append(stay(place, SETTLE_S))
+        bouts.append(stay(place, _rest_s(actions[::-1])))
     path = path_along(bouts, start_s, comes, goes)
     rate_hz = cadence_hz(body, path)
     phase, treading = strides(rate_hz, bouts, MID_STANCE, comes=comes, goes=goes)
@@ -100,6 +100,12 @@ def standing(body: Body, place: Place, style: float, start_s: float, seconds: fl
     """
     path = path_along([stay(place, max(seconds, 0.1))], start_s, False, False)
     return stepping(body, path, np.full(len(path.t_s), NEUTRAL), style)
+
+
+def _rest_s(actions: Sequence[OnFoot]) -> float:
+    """Return how long to stand before these actions [s]; standing needs no rest before it."""
+    first = actions[0]
+    return max(SETTLE_S - first.seconds, 0.0) if isinstance(first, Stand) else SETTLE_S
 
 
 def _groups(actions: Sequence[OnFoot]) -> list[list[OnFoot]]:
