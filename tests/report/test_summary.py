@@ -124,3 +124,8 @@ def test_times_since_1970_are_told_as_a_date(recording: Recording) -> None:
     assert summary.subtitle(live).startswith(
         "1 h 07 min of tracks · from 14 November 2023, 22:13:20"
     )
+
+
+def test_limbs_that_change_their_length_are_told(recording: Recording) -> None:
+    blocks = summary.section(recording, None, replace(LIMBS, sd_m=0.055)).blocks
+    assert any(isinstance(b, Text) and "limbs vary by 5.5 cm" in b.text for b in blocks)

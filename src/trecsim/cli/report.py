@@ -62,6 +62,7 @@ def report(
             to_s=to_s,
             progress=bar,
         )
-    told = [f"{made.out}: {made.identities} identities in {made.length_s:.1f} s"]
+    identities = f"{made.identities} identit{'y' if made.identities == 1 else 'ies'}"
+    told = [f"{made.out}: {identities} in {made.length_s:.1f} s"]
     told += [f"  look at this: {warning}" for warning in made.warnings]
     finish({name: getattr(made, name) for name in made.__slots__}, json, "\n".join(told))

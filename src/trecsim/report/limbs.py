@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 COLUMNS = 2
+MOST_DRAWN = 4  # people; the curves of more cannot be told apart
 MOST_COMPARED = 3  # people in one table; each has three columns there
 MOST_POINTS = 260  # of one curve in one of the small pictures
 TITLE = "Limb lengths"
@@ -46,7 +47,12 @@ def section(recording: Recording, given: Given, source: str) -> Section:
             TITLE, [Text("Nobody was followed: there are no limbs to measure.", "missing")]
         )
     rows = limb_table(series, given)
-    curves = Figure(_drawn(recording, series, given), _caption(given, source), "Over time")
+    longest = sorted(series, key=lambda one: -len(one.t_s))[:MOST_DRAWN]
+    drawn = [one for one in series if one in longest]
+    caption = _caption(given, source)
+    if len(drawn) < len(recording.stays):
+        caption += f" Shown are the {len(drawn)} who were there longest."
+    curves = Figure(_drawn(recording, drawn, given), caption, "Over time")
     blocks: list[Block] = [*_tables(recording, rows, given, source), curves]
     if not given:
         blocks.append(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 MOST_BARS = 40
 MOST_STEPS = 1500
+MOST_CLASSES = 8  # rows of the table of fit times
 TITLE = "People over time"
 
 
@@ -47,7 +48,7 @@ def section(recording: Recording) -> Section:
 def _presence(recording: Recording) -> str:
     bars = sorted(recording.stays[:MOST_BARS], key=lambda stay: (stay.first_s, stay.person))
     clock = recording.clock
-    with figure(0.75 + 0.24 * max(len(bars), 2)) as drawing:
+    with figure(0.75 + (0.24 if len(bars) <= 12 else 0.17) * max(len(bars), 2)) as drawing:
         axes = drawing.add_subplot()
         for row, stay in enumerate(bars):
             start, end = clock(np.array([stay.first_s, stay.last_s]))
@@ -124,11 +125,21 @@ def _cost_caption(timing: Timing) -> str:
 
 def _cost_table(timing: Timing) -> Table:
     rows = []
-    for people in np.unique(timing.people):
-        ms = timing.fusion_ms[timing.people == people]
+    for low, high in _classes(timing.people):
+        ms = timing.fusion_ms[(timing.people >= low) & (timing.people <= high)]
         numbers = (ms.mean(), ms.std(), np.median(ms), np.quantile(ms, 0.95), ms.max(), ms.min())
-        rows.append([str(people), f"{len(ms)}", *(f"{number:.2f}" for number in numbers)])
+        name = str(low) if low == high else f"{low} to {high}"
+        rows.append([name, f"{len(ms)}", *(f"{number:.2f}" for number in numbers)])
     columns = ("people", "frame sets", "mean", "std", "median", "95 % within", "max", "min")
-    return Table(
-        columns, rows[:30], "Fit time per frame set in milliseconds, by how many people were there."
-    )
+    caption = "Fit time per frame set in milliseconds, by how many people were there."
+    return Table(columns, rows, caption)
+
+
+def _classes(people: Int64[np.ndarray, " step"]) -> list[tuple[int, int]]:
+    """Return ranges of how many people there are: each number by itself, or about as often."""
+    numbers = np.unique(people)
+    if len(numbers) <= MOST_CLASSES:
+        return [(int(number), int(number)) for number in numbers]
+    upper = np.unique(np.quantile(people, np.arange(1, MOST_CLASSES + 1) / MOST_CLASSES).round())
+    lower = [int(numbers[0]), *(int(edge) + 1 for edge in upper[:-1])]
+    return [(low, int(high)) for low, high in zip(lower, upper, strict=True)]

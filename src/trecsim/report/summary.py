@@ -15,6 +15,7 @@ from trecsim.skeleton import COCO17
 TITLE = "Summary"
 BRIEF_S = 1.0  # an identity that lasts less was hardly a person
 LONG_GAP_S = 2.0
+UNSTEADY_M = 0.04  # standard deviation of a limb's length
 WEAK = 0.5  # share of joints with fewer than two cameras that makes a person doubtful
 FEET = [COCO17.index(name) for name in ("left_ankle", "right_ankle")]
 
@@ -23,6 +24,11 @@ def section(recording: Recording, cameras: CameraFacts | None, limbs: LimbSummar
     """Return the figures, and warnings in plain words."""
     blocks: list[Block] = [Facts(list(_facts(recording, limbs)))]
     warnings = [*_run_warnings(recording), *_track_warnings(recording)]
+    if limbs.sd_m > UNSTEADY_M:
+        warnings.append(
+            f"The lengths of limbs vary by {100 * limbs.sd_m:.1f} cm, more than is usual: the "
+            "joints are less certain here than elsewhere."
+        )
     warnings += [*_camera_warnings(cameras)] if cameras is not None else []
     blocks += [Text(text, "warning") for text in warnings]
     if not warnings and recording.stays:
@@ -44,8 +50,9 @@ def subtitle(recording: Recording) -> str:
 
 def _facts(recording: Recording, limbs: LimbSummary) -> Iterator[Fact]:
     people = _most_at_once(recording)
-    identities = len(recording.stays)
-    yield Fact("people at once", str(people), f"at most; {identities} identities in all")
+    count = len(recording.stays)
+    identities = f"{count} identit{'y' if count == 1 else 'ies'}"
+    yield Fact("people at once", str(people), f"at most; {identities} in all")
     yield Fact("length", _length(recording.length_s), f"{recording.moment_count} moments")
     if recording.stays and math.isfinite(recording.period_s):
         rate = 1 / recording.period_s if recording.period_s > 0 else math.nan

@@ -1,0 +1,54 @@
+"""Fit time by how many people were there."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from made_recording import make_recording
+from trecsim.report import people
+from trecsim.report.page import Figure, Table
+from trecsim.report.recording import Recording, find, read_recording
+from trecsim.store.timing import Timing
+
+
+def timed(numbers: list[int]) -> Timing:
+    count = np.array(numbers, np.int64)
+    return Timing(np.arange(len(count)) * 0.04, count * 0 + 3, count, count + 1.0)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    walk: Path = make_recording(tmp_path_factory.mktemp("people") / "walk", 20)
+    return read_recording(find(walk))
+
+
+def table(recording: Recording, numbers: list[int]) -> Table:
+    blocks = people.section(replace(recording, timing=timed(numbers))).blocks
+    (found,) = (block for block in blocks if isinstance(block, Table))
+    return found
+
+
+def test_each_number_of_people_has_its_row(recording: Recording) -> None:
+    rows = table(recording, [0, 1, 1, 3]).rows
+    assert [row[:3] for row in rows] == [
+        ["0", "1", "1.00"],
+        ["1", "2", "2.00"],
+        ["3", "1", "4.00"],
+    ]
+
+
+def test_of_many_numbers_of_people_ranges_make_the_rows(recording: Recording) -> None:
+    rows = table(recording, list(range(10, 50))).rows
+    assert len(rows) <= people.MOST_CLASSES
+    assert rows[0][0].startswith("10 to ")
+    assert rows[-1][0].endswith(" to 49")
+    assert sum(int(row[1]) for row in rows) == 40
+
+
+def test_a_figure_says_how_long_a_fit_took(recording: Recording) -> None:
+    blocks = people.section(replace(recording, timing=timed([1] * 10))).blocks
+    captions = [block.caption for block in blocks if isinstance(block, Figure)]
+    assert "median 2.00 ms, 95 % within 2.00 ms, the longest 2.0 ms" in captions[-1]
+    assert "busy for 5 % of the time" in captions[-1]
