@@ -89,3 +89,13 @@ def test_an_unknown_suffix_is_refused(tmp_path: Path) -> None:
 def test_tracks_that_are_not_there_are_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"there are no tracks at .*gone\.csv"):
         next(read_tracks(tmp_path / "gone.csv"))
+
+
+def test_a_directory_is_read_by_the_tracks_in_it(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"expected tracks.parquet or tracks.csv"):
+        list(read_tracks(tmp_path))
+    for name, moments in (("tracks.csv", 3), ("tracks.parquet", 4)):  # the second goes first
+        with tracks_writer(tmp_path / name) as writer:
+            for moment in walk(moments):
+                writer.write(moment)
+        assert len(list(read_tracks(tmp_path))) == moments

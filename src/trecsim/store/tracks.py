@@ -96,8 +96,8 @@ def read_tracks(path: Path | str) -> Iterator[Snapshot]:
     Parameters
     ----------
     path
-        A CSV or Parquet file, a directory that `trecsim run` wrote, or the parts of a recording
-        that has not ended.
+        A CSV or Parquet file, a directory with ``tracks.parquet`` (as `trecsim run` writes it) or
+        ``tracks.csv``, or the parts of a recording that has not ended.
 
     Raises
     ------
@@ -171,9 +171,13 @@ class _Extent:
 
 
 def _file_of(path: Path) -> Path:
-    recording = path / "tracks.parquet"
+    recording, table = path / "tracks.parquet", path / "tracks.csv"
     if recording.exists() or parts_of(recording).is_dir():
         return recording
+    if table.is_file():
+        return table
+    if path.is_dir() and path.suffix != ".parts" and not any(path.glob("[0-9]*.parquet")):
+        raise InputError(f"there are no tracks in {path}: expected tracks.parquet or tracks.csv")
     if not path.exists() and not parts_of(path).is_dir():
         raise InputError(f"there are no tracks at {path}")
     return path
