@@ -271,3 +271,21 @@ def test_the_built_in_scenes_are_those_in_the_folder() -> None:
     folder = Path(__file__).parents[2] / "src" / "trecsim" / "simulation" / "scenes"
     assert sorted(BUILT_IN) == sorted(path.stem for path in folder.glob("*.toml"))
     assert len(BUILT_IN) == len(set(BUILT_IN)) >= 22
+
+
+def hostile_values() -> list[str]:
+    return ["nan", "-inf", "1e308", "-1", "10**9", '"x"', "[]", "{}", "[[[1]]]", "true", "9" * 400]
+
+
+@pytest.mark.parametrize("value", hostile_values())
+def test_no_value_anywhere_breaks_the_reader(value: str, tmp_path: Path) -> None:
+    lines = GOOD.splitlines()
+    for number, line in enumerate(lines):
+        if " = " not in line:
+            continue
+        key = line.partition(" = ")[0]
+        changed = [*lines[:number], f"{key} = {value}", *lines[number + 1 :]]
+        try:
+            read_scene(scene_file(tmp_path, "\n".join(changed)))
+        except ConfigError as error:
+            assert "test.toml" in str(error)  # noqa: PT017  many of them are fine

@@ -24,17 +24,10 @@ from trecsim.simulation.camera_tables import (
     possible,
 )
 from trecsim.simulation.cameras import Make
-from trecsim.simulation.cast import (
-    SHORTEST_M,
-    TALLEST_M,
-    Company,
-    Players,
-    Role,
-    Visit,
-    Wanderers,
-)
+from trecsim.simulation.cast import Company, Players, Wanderers
 from trecsim.simulation.detector import ANNOTATED, PERFECT, REAL, Detector
 from trecsim.simulation.occlusion import Obstacle
+from trecsim.simulation.roles import SHORTEST_M, TALLEST_M, Role, Visit
 from trecsim.simulation.scene import LONGEST_S, Scene
 from trecsim.tables import Table
 from trecsim.tables.described import descriptions
