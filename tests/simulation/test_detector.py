@@ -9,6 +9,7 @@ from trecsim.errors import InputError
 from trecsim.simulation.agreement import misplaced
 from trecsim.simulation.body import body
 from trecsim.simulation.detector import PERFECT, Detector, Footage, detect
+from trecsim.simulation.occlusion import Obstacle
 from trecsim.simulation.paths import through
 from trecsim.simulation.room import corner_rig
 from trecsim.simulation.walkers import poses, walker
@@ -119,6 +120,17 @@ def test_joints_and_people_are_missing_as_often_as_stated() -> None:
     np.testing.assert_allclose(missing, stated, atol=0.025)
 
 
+def test_who_stands_behind_a_wall_is_not_found_but_by_the_perfect_detector() -> None:
+    taken = footage(seconds=2.0)
+    middle_m = (taken.xyz_m[0, 0, 11] + CAMERA.position_m) / 2
+    half_m = np.array([0.8, 0.8, 2.0])
+    wall = Obstacle(tuple(middle_m - half_m), tuple(middle_m + half_m))
+    behind = replace(taken, obstacles=(wall,))
+    unfailing = replace(Detector(), false_people=0.0)
+    assert not any(len(one.xy_px) for one in detect(behind, unfailing, np.random.default_rng(0)))
+    assert all(len(one.xy_px) for one in detect(behind, PERFECT, np.random.default_rng(0)))
+
+
 def test_the_smaller_the_people_the_fewer_are_found_and_the_less_sure() -> None:
     taken = footage(people=1, seconds=400.0, fps=2.0)
     unmissing = replace(Detector(), missing_person=0.0, false_people=0.0)
@@ -165,6 +177,7 @@ def test_scenes_of_other_seeds_are_wrong_in_other_ways() -> None:
         ({"doubt": (0.1,) * 16}, "doubt"),
         ({"sigma": (np.nan,) * 17}, "sigma"),
         ({"fast_s": 0.0}, "fast_s"),
+        ({"common_up_m": (np.nan,) * 17}, "common_up_m"),
     ],
 )
 def test_impossible_detectors_are_refused(changes: dict, named: str) -> None:

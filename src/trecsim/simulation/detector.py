@@ -3,7 +3,7 @@
 The figures are those of a real estimator, OpenPose on a recording with five cameras; see
 ``docs/reference/simulated-detector.md``. Its errors are no white noise: most of an error lasts for
 seconds, so it does not average out over time. And part of it is the same in all cameras (where an
-estimator thinks a hip is): no tracker can see that, so it is made on demand only.
+estimator thinks a hip is): no tracker can see that, so it is made on demand only (`ANNOTATED`).
 """
 
 from dataclasses import dataclass, replace
@@ -129,7 +129,7 @@ class Detector:
 
     def _wrong_sizes(self) -> list[str]:
         least = {"sigma": 0.0, "stray_sigma": 0.0, "hidden_sigma": 1.0, "small_px": 0.0}
-        least |= {"fast_s": 1e-3, "slow_s": 1e-3}
+        least |= {"fast_s": 1e-3, "slow_s": 1e-3, "common_up_m": -10.0, "common_spread_m": 0.0}
         faults = [
             f"{name} needs to be at least {low:g} and finite, got {getattr(self, name)}"
             for name, low in least.items()
