@@ -238,12 +238,15 @@ class Clip:
     Attributes
     ----------
     path
-        File in the format of :mod:`trecsim.simulation.clips`.
-    from_s, to_s
-        Part of the clip that is played; None plays to its end [s].
+        An ``.npz`` file with ``joints`` (time, 17 or more, 3) [m], z up, the first 17 of them
+        COCO-17, and ``fps``.
+    from_s
+        Where in the clip to begin [s].
+    to_s
+        Where in the clip to end; nothing plays it to its end [s].
     along_m
-        Way points on the floor along which the clip is carried, so that its own way over the
-        floor follows them; empty leaves its way as it is [m].
+        Way points on the floor that the clip's own way is bent to follow; nothing leaves it as
+        it is [m].
     times
         How often it is played; every repetition goes on from where the last one ended.
     """
