@@ -10,10 +10,10 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimation,$\
   trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots,$\
-  trecsim.report
+  trecsim.report,trecsim.study.statistics,trecsim.study.design
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bench-quick figures tables docs constraints clean
+.PHONY: help demo test check bench bench-quick figures tables study docs constraints clean
 
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
@@ -43,6 +43,10 @@ figures: | $(BIN)/python  ## Print every figure to reach beside the one reached.
 
 tables: .venv/installed-plot  ## Make the tables of README and docs anew from the stored results.
 	$(BIN)/python benchmarks/tables.py
+
+study: .venv/installed-test  ## Run the study of three settings that the docs show (minutes).
+	$(BIN)/trecsim study benchmarks/study_three.toml --out out/study_three
+	$(BIN)/python benchmarks/study_pages.py out/study_three
 
 docs: .venv/installed-docs  ## Build the documentation into docs/_build/html.
 	$(BIN)/sphinx-build --fail-on-warning --quiet docs docs/_build/html

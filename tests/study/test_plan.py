@@ -7,6 +7,7 @@ import pytest
 
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
+from trecsim.simulation.scene_file import built_in_text
 from trecsim.study.plan import Study, check_seeds, parse_seeds, planned, settings_of
 from trecsim.study.quick import scenes_table, settings_table
 from trecsim.study.table import StudyTable, read_study_table, toml_of
@@ -39,6 +40,12 @@ def test_a_study_file_says_what_is_run(tmp_path: Path) -> None:
     assert study.runs == 12 * 4 * 2
     assert (0.08, 0.02, 5) in study.design.points
     assert settings_of(study.design, (0.08, 0.02, 4)) == FusionSettings(knot_s=0.08, min_joints=4)
+
+
+def test_scene_files_and_folders_lie_beside_the_study_file(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(built_in_text("one-person"))
+    text = GOOD.replace("crossing-30cm", "mine.toml")
+    assert study_of(tmp_path, text).scenes[1].source == str(tmp_path / "mine.toml")
 
 
 def test_a_study_written_down_is_the_same_study(tmp_path: Path) -> None:

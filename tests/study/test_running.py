@@ -44,6 +44,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[Job]:
 
     monkeypatch.setattr(running, "run_one", quick)
     monkeypatch.setattr(running, "prepare", lambda choice, seed, out: out)
+    monkeypatch.setattr(running, "code_changed", lambda: False)
     return made
 
 

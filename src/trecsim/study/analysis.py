@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.errors import InputError
-from trecsim.study.design import Design, Factor, Point, Value, levels_of
+from trecsim.study.design import Design, Factor, Point, Value, levels_of, value_text
 from trecsim.study.ledger import Run
 from trecsim.study.plan import Study
 from trecsim.study.statistics import Analysis, Blocks, Standing, analyse, blocks_of, standing
@@ -265,7 +265,9 @@ def _complete(
 
 def named(factors: Sequence[Factor], point: Point) -> str:
     """Return a point as a person reads it."""
-    return ", ".join(f"{f.name} = {value}" for f, value in zip(factors, point, strict=True))
+    return ", ".join(
+        f"{f.name} = {value_text(value)}" for f, value in zip(factors, point, strict=True)
+    )
 
 
 def _reference(factor: Factor, levels: Sequence[Value]) -> Float64[np.ndarray, " level"]:

@@ -8,15 +8,17 @@ import numpy as np
 
 from trecsim.report.style import ACCENT, FAINT, INK, LINE, SOFT, WARN, as_svg, figure, quiet
 from trecsim.study.analysis import Finding, Findings
-from trecsim.study.design import Factor, Value
+from trecsim.study.design import Factor, Value, value_text
 from trecsim.study.statistics import Effect
-from trecsim.study.words import figure_text, strength_text, value_text
+from trecsim.study.words import figure_text, strength_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _ACROSS = 4
 _MAPS_ACROSS = 3
+_MOST_DRAWN = 8
+_MOST_LETTERS = 26  # below one of the drawings
 _ROW_IN = 2.15
 _SHADES = ("#e4eff8", "#a9cde8", "#5a9fd0", "#1f6fae", "#0b3f75")
 _MOST_FIGURES_IN_CELLS = 60
@@ -33,12 +35,12 @@ def effects_svg(findings: Findings, finding: Finding) -> str:
     finding
         The measure to draw.
     """
-    count = len(findings.factors)
+    order = strongest(finding)
+    count = len(order)
     across = min(_ACROSS, count)
     down = ceil(count / across)
     with figure(0.3 + _ROW_IN * down) as drawn:
         grid = drawn.subplots(down, across, sharey=True, squeeze=False)
-        order = sorted(range(count), key=lambda f: -finding.analysis.effects[f].strength)
         for axes, f in zip(grid.flat, order, strict=False):
             _effect(axes, findings.factors[f], finding.levels[f], finding.analysis.effects[f])
         for axes in list(grid.flat)[count:]:
@@ -46,6 +48,13 @@ def effects_svg(findings: Findings, finding: Finding) -> str:
         for row in grid:
             row[0].set_ylabel(finding.measure.unit or "per scene")
         return as_svg(drawn, f"effects-{finding.measure.name}")
+
+
+def strongest(finding: Finding) -> list[int]:
+    """Return the settings that are drawn for a measure, strongest first."""
+    effects = finding.analysis.effects
+    order = sorted(range(len(effects)), key=lambda f: -effects[f].strength)
+    return order[: max(_MOST_DRAWN, sum(effect.matters for effect in effects))]
 
 
 def _effect(axes: "Axes", factor: Factor, values: Sequence[Value], effect: Effect) -> None:
@@ -79,7 +88,7 @@ def _effect(axes: "Axes", factor: Factor, values: Sequence[Value], effect: Effec
 def _label(axes: "Axes", places: Sequence[float], names: Sequence[str]) -> None:
     from matplotlib.ticker import FixedLocator, NullLocator
 
-    every = ceil(len(places) / 6)
+    every = ceil(len(places) * max(map(len, names)) / _MOST_LETTERS)
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_locator(FixedLocator(list(places[::every])))
     axes.set_xticklabels(list(names[::every]))

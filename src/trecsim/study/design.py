@@ -12,6 +12,19 @@ Point = tuple[Value, ...]
 BINS = 5  # a setting drawn at random is looked at in so many parts of equal count
 
 
+def value_text(value: Value) -> str:
+    """Return a value of a setting.
+
+    Examples
+    --------
+    >>> value_text(0.0200), value_text(5), value_text(True)
+    ('0.02', '5', 'true')
+    """
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
 @dataclass(frozen=True, slots=True)
 class Factor:
     """One setting with what is tried of it.

@@ -8,10 +8,15 @@ from pathlib import Path
 from trecsim.errors import InputError
 from trecsim.store.atomic import atomic_write, opened_for_reading
 from trecsim.study.analysis import MEASURES, Finding, Findings, named
-from trecsim.study.words import figure_text, strength_text, value_text
+from trecsim.study.words import figure_text, interval_text, strength_text
 
 RESULTS, PAIRS, DEFAULT = "results.csv", "pairs.csv", "default.csv"
 _LARGEST_BYTES = 1 << 24
+
+_COLUMNS = {
+    RESULTS: {"measure", "setting", "value", "default", "mean", "spread", "chance"},
+    DEFAULT: {"measure", "default", "rank", "points", "best", "best_settings"},
+}
 
 Row = dict[str, object]
 
@@ -98,7 +103,7 @@ def _cell(value: object) -> object:
 
 
 def read_results(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a `results.csv`.
+    """Return the rows of a `results.csv` or `default.csv`.
 
     Raises
     ------
@@ -111,9 +116,11 @@ def read_results(path: Path) -> list[dict[str, str]]:
         rows = list(csv.DictReader(data.decode("utf-8").splitlines()))
     except (UnicodeDecodeError, csv.Error):
         rows = []
-    wanted = {"measure", "setting", "value", "default", "mean", "spread", "chance"}
-    if not rows or any(None in row or not wanted <= set(row) for row in rows):
-        raise InputError(f"{path} is not the {RESULTS} of a study")
+    wanted = _COLUMNS.get(path.name, _COLUMNS[RESULTS])
+    if not rows or any(
+        None in row or None in row.values() or not wanted <= set(row) for row in rows
+    ):
+        raise InputError(f"{path} is not the {path.name} of a study")
     return rows
 
 
@@ -144,6 +151,33 @@ def markdown(rows: Sequence[Mapping[str, str]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def standing_markdown(rows: Sequence[Mapping[str, str]]) -> str:
+    """Return where the default stands as a table for a document.
+
+    Parameters
+    ----------
+    rows
+        Of `default.csv`, as :func:`read_results` returns them.
+    """
+    head = ["measure", "default", "rank", "best tried", "its settings", "gain on other seeds"]
+    lines = [_line(head), _line(["---"] * len(head))]
+    measures = {measure.name: measure for measure in MEASURES}
+    for row in rows:
+        measure = measures[row["measure"]]
+        ends = ("", "_low", "_high")
+        gain = [float(row[f"gain_on_other_seeds{end}"] or "nan") for end in ends]
+        cells = [
+            measure.title,
+            figure_text(measure, float(row["default"])),
+            f"{row['rank']} of {row['points']}",
+            figure_text(measure, float(row["best"])),
+            row["best_settings"] if float(row["gain"]) else "the default",
+            interval_text(measure, gain[0], gain[1], gain[2]),
+        ]
+        lines.append(_line(cells))
+    return "\n".join(lines) + "\n"
+
+
 def _heading(title: str, unit: str) -> str:
     return f"{title} [{unit}]" if unit else title
 
@@ -165,8 +199,3 @@ def settings_that_matter(findings: Findings) -> dict[str, list[str]]:
         ]
         for finding in findings.findings
     }
-
-
-__all__ = [
-    "markdown", "read_results", "settings_that_matter", "value_text", "write_results",
-]  # fmt: skip

@@ -7,15 +7,14 @@ import numpy as np
 
 from trecsim.report.page import Block, Figure, Table, Text
 from trecsim.study.analysis import Finding, Findings, named
-from trecsim.study.charts import effects_svg, pairs_svg, standing_svg, strengths_svg
-from trecsim.study.design import Value
+from trecsim.study.charts import effects_svg, pairs_svg, standing_svg, strengths_svg, strongest
+from trecsim.study.design import Value, value_text
 from trecsim.study.statistics import Effect, Standing
 from trecsim.study.words import (
     effect_text,
     figure_text,
     interval_text,
     strength_text,
-    value_text,
 )
 
 _MOST_PAIRS_SHOWN = 6
@@ -67,9 +66,11 @@ def measure_blocks(found: Findings, finding: Finding) -> Iterator[Block]:
         tail += (
             " Measured with all processes at work, so good only for comparing points of this study."
         )
+    drawn = len(strongest(finding))
+    which = "each setting" if drawn == len(found.factors) else f"the {drawn} strongest settings"
     yield Figure(
         effects_svg(found, finding),
-        "Outcome over the value of each setting, strongest first. The band is the 95 % interval of "
+        f"Outcome over the value of {which}, strongest first. The band is the 95 % interval of "
         "the difference to the default (dashed), or to the mean of all where the default lies "
         f"outside, paired over seeds.{tail}",
     )

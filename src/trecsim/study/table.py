@@ -24,6 +24,10 @@ def _beside_the_file(path: Path, info: Any) -> Path:
     return folder / path.expanduser()
 
 
+def _scene_beside_the_file(name: str, info: Any) -> str:
+    return str(_beside_the_file(Path(name), info)) if name.endswith(".toml") else name
+
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 BesideTheFile = Annotated[Path, Field(strict=False), AfterValidator(_beside_the_file)]
 
@@ -74,7 +78,7 @@ class SceneTable(Table):
     """Height of the room's cameras [m] (2.7)."""
     fps: float | None = Field(default=None, gt=0, le=1000)
     """Images per second of each camera in the room (25)."""
-    scene: str | None = None
+    scene: Annotated[str, AfterValidator(_scene_beside_the_file)] | None = None
     """Name of a built-in scene, or a scene file."""
     folder: BesideTheFile | None = None
     """A made scene: the folder with its `rig.toml`, `poses.jsonl` and `truth.npz`."""

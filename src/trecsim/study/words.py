@@ -3,21 +3,7 @@
 import math
 
 from trecsim.study.analysis import Measure
-from trecsim.study.design import Value
 from trecsim.study.statistics import Effect
-
-
-def value_text(value: Value) -> str:
-    """Return a value of a setting.
-
-    Examples
-    --------
-    >>> value_text(0.0200), value_text(5), value_text(True)
-    ('0.02', '5', 'true')
-    """
-    if isinstance(value, bool):
-        return str(value).lower()
-    return f"{value:.3g}" if isinstance(value, float) else str(value)
 
 
 def figure_text(measure: Measure, figure: float, *, sign: bool = False) -> str:
