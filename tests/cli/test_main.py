@@ -31,7 +31,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
     ("arguments", "message"),
     [
         (["trakc"], "there is no command 'trakc'; did you mean 'track'? See: trecsim --help"),
-        (["xyzzy"], "there is no command 'xyzzy'; there are: demo, doctor, estimate, export"),
+        (["xyzzy"], "there is no command 'xyzzy'; there are: demo, doctor, estimate, "),
         (["rig", "shoow"], "there is no command 'shoow'; did you mean 'show'? See: trecsim rig"),
         (["export", "a.csv"], 'Command "export" parameter OUT requires an argument.'),
         (["export", "a.csv", "b.csv", "--jsno"], "Unknown option: --jsno. Did you mean --json?"),
