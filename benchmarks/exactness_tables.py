@@ -1,5 +1,6 @@
 """Tables of how exact tracks are."""
 
+import math
 from collections.abc import Mapping
 from functools import partial
 
@@ -100,6 +101,19 @@ def postures(results: Results) -> str:
         for posture in made
     ]  # fmt: skip
     return table(["somebody who is", "joint error of that walking", "switches"], rows)
+
+
+def detector(results: Results) -> str:
+    """Return the simulated detector beside the real one."""
+    made = results["detector_figures"].figures
+    rows = []
+    for name in made:
+        at = partial(value_of, made, name)
+        three = [f"{value:.3g}" if math.isfinite(value := at(column)) else ""
+                 for column in ("recorded", "here", "annotated")]  # fmt: skip
+        off_by = 100 * (at("annotated") / at("recorded") - 1)
+        rows.append([name, *three, f"{off_by:+.0f} %", f"{at('real'):.3g}"])
+    return table(["figure", "recorded", "here", "`annotated`", "off by", "`real`"], rows)
 
 
 def shelf(results: Results, *, short: bool) -> str:

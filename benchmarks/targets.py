@@ -180,6 +180,8 @@ OTHERS: tuple[Target, ...] = (
            ("simulating", "4 cameras, 4 people", "times real time"), ">=", 50, "x real time"),
     Target("simulating", "12 cameras x 50 people",
            ("simulating", "12 cameras, 50 people", "times real time"), ">=", 2, "x real time"),
+    Target("simulated detector", "figures off those of the real one, worst",
+           ("detector_figures", "*", "off by"), "<=", 10, "%"),
     Target("evaluating", "an hour of 4 people",
            ("evaluating", "an hour of 4 people", "time"), "<=", 60, "s"),
     Target("evaluating", "its peak memory",

@@ -10,7 +10,11 @@ from pathlib import Path
 
 from harness.machine import ROOT
 
-PAGES = (ROOT / "README.md", ROOT / "docs" / "benchmarks.md")
+PAGES = (
+    ROOT / "README.md",
+    ROOT / "docs" / "benchmarks.md",
+    ROOT / "docs" / "reference" / "simulated-detector.md",
+)
 
 _BETWEEN = re.compile(r"(?m)^<!-- table: ([a-z0-9-]+) -->\n(.*?)^<!-- end -->$", re.DOTALL)
 _OPENING = re.compile(r"<!-- table:")

@@ -30,8 +30,8 @@ def test_the_simulated_detector_errs_as_the_measured_one(
 
 def test_the_page_about_the_detector_tells_the_figures(figures: dict[str, float]) -> None:
     page = Path(__file__).parents[2] / "docs" / "reference" / "simulated-detector.md"
-    lines = page.read_text().split("<!-- figures")[1].split("<!-- end")[0].splitlines()[3:]
-    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+    table = page.read_text().split("<!-- table")[1].split("<!-- end")[0].strip()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[4:]]
     assert [row[0] for row in rows] == list(MEASURED)
     for name, measured, _, annotated, *_ in rows:
         assert float(measured) == MEASURED[name]
