@@ -8,7 +8,9 @@ import pytest
 from made_recording import make_recording
 from trecsim.evaluation.limbs import LimbSummary
 from trecsim.evaluation.reprojection import Reprojection, ReprojectionRow
+from trecsim.evaluation.scores import Scores
 from trecsim.report import summary
+from trecsim.report.against_truth import scores_of
 from trecsim.report.coverage import CameraFacts, facts_of
 from trecsim.report.page import Facts, Text
 from trecsim.report.recording import Recording, find, read_recording
@@ -129,3 +131,17 @@ def test_times_since_1970_are_told_as_a_date(recording: Recording) -> None:
 def test_limbs_that_change_their_length_are_told(recording: Recording) -> None:
     blocks = summary.section(recording, None, replace(LIMBS, sd_m=0.055)).blocks
     assert any(isinstance(b, Text) and "limbs vary by 5.5 cm" in b.text for b in blocks)
+
+
+def test_what_is_wrong_against_the_truth_is_told(recording: Recording) -> None:
+    scores = scores_of(recording)
+    assert isinstance(scores, Scores)
+    assert scores.missed_share == pytest.approx(4 / 60)
+    bad = replace(scores, ghosts_share=0.3, identity=replace(scores.identity, switches=2))
+    blocks = summary.section(recording, None, LIMBS, bad).blocks
+    told = [block.text for block in blocks if isinstance(block, Text)]
+    assert told[0].startswith("For 7 % of their time people were not followed")
+    assert "where nobody was, 30 % of the time" in told[1]
+    assert told[2].startswith("2 times somebody came to bear another identity")
+    good = replace(scores, missed_share=0.01)
+    assert len(summary.section(recording, None, LIMBS, good).blocks) == 2

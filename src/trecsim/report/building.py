@@ -117,8 +117,9 @@ def _sections(recording: Recording, measured: Given | None) -> list[Section]:
     given, source = _given(recording, measured)
     seen = facts_of(recording)
     table = limb_table(limb_series(people_of(recording.sample)), given)
-    sections = [summary.section(recording, seen, limb_summary(table))]
     scores = against_truth.scores_of(recording)
+    known = None if isinstance(scores, str) else scores
+    sections = [summary.section(recording, seen, limb_summary(table), known)]
     if scores is not None:
         sections.append(against_truth.section(scores))
     return [

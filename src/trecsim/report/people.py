@@ -113,7 +113,7 @@ def _cost_caption(timing: Timing) -> str:
     )
     if len(timing.t_s) > 1:
         step_ms = 1e3 * float(np.median(np.diff(timing.t_s)))
-        share = float(np.median(ms)) / step_ms if step_ms > 0 else float("nan")
+        share = float(ms.mean()) / step_ms if step_ms > 0 else float("nan")
         text += (
             f" A frame set came every {step_ms:.0f} ms, so that the fit keeps one processor core "
             f"busy for {100 * share:.0f} % of the time."

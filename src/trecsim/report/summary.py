@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from trecsim.evaluation.limbs import LimbSummary
+from trecsim.evaluation.scores import Scores
 from trecsim.report.coverage import CameraFacts
 from trecsim.report.page import Block, Fact, Facts, Section, Text
 from trecsim.report.recording import EARLIEST_UNIX_S, Recording
@@ -16,12 +17,30 @@ TITLE = "Summary"
 BRIEF_S = 1.0  # an identity that lasts less was hardly a person
 LONG_GAP_S = 2.0
 UNSTEADY_M = 0.04  # standard deviation of a limb's length
+AMISS = 0.05  # share of everybody's time
 WEAK = 0.5  # share of joints with fewer than two cameras that makes a person doubtful
 FEET = [COCO17.index(name) for name in ("left_ankle", "right_ankle")]
 
 
-def section(recording: Recording, cameras: CameraFacts | None, limbs: LimbSummary) -> Section:
-    """Return the figures, and warnings in plain words."""
+def section(
+    recording: Recording,
+    cameras: CameraFacts | None,
+    limbs: LimbSummary,
+    scores: Scores | None = None,
+) -> Section:
+    """Return the figures, and warnings in plain words.
+
+    Parameters
+    ----------
+    recording
+        The recording.
+    cameras
+        What they see; None where the rig is not known.
+    limbs
+        How steady limbs are.
+    scores
+        Against the truth; None where it is not known.
+    """
     blocks: list[Block] = [Facts(list(_facts(recording, limbs)))]
     warnings = [*_run_warnings(recording), *_track_warnings(recording)]
     if limbs.sd_m > UNSTEADY_M:
@@ -30,6 +49,7 @@ def section(recording: Recording, cameras: CameraFacts | None, limbs: LimbSummar
             "joints are less certain here than elsewhere."
         )
     warnings += [*_camera_warnings(cameras)] if cameras is not None else []
+    warnings += [*_truth_warnings(scores)] if scores is not None and recording.stays else []
     blocks += [Text(text, "warning") for text in warnings]
     if not warnings and recording.stays:
         blocks.append(Text("Nothing in this recording stands out as wrong.", "good"))
@@ -149,6 +169,23 @@ def _identity_warnings(recording: Recording) -> Iterator[str]:
                 f"Person {stay.person} was held by fewer than two cameras for {100 * weak:.0f} % "
                 "of the joints: is it a person at all?"
             )
+
+
+def _truth_warnings(scores: Scores) -> Iterator[str]:
+    if scores.missed_share > AMISS:
+        yield (
+            f"For {100 * scores.missed_share:.0f} % of their time people were not followed, "
+            "compared with the known truth."
+        )
+    if scores.ghosts_share > AMISS:
+        yield (
+            f"Somebody was followed where nobody was, {100 * scores.ghosts_share:.0f} % of the "
+            "time of all people."
+        )
+    switches = scores.identity.switches
+    if switches:
+        times = "Once" if switches == 1 else f"{switches} times"
+        yield f"{times} somebody came to bear another identity than before."
 
 
 def _camera_warnings(cameras: CameraFacts) -> Iterator[str]:
