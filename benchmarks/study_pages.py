@@ -35,7 +35,9 @@ def picture(folder: Path) -> str:
     found = findings(study, runs, runs[-1].code)
     drawn = effects_svg(found, found.findings[0])
     plain = re.sub(r"var\(--(\w+)\)", lambda name: PALETTE[name[1]][0], drawn)
-    header = '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" '
+    header = (
+        '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" style="background:#fff" '
+    )
     return plain.replace("<svg ", header, 1) + "\n"
 
 

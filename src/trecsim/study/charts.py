@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from trecsim.report.style import ACCENT, FAINT, INK, LINE, SOFT, WARN, as_svg, figure, quiet
-from trecsim.study.analysis import Finding, Findings
+from trecsim.study.analysis import Finding, Findings, Measure
 from trecsim.study.design import Factor, Value, value_text
 from trecsim.study.statistics import Effect
 from trecsim.study.words import figure_text, strength_text
@@ -173,8 +173,9 @@ def _heat_map(axes: "Axes", findings: Findings, finding: Finding, pair: tuple[in
     shape = tuple(len(finding.levels[k]) for k in pair)
     effect = finding.analysis.pairs[pair]
     cells = effect.mean.reshape(shape).T
-    shades = LinearSegmentedColormap.from_list("shades", _SHADES)
-    axes.pcolormesh(cells, cmap=shades, edgecolors="none")
+    shades = _SHADES[::-1] if finding.measure.more_is_better else _SHADES
+    colours = LinearSegmentedColormap.from_list("shades", shades)
+    axes.pcolormesh(cells, cmap=colours, edgecolors="none")
     axes.set_title(f"{strength_text(effect.strength)} chance", color=SOFT)
     axes.set_xticks(np.arange(shape[0]) + 0.5, [value_text(v) for v in finding.levels[pair[0]]])
     axes.set_yticks(np.arange(shape[1]) + 0.5, [value_text(v) for v in finding.levels[pair[1]]])
@@ -184,17 +185,19 @@ def _heat_map(axes: "Axes", findings: Findings, finding: Finding, pair: tuple[in
     for spine in axes.spines.values():
         spine.set_visible(False)
     if cells.size <= _MOST_FIGURES_IN_CELLS:
-        _figures(axes, cells, finding.measure.digits)
+        _figures(axes, cells, finding.measure)
     _mark_default(axes, finding, (first, second), pair)
 
 
-def _figures(axes: "Axes", cells: "np.ndarray[Any, np.dtype[np.float64]]", digits: int) -> None:
+def _figures(
+    axes: "Axes", cells: "np.ndarray[Any, np.dtype[np.float64]]", measure: Measure
+) -> None:
     low, high = np.nanmin(cells), np.nanmax(cells)
     for (row, column), value in np.ndenumerate(cells):
         if np.isfinite(value):
-            dark = value - low > 0.5 * (high - low)
+            dark = (value - low > 0.5 * (high - low)) != measure.more_is_better
             axes.text(
-                column + 0.5, row + 0.5, f"{value:.{digits}f}", ha="center", va="center",
+                column + 0.5, row + 0.5, f"{value:.{measure.digits}f}", ha="center", va="center",
                 fontsize=7.5, color="#fdfdfd" if dark else "#10161d",
             )  # fmt: skip
 

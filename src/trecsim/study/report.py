@@ -112,7 +112,7 @@ def _short(study: Study, found: Findings) -> Iterator[Block]:
             Fact("rank of the default", f"{stands.rank} of {stands.points}", "by that error"),
             Fact(
                 "the best would gain",
-                figure_text(first.measure, stands.honest),
+                _gain(first, stands),
                 _gain_detail(first, stands),
             ),
         ]
@@ -140,13 +140,18 @@ def _settings_word(count: int) -> str:
     return "other one does" if count == 1 else f"other {count} do"
 
 
+def _gain(finding: Finding, stands: Standing) -> str:
+    sure = stands.honest_low > 0 and stands.best_point != 0
+    return figure_text(finding.measure, stands.honest) if sure else "nothing sure"
+
+
 def _gain_detail(finding: Finding, stands: Standing) -> str:
     if stands.best_point == 0:
         return "the default is the best of all"
     if not math.isfinite(stands.honest_low):
         return "one seed only: nothing is known of chance"
     text = interval_text(finding.measure, stands.honest, stands.honest_low, stands.honest_high)
-    return f"{text.partition(' ')[2].removeprefix(finding.measure.unit).strip()} on other seeds"
+    return f"{text} on other seeds"
 
 
 def _method(study: Study, found: Findings) -> Iterator[Block]:

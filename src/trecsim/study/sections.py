@@ -109,8 +109,8 @@ def pair_blocks(found: Findings, design: str) -> Iterator[Block]:
             unit = f" [{finding.measure.unit}]" if finding.measure.unit else ""
             yield Figure(
                 pairs_svg(found, finding, strong[:_MOST_PAIRS_SHOWN]),
-                f"{finding.measure.title.capitalize()}{unit} for each combination; the default is "
-                "framed, where it was tried.",
+                f"{finding.measure.title.capitalize()}{unit} for each combination, the darker the "
+                "worse; the default is framed, where it was tried.",
             )
 
 
@@ -173,7 +173,10 @@ def _one_by_one(found: Findings) -> Iterator[Block]:
         sign = -1.0 if first.measure.more_is_better else 1.0
         best = values[int(np.argmin(sign * effect.mean))]
         changes = [_change(finding, f, best) for finding in (first, *others)]
-        rows.append([factor.name, value_text(factor.default), value_text(best), *changes])
+        if best == factor.default:
+            rows.append([factor.name, value_text(best), "the default", *["–"] * len(changes)])
+        else:
+            rows.append([factor.name, value_text(factor.default), value_text(best), *changes])
     heads = [finding.measure.short for finding in (first, *others)]
     yield Table(
         ["setting", "default", f"best by {first.measure.short}", *heads],

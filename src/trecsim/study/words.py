@@ -10,8 +10,13 @@ def figure_text(measure: Measure, figure: float, *, sign: bool = False) -> str:
     """Return a value of a measure with its unit."""
     if not math.isfinite(figure):
         return "–"
-    number = f"{figure:{'+' if sign else ''}.{measure.digits}f}".replace("-", "−")
-    return f"{number} {measure.unit}".rstrip()
+    return f"{_number(measure, figure, sign=sign)} {measure.unit}".rstrip()
+
+
+def _number(measure: Measure, figure: float, *, sign: bool) -> str:
+    rounded = round(figure, measure.digits) + 0.0  # no minus before a zero
+    plus = "+" if sign and rounded else ""
+    return f"{rounded:{plus}.{measure.digits}f}".replace("-", "−")
 
 
 def interval_text(measure: Measure, figure: float, low: float, high: float) -> str:
@@ -19,7 +24,7 @@ def interval_text(measure: Measure, figure: float, low: float, high: float) -> s
     text = figure_text(measure, figure, sign=True)
     if not math.isfinite(low):
         return text
-    ends = [f"{end:+.{measure.digits}f}".replace("-", "−") for end in (low, high)]
+    ends = [_number(measure, end, sign=True) for end in (low, high)]
     return f"{text} [{ends[0]}, {ends[1]}]"
 
 
