@@ -10,7 +10,8 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimation,$\
   trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots,$\
-  trecsim.report,trecsim.study.statistics,trecsim.study.design
+  trecsim.report,trecsim.study.design,trecsim.study.resampling,$\
+  trecsim.study.standing,trecsim.study.statistics
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check bench bench-quick figures tables study docs constraints clean

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from trecsim.study.statistics import Analysis, analyse, blocks_of, standing, student
+from trecsim.study.resampling import blocks_of, student
+from trecsim.study.standing import standing
+from trecsim.study.statistics import Analysis, analyse
 
 FIRST = np.array([0.0, 1.0, 3.0])
 SECOND = np.array([0.5, 0.0, 0.0, -0.5])

@@ -12,7 +12,9 @@ from trecsim.errors import InputError
 from trecsim.study.design import Design, Factor, Point, Value, levels_of, value_text
 from trecsim.study.ledger import Run
 from trecsim.study.plan import Study
-from trecsim.study.statistics import Analysis, Blocks, Standing, analyse, blocks_of, standing
+from trecsim.study.resampling import Blocks, blocks_of
+from trecsim.study.standing import Standing, standing
+from trecsim.study.statistics import Analysis, analyse
 
 FEW_SEEDS = 5
 _ENOUGH = 0.5  # a scene and seed with fewer of its points was not yet got to

@@ -14,7 +14,7 @@ from trecsim.study.plan import FIRST_REPORTING_SEED, Study
 from trecsim.study.results import settings_that_matter, write_results
 from trecsim.study.running import Remark
 from trecsim.study.sections import default_blocks, measure_blocks, pair_blocks, setting_blocks
-from trecsim.study.statistics import Standing
+from trecsim.study.standing import Standing
 from trecsim.study.words import figure_text, interval_text
 
 REPORT = "report.html"

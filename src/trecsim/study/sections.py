@@ -9,7 +9,8 @@ from trecsim.report.page import Block, Figure, Table, Text
 from trecsim.study.analysis import Finding, Findings, named
 from trecsim.study.charts import effects_svg, pairs_svg, standing_svg, strengths_svg, strongest
 from trecsim.study.design import Value, value_text
-from trecsim.study.statistics import Effect, Standing
+from trecsim.study.standing import Standing
+from trecsim.study.statistics import Effect
 from trecsim.study.words import (
     effect_text,
     figure_text,

@@ -11,16 +11,12 @@ random design adds to this what the model does not explain: its points do not ba
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from statistics import NormalDist
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
-DRAWS = 2000
-CONFIDENCE = 0.95
-_DUST = 1e-9  # relative differences below are of arithmetic
-
-Outcomes = Float64[np.ndarray, "block point"]
+from trecsim.study.resampling import CONFIDENCE, DRAWS, Blocks, interval
+from trecsim.study.standing import DUST, Outcomes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,75 +77,6 @@ class Analysis:
     effects: tuple[Effect, ...]
     pairs: dict[tuple[int, int], Effect]
     explained: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Blocks:
-    """The blocks, and how they stand for the seeds that were not tried.
-
-    Attributes
-    ----------
-    weight
-        Of each block in a mean: every scene counts the same.
-    drawn
-        Deviations of the weights when seeds are drawn anew, (draw, block).
-    """
-
-    weight: Float64[np.ndarray, " block"]
-    drawn: Float64[np.ndarray, "draw block"]
-
-    @property
-    def tell_chance(self) -> bool:
-        """Whether any scene has more than one seed."""
-        return bool(self.drawn.any())
-
-
-def blocks_of(scene: Int64[np.ndarray, " block"], seed: int = 0) -> Blocks:
-    """Return the weights of blocks.
-
-    Parameters
-    ----------
-    scene
-        Which scene each block is of.
-    seed
-        Of the drawing.
-
-    Examples
-    --------
-    >>> blocks_of(np.array([0, 0, 1])).weight
-    array([0.25, 0.25, 0.5 ])
-    """
-    rng = np.random.default_rng(seed)
-    names, index, count = np.unique(scene, return_inverse=True, return_counts=True)
-    weight = 1.0 / (count[index] * len(names))
-    drawn = np.zeros((DRAWS, len(scene)))
-    for s, n in enumerate(count):
-        if n > 1:
-            times = rng.multinomial(n, np.full(n, 1.0 / n), size=DRAWS)
-            drawn[:, index == s] = (times - 1.0) * _widening(int(n)) / (n * len(names))
-    return Blocks(weight, drawn)
-
-
-def _widening(n: int) -> float:
-    """Return by how much the deviations of a mean of n draws are too small."""
-    return float(np.sqrt(n / (n - 1)) * student(n - 1) / student(10**9))
-
-
-def student(freedom: int) -> float:
-    """Return the 97.5 % point of Student's t (Cornish-Fisher; within 3 % from two on).
-
-    Examples
-    --------
-    >>> [round(student(freedom), 2) for freedom in (2, 4, 9, 1000)]
-    [4.17, 2.77, 2.26, 1.96]
-    """
-    z, f = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2), float(freedom)
-    return (
-        z
-        + (z**3 + z) / (4 * f)
-        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * f**2)
-        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * f**3)
-    )
 
 
 def analyse(
@@ -269,10 +196,10 @@ def _effect(
     level: Int64[np.ndarray, " point"],
     blocks: Blocks,
 ) -> Effect:
-    dust = _DUST * (abs(base) + _DUST)
+    dust = DUST * (abs(base) + DUST)
     effect = np.where(np.abs(effect) > dust, effect, 0.0)
     difference = effect - reference @ effect
-    low, high = _interval(difference, chance - (chance @ reference)[:, None], blocks)
+    low, high = interval(difference, chance - (chance @ reference)[:, None], blocks)
     return Effect(
         mean=base + effect,
         difference=difference,
@@ -282,16 +209,6 @@ def _effect(
         chance=_spread_by_chance(chance, blocks),
         share=float(np.var(effect[level])) / total if total > 0 else np.nan,
     )
-
-
-def _interval(
-    value: Float64[np.ndarray, " level"], chance: Float64[np.ndarray, "draw level"], blocks: Blocks
-) -> tuple[Float64[np.ndarray, " level"], Float64[np.ndarray, " level"]]:
-    if not blocks.tell_chance:
-        return np.full_like(value, np.nan), np.full_like(value, np.nan)
-    tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]
-    below, above = np.quantile(chance, tails, axis=0)
-    return value - above, value - below
 
 
 def _spread_by_chance(chance: Float64[np.ndarray, "draw level"], blocks: Blocks) -> float:
@@ -327,101 +244,3 @@ def _pairs(
             effect.share,
         )  # fmt: skip
     return pairs
-
-
-@dataclass(frozen=True, slots=True)
-class Standing:
-    """Where the default stands among the points, for one measure.
-
-    Attributes
-    ----------
-    rank
-        1 if no point is better; points as good as the default share its rank.
-    points
-        How many were compared, the default among them.
-    default, best
-        Mean outcome of the default and of the best point.
-    best_point
-        Number of the best point.
-    gain, gain_low, gain_high
-        How much better the best point is on the seeds it was chosen on, with its interval: too
-        rosy, as the best of many is partly luck.
-    honest, honest_low, honest_high
-        The same with the best point chosen on the other seeds each time.
-    """
-
-    rank: int
-    points: int
-    default: float
-    best: float
-    best_point: int
-    gain: float
-    gain_low: float
-    gain_high: float
-    honest: float
-    honest_low: float
-    honest_high: float
-
-
-def standing(
-    outcome: Outcomes, seed: Sequence[object], blocks: Blocks, default: int, *, more_is_better: bool
-) -> Standing:
-    """Return where one point stands among all.
-
-    Parameters
-    ----------
-    outcome
-        Of every point on every scene and seed, without gaps.
-    seed
-        Of each block; blocks of the same seed are left out together when the best is chosen.
-    blocks
-        See :func:`blocks_of`.
-    default
-        Number of the point.
-    more_is_better
-        Whether large outcomes are good.
-    """
-    loss = -outcome if more_is_better else outcome
-    mean = blocks.weight @ loss
-    best = _best(mean, default)
-    gain = loss[:, default] - loss[:, best]
-    honest = loss[:, default] - np.array(
-        [loss[b, _best_without(loss, seed, blocks, b, default)] for b in range(len(loss))]
-    )
-    many = len(set(seed)) > 1
-    sign = -1.0 if more_is_better else 1.0
-    low, high = _interval(*_mean_and_deviation(gain, blocks), blocks)
-    honest_low, honest_high = _interval(*_mean_and_deviation(honest, blocks), blocks)
-    return Standing(
-        rank=int(np.sum(mean < mean[default] - _DUST * abs(mean[default]))) + 1,
-        points=len(mean),
-        default=float(sign * mean[default]),
-        best=float(sign * mean[best]),
-        best_point=best,
-        gain=float(blocks.weight @ gain),
-        gain_low=float(low[0]),
-        gain_high=float(high[0]),
-        honest=float(blocks.weight @ honest) if many else np.nan,
-        honest_low=float(honest_low[0]) if many else np.nan,
-        honest_high=float(honest_high[0]) if many else np.nan,
-    )
-
-
-def _best_without(
-    loss: Outcomes, seed: Sequence[object], blocks: Blocks, left_out: int, default: int
-) -> int:
-    kept = np.array([other != seed[left_out] for other in seed])
-    mean = (blocks.weight * kept) @ loss
-    return _best(mean, default)
-
-
-def _best(mean: Float64[np.ndarray, " point"], default: int) -> int:
-    """Return the point of least loss; the default if none is better by more than arithmetic."""
-    best = int(np.argmin(mean))
-    return best if mean[best] < mean[default] - _DUST * abs(mean[default]) else default
-
-
-def _mean_and_deviation(
-    value: Float64[np.ndarray, " block"], blocks: Blocks
-) -> tuple[Float64[np.ndarray, " 1"], Float64[np.ndarray, "draw 1"]]:
-    return np.array([blocks.weight @ value]), blocks.drawn @ value[:, None]
