@@ -9,7 +9,8 @@ import pytest
 from made_recording import make_recording
 from trecsim.report import people
 from trecsim.report.page import Figure, Table
-from trecsim.report.recording import Recording, find, read_recording
+from trecsim.report.places import find
+from trecsim.report.recording import Recording, read_recording
 from trecsim.store.timing import Timing
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from made_recording import make_recording, snapshots
 from trecsim.errors import InputError
-from trecsim.report.recording import Recording, find, read_recording
+from trecsim.report.places import find
+from trecsim.report.recording import Recording, read_recording
 from trecsim.store.tracks import tracks_writer
 
 
@@ -47,6 +48,17 @@ def test_pieces_can_lie_elsewhere(folder: Path) -> None:
     recording = read_recording(places)
     assert recording.rig is not None
     assert recording.truth is not None
+
+
+def test_the_folder_of_a_demo_gives_its_run_and_what_it_was_made_of(tmp_path: Path) -> None:
+    walk = make_recording(tmp_path / "demo", 8)
+    (walk / "run").mkdir()
+    for name in ("tracks.csv", "timing.csv", "summary.json"):
+        (walk / name).rename(walk / "run" / name)
+    recording = read(walk)
+    assert recording.moment_count == 4
+    assert recording.truth is not None
+    assert recording.places.timing == walk / "run" / "timing.csv"
 
 
 def test_tracks_of_a_run_go_before_others(folder: Path, tmp_path: Path) -> None:

@@ -13,7 +13,8 @@ from trecsim.report import summary
 from trecsim.report.against_truth import scores_of
 from trecsim.report.coverage import CameraFacts, facts_of
 from trecsim.report.page import Facts, Text
-from trecsim.report.recording import Recording, find, read_recording
+from trecsim.report.places import find
+from trecsim.report.recording import Recording, read_recording
 from trecsim.report.sample import Stay
 
 LIMBS = LimbSummary(1, 0.02, float("nan"))

@@ -12,7 +12,8 @@ from trecsim.evaluation.people import people_of
 from trecsim.report import against_truth, cameras, floor, limbs, people, summary, uncertainty
 from trecsim.report.coverage import facts_of
 from trecsim.report.page import Section, Text, page
-from trecsim.report.recording import Progress, Recording, find, read_recording
+from trecsim.report.places import find
+from trecsim.report.recording import Progress, Recording, read_recording
 from trecsim.report.style import need_matplotlib
 from trecsim.store.atomic import atomic_write
 

@@ -14,11 +14,11 @@ from trecsim.calibration import read_rig
 from trecsim.errors import InputError
 from trecsim.evaluation.moments import Moments
 from trecsim.geometry import Rig
+from trecsim.report.places import Places
 from trecsim.report.sample import Sampler, Stay
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.timing import Timing, read_timing
 from trecsim.store.tracks import read_tracks
-from trecsim.store.tracks_parquet import parts_of
 from trecsim.store.truth import Truth, read_truth
 
 Progress = Callable[[int, int | None], None]
@@ -26,26 +26,6 @@ Progress = Callable[[int, int | None], None]
 EARLIEST_UNIX_S = 1e9  # times from here on are dates, others count from some start
 MOST_SHOWN = 8  # people in tables and curves; as many colours can be told apart
 _LARGEST_SUMMARY_BYTES = 10_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class Places:
-    """Where the pieces of a recording lie; None where there is none.
-
-    Attributes
-    ----------
-    tracks
-        A file of tracks, or a directory of parts.
-    rig, poses, truth, timing, summary
-        What else there is.
-    """
-
-    tracks: Path
-    rig: Path | None = None
-    poses: Path | None = None
-    truth: Path | None = None
-    timing: Path | None = None
-    summary: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,57 +150,6 @@ class Recording:
         """How much time a moment of the sample stands for [s]; 0 where nothing tells."""
         usual_s = self.moment_count * self.period_s / max(len(self.sample.t_s), 1)
         return usual_s if math.isfinite(usual_s) else 0.0
-
-
-def find(
-    path: Path, *, rig: Path | None = None, poses: Path | None = None, truth: Path | None = None
-) -> Places:
-    """Return where the pieces of a recording lie.
-
-    Parameters
-    ----------
-    path
-        A folder of a recording, or a file of tracks; a file stands for itself only.
-    rig, poses, truth
-        Where they lie instead, or in addition.
-
-    Raises
-    ------
-    InputError
-        There are no tracks.
-    """
-    if not path.is_dir() or path.suffix == ".parts":
-        if not path.exists() and not parts_of(path).is_dir():
-            raise InputError(
-                f"there is no recording at {path}; give a folder that `trecsim run` has made, "
-                "or a file of tracks"
-            )
-        return Places(path, rig, poses, truth)
-    present = {
-        name: path / file
-        for name, file in {
-            "rig": "rig.toml",
-            "poses": "poses.jsonl",
-            "truth": "truth.npz",
-            "timing": "timing.csv",
-            "summary": "summary.json",
-        }.items()
-        if (path / file).exists()
-    }
-    given = {"rig": rig, "poses": poses, "truth": truth}
-    present |= {name: place for name, place in given.items() if place is not None}
-    return Places(_tracks_in(path), **present)
-
-
-def _tracks_in(folder: Path) -> Path:
-    whole = folder / "tracks.parquet"
-    for tracks in (whole, folder / "tracks.csv", folder / "tracks.csv.partial"):
-        if tracks.exists() or (tracks == whole and parts_of(whole).is_dir()):
-            return tracks
-    raise InputError(
-        f"there are no tracks in {folder}: expected tracks.parquet or tracks.csv, as `trecsim run` "
-        "and `trecsim track` write them"
-    )
 
 
 def read_recording(
