@@ -89,11 +89,13 @@ def _told(result: "DemoSummary") -> str:
     ]
     lines = [f"  {name:<12}{value}" for name, value in rows]
     picture = f"picture: {result.picture}" if result.picture else "no picture: see above"
-    site = quote(str(result.folder / "site.toml"))
-    following = [
-        f"  trecsim run {site}    the same as any other site is run",
-        "  trecsim sample" + " " * (len(site) - 2) + "    a real recording of four cameras to try",
-    ]
+    commands = {
+        f"trecsim report {quote(str(result.folder))}": "all about it on one page",
+        f"trecsim run {quote(str(result.folder / 'site.toml'))}": "the same as any other site",
+        "trecsim sample": "a real recording of four cameras to try",
+    }
+    width = max(map(len, commands))
+    following = [f"  {command:<{width}}    {about}" for command, about in commands.items()]
     return "\n".join([*lines, "", picture, "next:", *following])
 
 
