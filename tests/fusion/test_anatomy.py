@@ -40,7 +40,7 @@ def test_lengths_are_learnt_from_two_cameras():
         tracker.step(s)
     truth = scene.truth_xyz_m[0, 100]
     pairs = usual_body(COCO17).joints
-    rigid = usual_body(COCO17).slack_m <= 0.02
+    rigid = usual_body(COCO17).slack_m <= 0.01
     true_m = np.linalg.norm(truth[pairs[:, 0]] - truth[pairs[:, 1]], axis=1)
     usual_m = usual_body(COCO17).length_m
     learnt_m = tracker._people.limb_m[0]
@@ -136,6 +136,41 @@ def test_a_message_from_the_body_is_what_makes_the_joint_what_the_body_says():
     np.testing.assert_allclose(info, told, atol=1e-8)
     np.testing.assert_allclose(vector, np.linalg.inv(after) @ shift, rtol=1e-8)
     assert np.isclose(size, np.trace(np.linalg.inv(after)))
+
+
+def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
+    """Two joints, one ten times as sure as the other, 10 cm too far apart."""
+    x = np.array([[0.0, 0, 0], [0.5, 0, 0]])
+    cov = np.stack([np.eye(3) * 1e-4, np.eye(3) * 1e-2])
+    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
+    anatomy.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
+    first = 1e-4 + 1e-2 + anatomy._TIE_M2
+    rest = 0.1 * (1 - (1e-4 + 1e-2) / first)  # what the first of two sweeps leaves
+    moved = 0.1 - rest + rest * cov[:, 0, 0].sum() / (cov[:, 0, 0].sum() + anatomy._TIE_M2)
+    assert np.isclose(0.5 - (x[1, 0] - x[0, 0]), moved)
+    assert x[0, 0] < 0.01 * moved * 1.5
+    assert cov[1, 0, 0] < 1e-3  # along the limb
+    assert cov[1, 1, 1] == 1e-2  # across
+
+
+def test_a_limb_that_is_far_off_has_no_say():
+    x = np.array([[0.0, 0, 0], [1.5, 0, 0]])
+    cov = np.tile(np.eye(3) * 1e-4, (2, 1, 1))
+    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
+    anatomy.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
+    np.testing.assert_array_equal(x, [[0.0, 0, 0], [1.5, 0, 0]])
+
+
+def test_the_limbs_of_somebody_whom_four_cameras_see_keep_their_lengths():
+    scene = made([ACROSS])
+    tracker = Tracker(scene.rig)
+    snapshots = [tracker.step(s) for s in frame_sets(scene)]
+    shin = [
+        np.linalg.norm(s.xyz_m[0, COCO17.index("left_knee")] - s.xyz_m[0, 15])
+        for s in snapshots[50:]
+        if len(s.id)
+    ]
+    assert np.std(shin) < 0.01
 
 
 def test_stiffness_is_what_the_acceleration_of_a_spline_asks_for():

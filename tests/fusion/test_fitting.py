@@ -11,6 +11,9 @@ from trecsim.fusion import kernels
 from trecsim.fusion.kernels.fitting import LOOSEN, loosen_if_turned, moments
 
 OFF_M = np.array([0.03, -0.02, 0.04])
+NO_LIMBS = (
+    kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0)), np.empty((1, 0)), np.empty((1, 0)), 1.0
+)  # fmt: skip
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -28,8 +31,8 @@ def located(seen, prior_m2, steps):
     n = len(seen.cam)
     shift, cov, inlier = np.empty(3), np.empty((3, 3)), np.empty(n)
     kernels.locate_joint(
-        MODEL.P, MODEL.focal_px, seen, n, prior_m2, MODEL.noise, steps, kernels.sums(1),
-        shift, cov, inlier, kernels.scratch(24),
+        MODEL.P, MODEL.focal_px, seen, n, prior_m2, MODEL.noise, steps,
+        kernels.sums(1, 1), 0, shift, cov, inlier, kernels.scratch(24),
     )  # fmt: skip
     return shift, cov, inlier
 
@@ -89,7 +92,7 @@ def test_a_sharp_turn_loosens_the_joint_only_when_key_points_agree():
         R, z = np.eye(24), np.ones(24)
         shift, cov, inlier = np.zeros(3), np.empty((3, 3)), np.zeros(3)
         loosen_if_turned(
-            MODEL.P, MODEL.focal_px, R, z, seen, 3, tight, MODEL.noise, kernels.sums(1),
+            MODEL.P, MODEL.focal_px, R, z, seen, 3, tight, MODEL.noise, kernels.sums(1, 1), 0,
             shift, cov, inlier, np.empty(3), kernels.scratch(24),
         )  # fmt: skip
         expected = 1 / np.sqrt(LOOSEN) if agree else 1.0
@@ -127,14 +130,17 @@ def test_what_is_folded_is_what_was_located(seed):
     )  # fmt: skip
     shift, cov, inlier = located(seen, prior[0, 0], 3)
     x, after, got = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.empty((1, 3, 1))
+    found, found_m2 = np.empty_like(x), np.empty_like(after)
     kernels.fit_all(
         R, z, c, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior, cam, MODEL.P, MODEL.focal_px,
         np.full(3, place), xy[:, None], np.ones((3, 1)), np.arange(3)[None],
         np.zeros((1, 3), np.int64), np.full((1, 3), 0.7),
-        MODEL.noise._replace(mirror=np.zeros(1, np.int64)), place, got, x, after,
+        MODEL.noise._replace(mirror=np.zeros(1, np.int64)), place, *NO_LIMBS, got, found, found_m2,
+        x, after,
     )  # fmt: skip
     np.testing.assert_allclose(got[0, :, 0], inlier, rtol=1e-9)
-    np.testing.assert_allclose(x[0, 0], joint + OFF_M + shift, atol=1e-9)
+    np.testing.assert_allclose(found[0, 0], joint + OFF_M + shift, atol=1e-9)
+    np.testing.assert_allclose(x, found, atol=1e-9)
     np.testing.assert_allclose(after[0, 0], cov, rtol=1e-6, atol=1e-12)
     assert live * 3 == len(c[0, 0])
     # The control points are those of the changed information.
@@ -150,7 +156,7 @@ def test_somebody_whom_nobody_sees_stays_as_predicted():
         R, z, c, np.ones((1, 1, 1, 3)), np.eye(3)[None, None], np.array([0]), MODEL.P,
         MODEL.focal_px, np.array([2.0]), np.empty((0, 1, 2)), np.empty((0, 1)),
         np.full((1, 1), -1), np.zeros((1, 1), np.int64), np.ones((1, 1)), MODEL.noise, 2.0,
-        inlier, x, cov,
+        *NO_LIMBS, inlier, np.empty_like(x), np.empty_like(cov), x, cov,
     )  # fmt: skip
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(x[0, 0], 1.0)

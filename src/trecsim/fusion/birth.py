@@ -78,7 +78,7 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
     for i, k in good[np.argsort(-pair[good[:, 0], good[:, 1]], kind="stable")]:
         if not (free[i] and free[k]):
             continue
-        xyz = _meet(origin, ray, i, k, bool(flip[i, k]), model)
+        xyz = _meet(origin, ray, int(i), int(k), bool(flip[i, k]), model)
         if np.isfinite(xyz[:, 0]).sum() < _FEWEST:
             continue
         member = {int(i): 0, int(k): int(flip[i, k])}

@@ -13,20 +13,20 @@ from trecsim.skeleton import Skeleton
 # over people covers children and tall ones. Keys are the joints' parts; "same" and "other" say
 # on which side of the body they lie to each other.
 _USUAL_M = {
-    ("nose", "eye", "any"): (0.05, 0.01),
-    ("eye", "eye", "other"): (0.065, 0.01),
-    ("eye", "ear", "same"): (0.10, 0.01),
-    ("ear", "ear", "other"): (0.15, 0.01),
-    ("nose", "shoulder", "any"): (0.27, 0.05),
-    ("ear", "shoulder", "same"): (0.21, 0.05),
-    ("shoulder", "shoulder", "other"): (0.34, 0.03),
-    ("hip", "hip", "other"): (0.24, 0.02),
-    ("shoulder", "elbow", "same"): (0.28, 0.02),
-    ("elbow", "wrist", "same"): (0.25, 0.02),
-    ("shoulder", "hip", "same"): (0.50, 0.03),
-    ("shoulder", "hip", "other"): (0.57, 0.03),
-    ("hip", "knee", "same"): (0.42, 0.02),
-    ("knee", "ankle", "same"): (0.41, 0.02),
+    ("nose", "eye", "any"): (0.05, 0.005),
+    ("eye", "eye", "other"): (0.065, 0.005),
+    ("eye", "ear", "same"): (0.10, 0.005),
+    ("ear", "ear", "other"): (0.15, 0.005),
+    ("nose", "shoulder", "any"): (0.27, 0.025),
+    ("ear", "shoulder", "same"): (0.21, 0.025),
+    ("shoulder", "shoulder", "other"): (0.34, 0.015),
+    ("hip", "hip", "other"): (0.24, 0.01),
+    ("shoulder", "elbow", "same"): (0.28, 0.01),
+    ("elbow", "wrist", "same"): (0.25, 0.01),
+    ("shoulder", "hip", "same"): (0.50, 0.015),
+    ("shoulder", "hip", "other"): (0.57, 0.015),
+    ("hip", "knee", "same"): (0.42, 0.01),
+    ("knee", "ankle", "same"): (0.41, 0.01),
 }
 _SPREAD = 0.15
 

@@ -115,7 +115,7 @@ def close_pairs(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lost:
-    """Somebody who was dropped while in view, and may come back.
+    """Somebody who was dropped, and may come back.
 
     Attributes
     ----------
@@ -133,9 +133,14 @@ class Lost:
     velocity_mps: Float64[np.ndarray, "3"]
 
     def distance_m(self, xyz_m: Float64[np.ndarray, "3"], t_s: float) -> float:
-        """Return how far `xyz_m` is from where the person should be at `t_s`."""
-        there = self.xyz_m + self.velocity_mps * min(t_s - self.t_s, 0.5)
-        return float(np.linalg.norm(xyz_m - there))
+        """Return how far `xyz_m` is from the way the person may have gone by `t_s`.
+
+        That is anything from having stopped at once to having gone on for half a second.
+        """
+        way_m = self.velocity_mps * min(t_s - self.t_s, 0.5)
+        length_m2 = float(way_m @ way_m)
+        share = float((xyz_m - self.xyz_m) @ way_m) / length_m2 if length_m2 > 0.0 else 0.0
+        return float(np.linalg.norm(xyz_m - self.xyz_m - min(max(share, 0.0), 1.0) * way_m))
 
 
 def recall(

@@ -23,8 +23,8 @@ from trecsim.types import FrameSet, Poses2D, Snapshot
 # Leftover detections of different cameras this close in time may begin a person together [s].
 _PAIR_S = 0.1
 _CLOSE_S = 0.25
-# Whom only one camera has seen for so long is looked at anew [s].
-_LONELY_S = 0.4
+# Whom only one camera has seen for so long, as it takes to confirm somebody, is looked at anew.
+_LONELY_S = 0.15
 _FREE, _TAKEN = -1, -2
 
 
@@ -157,10 +157,11 @@ class Tracker:
         people = self._people
         xyz, prior = self._predicted(people, images)
         association = associate(self._model, images, xyz, prior)
-        inlier = self._fit(people, images, association, xyz, prior)
+        worth = min(max(elapsed_s / self._model.settings.error_memory_s, 0.05), 1.0)
+        inlier, found, found_m2 = self._fit(people, images, association, xyz, prior, worth)
         lifecycle.note_support(people, images, association, inlier, self._t_s, elapsed_s)
+        self._constrain(found, found_m2, elapsed_s, worth)
         lifecycle.mend_mirrored(people, self._model)
-        self._constrain(elapsed_s)
         self._clocks.note(images.cam, images.t_s)
         return association
 
@@ -186,29 +187,44 @@ class Tracker:
         association: Association,
         xyz_m: Float64[np.ndarray, "view track joint 3"],
         prior_m2: Float64[np.ndarray, "track joint 3 3"],
-    ) -> Float64[np.ndarray, "track view joint"]:
-        """Fit `people` to their detections and return the joints' responsibilities."""
+        body_worth: float,
+    ) -> tuple[
+        Float64[np.ndarray, "track view joint"],
+        Float64[np.ndarray, "track joint 3"],
+        Float64[np.ndarray, "track joint 3 3"],
+    ]:
+        """Fit `people` to their detections.
+
+        Returns the joints' responsibilities, and where the key points alone put the joints.
+        """
         m = self._model
         inlier = np.empty((len(people), len(images), len(m.skeleton.joints)))
+        found, found_m2 = np.empty(people.x_m.shape), np.empty(people.cov_m2.shape)
         worth = np.clip(
             self._clocks.since_s(images.cam, images.t_s) / m.settings.error_memory_s, 0.05, 1.0
         )
         kernels.fit_all(
             people.R, people.z, people.c, xyz_m, prior_m2, images.cam, m.P, m.focal_px,
             self._places(images), images.xy_px, images.factor, association.match, association.flip,
-            association.responsibility * worth, m.noise, self._knots.place(self._t_s), inlier,
-            people.x_m, people.cov_m2,
+            association.responsibility * worth, m.noise, self._knots.place(self._t_s), m.limbs,
+            people.limb_m, people.limb_m2, body_worth, inlier, found, found_m2, people.x_m,
+            people.cov_m2,
         )  # fmt: skip
-        return inlier
+        return inlier, found, found_m2
 
-    def _constrain(self, elapsed_s: float) -> None:
+    def _constrain(
+        self,
+        found_m: Float64[np.ndarray, "track joint 3"],
+        found_m2: Float64[np.ndarray, "track joint 3 3"],
+        elapsed_s: float,
+        worth: float,
+    ) -> None:
         """Learn limb lengths, and hold by them what too few cameras see."""
         people, m = self._people, self._model
         kernels.constrain_all(
-            people.R, people.z, people.c, people.x_m, people.cov_m2,
+            people.R, people.z, people.c, found_m, found_m2, people.x_m, people.cov_m2,
             lifecycle.support(people, self._t_s), m.limbs, people.limb_m, people.limb_m2,
-            self._knots.place(self._t_s), elapsed_s,
-            min(max(elapsed_s / m.settings.error_memory_s, 0.05), 1.0),
+            self._knots.place(self._t_s), elapsed_s, worth,
         )  # fmt: skip
 
     def _begin(self, images: Images, association: Association) -> Bool[np.ndarray, " track"]:
@@ -261,7 +277,7 @@ class Tracker:
         match = np.arange(len(images), dtype=np.int64)[None]
         association = Association(match, candidate.flip[None], np.ones(match.shape))
         xyz, prior = self._predicted(person, images)
-        inlier = self._fit(person, images, association, xyz, prior)
+        inlier, _, _ = self._fit(person, images, association, xyz, prior, 1.0)
         lifecycle.note_support(person, images, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(person)
 
@@ -296,7 +312,7 @@ class Tracker:
             if self._t_s - self._close_since[pair] >= _CLOSE_S:
                 alive[younger] = False
         left = ~stays & alive
-        self._remember(people, left & people.confirmed & (expected > 0))
+        self._remember(people, left & people.confirmed)
         left[:n_old] |= replaced
         self._depart(people.keep(left & people.confirmed))
         self._people = people.keep(alive & stays)
@@ -307,7 +323,7 @@ class Tracker:
             self._departed.append((self._t_s, self._grid, people))
 
     def _remember(self, people: Population, who: Bool[np.ndarray, " track"]) -> None:
-        """Keep in mind people who were dropped in view, as they may come back."""
+        """Keep in mind people who were dropped, as they may come back."""
         recall_s = self._model.settings.recall_s
         self._lost = [one for one in self._lost if self._t_s - one.t_s <= recall_s]
         seen_s = people.camera_s.max(axis=1, initial=-np.inf)

@@ -24,6 +24,10 @@ _SUREST_M2 = 0.005**2
 # A limb's equation is never surer than this [m^2].
 _TIE_M2 = 0.01**2
 _STEPS = 3
+# Sweeps over the limbs that hold a body together whose joints are all seen.
+_SWEEPS = 2
+# A limb whose length is off by more standard deviations has no say: one end is elsewhere.
+_GATE = 3.0
 
 
 class Limbs(NamedTuple):
@@ -268,6 +272,50 @@ def quotient(before_m2, after_m2, shift_m, info, vector):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
+def tighten(x, cov_m2, limbs, limb_m, limb_m2):
+    """Move one person's joints, in place, towards the lengths of the limbs, by how sure each is.
+
+    Parameters
+    ----------
+    x, cov_m2
+        Joints and covariances, (joint, 3) and (joint, 3, 3), changed in place.
+    limbs, limb_m, limb_m2
+        `Limbs`, and this person's lengths with their variances.
+
+    Notes
+    -----
+    One limb after the other is taken as a measurement of the distance of two joints, which are
+    treated as independent (Gauss-Seidel). Covariances shrink in the first sweep only, as later
+    ones bring no new information.
+    """
+    u, gain = np.empty(3), np.empty(3)
+    for sweep in range(_SWEEPS):
+        for i in range(limbs.joints.shape[0]):
+            a, b = limbs.joints[i]
+            length, var = length_along(x, cov_m2, a, b, u)
+            var += limb_m2[i] + limbs.slack_m2[i] + _TIE_M2
+            rest = limb_m[i] - length
+            if length == 0.0 or rest * rest > _GATE * _GATE * var:
+                continue
+            pull(x[a], cov_m2[a], u, -rest, var, sweep == 0, gain)
+            pull(x[b], cov_m2[b], u, rest, var, sweep == 0, gain)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def pull(x, cov_m2, u, rest, var, informed, gain):
+    """Move one joint along `u` by its share of `rest`, in place; shrink its covariance if told."""
+    for p in range(3):
+        gain[p] = cov_m2[p, 0] * u[0] + cov_m2[p, 1] * u[1] + cov_m2[p, 2] * u[2]
+    for p in range(3):
+        x[p] += gain[p] * rest / var
+        if informed:
+            for q in range(3):
+                cov_m2[p, q] -= gain[p] * gain[q] / var
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
 def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, tmp):
     """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
 
@@ -333,16 +381,20 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elapsed_s, worth):
-    """Learn everybody's limb lengths and use them, in place.
+def constrain_all(
+    R, z, c, found_m, found_m2, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elapsed_s, worth
+):
+    """Learn everybody's limb lengths, and hold by them what few cameras see, in place.
 
     Parameters
     ----------
     R, z, c
         Square-root information and control points, (track, joint, n, n) and (track, joint, n).
+    found_m, found_m2
+        Joints and covariances by key points alone, (track, joint, 3) and (track, joint, 3, 3):
+        lengths are learnt from what they did not help to find.
     x, cov_m2
-        Joints and covariances after the fit, (track, joint, 3) and (track, joint, 3, 3); changed
-        where the body has a say.
+        The same after the fit; changed where the body has a say.
     n_seen
         Cameras that support each joint now, (track, joint).
     limbs, limb_m, limb_m2
@@ -356,7 +408,7 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elaps
     weights = np.empty(4)
     span = locate(now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
-        learn(x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
+        learn(found_m[k], found_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
         relax_body(
             R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k],
             span, weights, worth, tmp,

@@ -1,4 +1,4 @@
-"""Fitting a frame set: EM on each joint's place, then one fold per moment into its trajectory."""
+"""Fitting a frame set: EM on each joint's place, the body's say, one fold per moment and joint."""
 
 import math
 from typing import NamedTuple, no_type_check
@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numba import njit
 
+from trecsim.fusion.kernels.anatomy import quotient, tighten
 from trecsim.fusion.kernels.curve import locate, point
 from trecsim.fusion.kernels.information import (
     control_points,
@@ -57,20 +58,40 @@ class Observed(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """What the images of each moment say about a joint, summed over the cameras.
+    """What the images of each moment say about one person's joints, summed over the cameras.
 
     Attributes
     ----------
     info, rhs
-        Information and information vector of the joint's shift from its prediction.
+        Information and information vector of a joint's shift from its prediction.
     place, weight
         Weighted sum of the images' times in knots, and sum of the weights.
     """
 
-    info: Float64[np.ndarray, "moment 3 3"]
-    rhs: Float64[np.ndarray, "moment 3"]
-    place: Float64[np.ndarray, " moment"]
-    weight: Float64[np.ndarray, " moment"]
+    info: Float64[np.ndarray, "joint moment 3 3"]
+    rhs: Float64[np.ndarray, "joint moment 3"]
+    place: Float64[np.ndarray, "joint moment"]
+    weight: Float64[np.ndarray, "joint moment"]
+
+
+class Located(NamedTuple):
+    """Where one person's joints are at the time of the frame set, before and after the body's say.
+
+    Attributes
+    ----------
+    shift_m
+        How far the key points say that a joint lies from its prediction.
+    x_m, cov_m2
+        Its place by the key points alone, and covariance.
+    held_m, held_m2
+        The same with the lengths of the limbs.
+    """
+
+    shift_m: Float64[np.ndarray, "joint 3"]
+    x_m: Float64[np.ndarray, "joint 3"]
+    cov_m2: Float64[np.ndarray, "joint 3 3"]
+    held_m: Float64[np.ndarray, "joint 3"]
+    held_m2: Float64[np.ndarray, "joint 3 3"]
 
 
 class Scratch(NamedTuple):
@@ -80,8 +101,6 @@ class Scratch(NamedTuple):
     basis: Float64[np.ndarray, "4"]
     info: Float64[np.ndarray, "3 3"]
     wide: Float64[np.ndarray, "3 3"]
-    shift_m: Float64[np.ndarray, "3"]
-    cov_m2: Float64[np.ndarray, "3 3"]
     rows: Float64[np.ndarray, "3 n"]
     right: Float64[np.ndarray, "3"]
     y: Float64[np.ndarray, "n 3"]
@@ -92,18 +111,29 @@ class Scratch(NamedTuple):
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
     return Scratch(
-        np.empty(3), np.empty(4), np.empty((3, 3)), np.empty((3, 3)), np.empty(3),
-        np.empty((3, 3)), np.empty((3, n)), np.empty(3), np.empty((n, 3)),
+        np.empty(3), np.empty(4), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, n)),
+        np.empty(3), np.empty((n, 3)),
     )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def sums(n_moment):
-    """Allocate the sums of `n_moment` moments."""
+def sums(n_joint, n_moment):
+    """Allocate the sums of one person's joints over `n_moment` moments."""
     return Sums(
-        np.empty((n_moment, 3, 3)), np.empty((n_moment, 3)), np.empty(n_moment), np.empty(n_moment)
-    )
+        np.empty((n_joint, n_moment, 3, 3)), np.empty((n_joint, n_moment, 3)),
+        np.empty((n_joint, n_moment)), np.empty((n_joint, n_moment)),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def nowhere(n_joint):
+    """Allocate where one person's joints are."""
+    return Located(
+        np.empty((n_joint, 3)), np.empty((n_joint, 3)), np.empty((n_joint, 3, 3)),
+        np.empty((n_joint, 3)), np.empty((n_joint, 3, 3)),
+    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -138,20 +168,22 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def clear(total):
-    """Set all sums to zero; explicit loops compile many times faster than array expressions."""
-    for m in range(total.weight.shape[0]):
-        total.place[m] = 0.0
-        total.weight[m] = 0.0
+def clear(total, j):
+    """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
+    for m in range(total.weight.shape[1]):
+        total.place[j, m] = 0.0
+        total.weight[j, m] = 0.0
         for p in range(3):
-            total.rhs[m, p] = 0.0
+            total.rhs[j, m, p] = 0.0
             for q in range(3):
-                total.info[m, p, q] = 0.0
+                total.info[j, m, p, q] = 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def locate_joint(P, focal_px, seen, n, prior_m2, noise, steps, total, shift_m, cov_m2, inlier, tmp):
+def locate_joint(
+    P, focal_px, seen, n, prior_m2, noise, steps, total, j, shift_m, cov_m2, inlier, tmp
+):
     """Find one joint from its key points in several images and its predicted place, by EM.
 
     Parameters
@@ -166,8 +198,9 @@ def locate_joint(P, focal_px, seen, n, prior_m2, noise, steps, total, shift_m, c
         The detector's `Noise`.
     steps
         EM steps, at most.
-    total
-        Result: the images' `Sums`, linearised at the last step but one.
+    total, j
+        Result: the images' `Sums`, of which those of joint `j` are written, linearised at the
+        last step but one.
     shift_m, cov_m2, inlier
         Results: the joint lies at ``xyz_m + shift_m`` with this covariance; responsibility of
         the joint for each key point.
@@ -188,7 +221,7 @@ def locate_joint(P, focal_px, seen, n, prior_m2, noise, steps, total, shift_m, c
         shift_m[a] = 0.0
     copy(prior_m2, cov_m2)
     for _ in range(steps):
-        clear(total)
+        clear(total, j)
         for v in range(n):
             inlier[v] = 0.0
             if math.isnan(xy_px[v, 0]):
@@ -208,26 +241,26 @@ def locate_joint(P, focal_px, seen, n, prior_m2, noise, steps, total, shift_m, c
             heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
             weight = inlier[v] * worth[v] * heavy / var
             m = moment[v]
-            size = add_image(info[m], rhs[m], weight, du, dv, eu, ev, shift_m)
-            sum_place[m] += size * place[v]
-            sum_weight[m] += size
-        if newton_step(total, prior_m2, shift_m, cov_m2, tmp) < STILL_M2:
+            size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
+            sum_place[j, m] += size * place[v]
+            sum_weight[j, m] += size
+        if newton_step(total, j, prior_m2, shift_m, cov_m2, tmp) < STILL_M2:
             return
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 @no_type_check
-def newton_step(total, prior_m2, shift_m, cov_m2, tmp):
+def newton_step(total, j, prior_m2, shift_m, cov_m2, tmp):
     """Write the best shift and its covariance given all moments; return how far it moved [m^2]."""
     info, rhs = tmp.info, tmp.x
     invert3(prior_m2, info)
     for a in range(3):
         rhs[a] = 0.0
-    for m in range(total.weight.shape[0]):
+    for m in range(total.weight.shape[1]):
         for p in range(3):
-            rhs[p] += total.rhs[m, p]
+            rhs[p] += total.rhs[j, m, p]
             for q in range(3):
-                info[p, q] += total.info[m, p, q]
+                info[p, q] += total.info[j, m, p, q]
     invert3(info, cov_m2)
     moved = 0.0
     for a in range(3):
@@ -239,7 +272,7 @@ def newton_step(total, prior_m2, shift_m, cov_m2, tmp):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 @no_type_check
-def fold_moments(R, z, c, total, tmp):
+def fold_moments(R, z, c, total, j, tmp):
     """Fold the sums of every moment into a joint's trajectory, at the moment's mean time.
 
     Notes
@@ -247,21 +280,23 @@ def fold_moments(R, z, c, total, tmp):
     Each residual was taken at its image's own time; only the correction of the curve is taken as
     constant over a moment. At the weighted mean time the error of that vanishes to first order.
     """
-    for m in range(total.weight.shape[0]):
-        if not total.weight[m] > 0.0:
+    info, rhs = total.info, total.rhs
+    for m in range(total.weight.shape[1]):
+        if not total.weight[j, m] > 0.0:
             continue
-        span = locate(total.place[m] / total.weight[m], c.shape[0] // 3, tmp.basis)
+        span = locate(total.place[j, m] / total.weight[j, m], c.shape[0] // 3, tmp.basis)
         point(c, span, tmp.basis, tmp.x)
-        least = 1e-6 * (total.info[m, 0, 0] + total.info[m, 1, 1] + total.info[m, 2, 2])
+        least = 1e-6 * (info[j, m, 0, 0] + info[j, m, 1, 1] + info[j, m, 2, 2])
         fold_gaussian(
-            R, z, total.info[m], total.rhs[m], least, tmp.x, span, tmp.basis, tmp.rows, tmp.right
+            R, z, info[j, m], rhs[j, m], least, tmp.x, span, tmp.basis, tmp.rows, tmp.right
         )
+    control_points(R, z, c)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def loosen_if_turned(
-    P, focal_px, R, z, seen, n, prior_m2, noise, total, shift_m, cov_m2, inlier, trial, tmp
+    P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
 ):
     """Seek a joint again with a wide prior where its key points agree, but not with the curve.
 
@@ -274,7 +309,7 @@ def loosen_if_turned(
         for b in range(3):
             tmp.wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
     locate_joint(
-        P, focal_px, seen, n, tmp.wide, noise, LOOSE_STEPS, total, shift_m, cov_m2, trial, tmp
+        P, focal_px, seen, n, tmp.wide, noise, LOOSE_STEPS, total, j, shift_m, cov_m2, trial, tmp
     )
     before, after = 0.0, 0.0
     for v in range(n):
@@ -286,32 +321,87 @@ def loosen_if_turned(
             inlier[v] = trial[v]
     else:
         locate_joint(
-            P, focal_px, seen, n, prior_m2, noise, STEPS, total, shift_m, cov_m2, inlier, tmp
+            P, focal_px, seen, n, prior_m2, noise, STEPS, total, j, shift_m, cov_m2, inlier, tmp
         )
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 @no_type_check
-def fit_joint(P, focal_px, R, z, c, seen, n, prior_m2, noise, total, inlier, trial, tmp):
-    """Locate one joint and fold its key points into the trajectory, in place."""
+def seek_joint(
+    P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
+):
+    """Find one joint by its key points; return whether there are any. See `locate_joint`."""
     known = 0
     for v in range(n):
         inlier[v] = 0.0
         if not math.isnan(seen.xy_px[v, 0]):
             known += 1
     if known == 0:
-        return
-    shift_m, cov_m2 = tmp.shift_m, tmp.cov_m2
-    locate_joint(P, focal_px, seen, n, prior_m2, noise, STEPS, total, shift_m, cov_m2, inlier, tmp)
+        clear(total, j)
+        for a in range(3):
+            shift_m[a] = 0.0
+        copy(prior_m2, cov_m2)
+        return False
+    locate_joint(
+        P, focal_px, seen, n, prior_m2, noise, STEPS, total, j, shift_m, cov_m2, inlier, tmp
+    )
     agree = 0.0
     for v in range(n):
         agree += inlier[v]
     if known >= 2 and agree < 0.5 * known:
         loosen_if_turned(
-            P, focal_px, R, z, seen, n, prior_m2, noise, total, shift_m, cov_m2, inlier, trial, tmp
-        )
-    fold_moments(R, z, c, total, tmp)
-    control_points(R, z, c)
+            P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier,
+            trial, tmp,
+        )  # fmt: skip
+    return True
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def hold(found, sought, limbs, limb_m, limb_m2, now, worth, total):
+    """Add what the lengths of the limbs say about the joints that were `sought` to their sums.
+
+    Parameters
+    ----------
+    found
+        The joints as `Located`; those held by the body are written.
+    sought
+        Whether a joint has key points in this frame set, (joint,).
+    limbs, limb_m, limb_m2
+        `Limbs`, and this person's lengths with their variances.
+    now
+        Time of the frame set, in knots.
+    worth
+        Weight of what the body says, 0 to 1.
+    total
+        The `Sums`, changed in place.
+
+    Notes
+    -----
+    The message to a joint is the quotient of its place with and without the limbs; it enters the
+    trajectory together with the key points, for no cost of its own.
+    """
+    info, vector, moved = np.empty((3, 3)), np.empty(3), np.empty(3)
+    for j in range(sought.shape[0]):
+        copy(found.cov_m2[j], found.held_m2[j])
+        for a in range(3):
+            found.held_m[j, a] = found.x_m[j, a]
+    tighten(found.held_m, found.held_m2, limbs, limb_m, limb_m2)
+    for j in range(sought.shape[0]):
+        if not sought[j]:
+            continue
+        for a in range(3):
+            moved[a] = found.held_m[j, a] - found.x_m[j, a]
+        quotient(found.cov_m2[j], found.held_m2[j], moved, info, vector)
+        size = 0.0
+        for p in range(3):
+            size += worth * info[p, p]
+            total.rhs[j, 0, p] += worth * vector[p]
+            for q in range(3):
+                total.rhs[j, 0, p] += worth * info[p, q] * found.shift_m[j, q]
+                total.info[j, 0, p, q] += worth * info[p, q]
+        total.place[j, 0] += size * now
+        total.weight[j, 0] += size
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -351,7 +441,8 @@ def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
 @no_type_check
 def fit_all(
     R, z, c, xyz_m, prior_m2, cam, P, focal_px, place,
-    xy_px, factor, match, flip, worth, noise, now, inlier, x_m, cov_m2,
+    xy_px, factor, match, flip, worth, noise, now, limbs, limb_m, limb_m2, body_worth,
+    inlier, found_m, found_m2, x_m, cov_m2,
 ):  # fmt: skip
     """Fit every track to the detections assigned to it in one frame set, in place.
 
@@ -376,11 +467,15 @@ def fit_all(
         The detector's `Noise`.
     now
         Time of the frame set, in knots.
+    limbs, limb_m, limb_m2, body_worth
+        `Limbs`; lengths and variances per track, (track, limb); what they are worth, 0 to 1.
     inlier
         Result, (track, view, joint): responsibility of the joint for its key point.
+    found_m, found_m2
+        Results: joints and covariances at the frame set's time by key points alone, (track,
+        joint, 3) and (track, joint, 3, 3).
     x_m, cov_m2
-        Results: joints and covariances at the frame set's time after the fit, (track, joint, 3)
-        and (track, joint, 3, 3).
+        Results: the same after the fit, limbs and all.
     """
     n_view = cam.shape[0]
     seen = Observed(
@@ -388,20 +483,29 @@ def fit_all(
         np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
     )  # fmt: skip
     moment = np.empty(n_view, np.int64)
-    total = sums(moments(place, moment) if n_view else 0)
-    tmp = scratch(R.shape[2])
+    total = sums(R.shape[1], moments(place, moment) if n_view else 0)
+    found, sought, tmp = nowhere(R.shape[1]), np.empty(R.shape[1], np.bool_), scratch(R.shape[2])
     r, trial, weights = np.empty(n_view), np.empty(n_view), np.empty(4)
     span = locate(now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
         n = gather_views(seen, cam, place, moment, match[k], worth[k])
         for j in range(R.shape[1]):
-            if n:
-                gather_joint(seen, j, xyz_m[:, k], match[k], flip[k], xy_px, factor, noise)
-                fit_joint(
-                    P, focal_px, R[k, j], z[k, j], c[k, j], seen, n, prior_m2[k, j], noise, total,
-                    r, trial, tmp,
-                )  # fmt: skip
+            gather_joint(seen, j, xyz_m[:, k], match[k], flip[k], xy_px, factor, noise)
+            sought[j] = seek_joint(
+                P, focal_px, R[k, j], z[k, j], seen, n, prior_m2[k, j], noise, total, j,
+                found.shift_m[j], found.cov_m2[j], r, trial, tmp,
+            )  # fmt: skip
             spread(match[k], r, inlier[k], j)
+            point(c[k, j], span, weights, found.x_m[j])
+            for a in range(3):
+                found.x_m[j, a] += found.shift_m[j, a]
+                found_m[k, j, a] = found.x_m[j, a]
+            copy(found.cov_m2[j], found_m2[k, j])
+        if n:
+            hold(found, sought, limbs, limb_m[k], limb_m2[k], now, body_worth, total)
+        for j in range(R.shape[1]):
+            if sought[j]:
+                fold_moments(R[k, j], z[k, j], c[k, j], total, j, tmp)
             point(c[k, j], span, weights, x_m[k, j])
             curve_covariance(R[k, j], span, weights, tmp.y, cov_m2[k, j])
 
