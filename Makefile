@@ -32,10 +32,10 @@ check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/lint-imports
 	$(BIN)/codespell --skip docs/_build src tests docs benchmarks *.md
 
-bench: .venv/installed-test  ## Run all benchmarks, store the results, make the tables anew (20 min).
+bench: .venv/installed-test  ## Run all benchmarks, store the results, make the tables anew (15 min).
 	@$(BIN)/python benchmarks/run.py; status=$$?; $(BIN)/python benchmarks/tables.py && exit $$status
 
-bench-quick: .venv/installed-test  ## Run a part of them (4 min); say what got worse, and fail if so.
+bench-quick: .venv/installed-test  ## Run a part of them (3 min); say what got worse, and fail if so.
 	$(BIN)/python benchmarks/run.py --quick
 
 figures: | $(BIN)/python  ## Print every figure to reach beside the one reached.

@@ -46,7 +46,7 @@ def table_of(targets: tuple[Target, ...], found: dict[str, Result]) -> str:
 def main() -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--fresh", action="store_true", help="measure it anew (20 minutes)")
+    parser.add_argument("--fresh", action="store_true", help="measure it anew (15 minutes)")
     found = measured() if parser.parse_args().fresh else results()
     for targets in (FUSION, OTHERS):
         print(table_of(targets, found))

@@ -102,11 +102,13 @@ def estimator(results: Results) -> str:
 
 def busy(result: Result) -> str:
     """Return a warning where a machine had too much to do for its times to be quoted."""
-    load = busy_with(result.about)
-    if load is None:
+    others = busy_with(result.about)
+    if others is None:
         return ""
     cores = result.about["machine"]["cores"]
-    return f"\n\n*The machine was busy (load {load:.1f} on {cores} cores): too long.*"
+    return (
+        f"\n\n*The machine was busy with other things on {others:.1f} of {cores} cores: too long.*"
+    )
 
 
 def grid(results: Results) -> tuple[list[int], list[int], Callable[[int, int, str], float]]:

@@ -57,10 +57,10 @@ def run(name: str, measure: Measure, options: Options) -> Result:
     """Return what a benchmark measures, with all that belongs to it."""
     os.environ.update(ONE_THREAD)
     about = machine.describe()
-    began_s = time.monotonic()
+    began_s, before = time.monotonic(), machine.use()
     measured = measure(options)
     about["took_s"] = round(time.monotonic() - began_s, 1)
-    about["machine"]["load_average_after"] = [round(value, 2) for value in os.getloadavg()]
+    about["machine"]["cores_used_by_others"] = machine.used_by_others(before, machine.use())
     about["quick"] = options.quick
     about["input"] = options.input
     about["fingerprints"] = options.fingerprints

@@ -3,13 +3,16 @@
 import os
 import platform
 import subprocess
+import time
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
+MOST_BY_OTHERS = 0.4  # cores
 PACKAGES = ("numpy", "numba", "openvino")
 
 
@@ -32,11 +35,50 @@ def describe() -> dict[str, Any]:
     }
 
 
+@dataclass(frozen=True, slots=True)
+class Use:
+    """How much the processor has done so far, on all cores [s].
+
+    Attributes
+    ----------
+    at_s
+        When this was seen.
+    all_s
+        For everybody, and what a virtual machine's host took away.
+    own_s
+        For this program and those it started and that have ended.
+    """
+
+    at_s: float
+    all_s: float
+    own_s: float
+
+
+def use() -> Use | None:
+    """Return how much the processor has done so far, or None where the system does not tell."""
+    try:
+        line = Path("/proc/stat").read_text(encoding="ascii").partition("\n")[0]
+    except OSError:
+        return None
+    user, nice, system, _idle, _wait, *interrupts_and_steal = map(int, line.split()[1:9])
+    ticks = user + nice + system + sum(interrupts_and_steal)
+    own = os.times()
+    own_s = own.user + own.system + own.children_user + own.children_system
+    return Use(time.monotonic(), ticks / os.sysconf("SC_CLK_TCK"), own_s)
+
+
+def used_by_others(before: Use | None, after: Use | None) -> float | None:
+    """Return how many cores others used in the meantime, on average."""
+    if before is None or after is None or after.at_s <= before.at_s:
+        return None
+    others_s = (after.all_s - before.all_s) - (after.own_s - before.own_s)
+    return round(max(others_s, 0.0) / (after.at_s - before.at_s), 2)
+
+
 def busy_with(about: Mapping[str, Any]) -> float | None:
-    """Return the load of a machine that had too much to do for its times to be quoted, or None."""
-    machine = about["machine"]
-    load = float(max(machine["load_average"][0], machine.get("load_average_after", [0.0])[0]))
-    return load if load > machine["cores"] else None
+    """Return how many cores others used, where that was too much for times to be quoted."""
+    others = about["machine"].get("cores_used_by_others")
+    return others if others is not None and others > MOST_BY_OTHERS else None
 
 
 def installed(package: str) -> str | None:

@@ -91,7 +91,9 @@ def measured_on(result: Result) -> str:
     some = ", ".join(
         f"{name} {versions[name]}" for name in ("python", "numpy", "numba") if versions.get(name)
     )
+    used = machine.get("cores_used_by_others")
+    others = f" ({used:.1f} of them used by others)" if used is not None else ""
     return (
         f"{about['date'][:10]}, commit {about['commit']}, {machine['cores']} cores of "
-        f"{machine['processor']}, load {machine['load_average'][0]:.1f} at the start, {some}"
+        f"{machine['processor']}{others}, {some}"
     )
