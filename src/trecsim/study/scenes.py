@@ -10,21 +10,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from trecsim.calibration import read_rig, write_rig
+from trecsim.calibration import read_rig
 from trecsim.errors import ConfigError, Error, InputError
 from trecsim.geometry import Rig
 from trecsim.simulation.cast import clips_of
-from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
+from trecsim.simulation.scene import Scene, room_scene, simulate
 from trecsim.simulation.scene_file import BUILT_IN, built_in_text, read_scene
-from trecsim.sources import PosesWriter, read_poses
+from trecsim.sources import read_poses
+from trecsim.staging import POSES, RIG, TRUTH, write_simulation
 from trecsim.store.atomic import disk_faults
-from trecsim.store.truth import Truth, read_truth, write_truth
+from trecsim.store.truth import Truth, read_truth
 from trecsim.study.code import simulation_digest
 from trecsim.study.table import SceneTable
 from trecsim.tables import read_text
 from trecsim.types import Poses2D
-
-RIG, POSES, TRUTH = "rig.toml", "poses.jsonl", "truth.npz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,19 +171,11 @@ def prepare(choice: SceneChoice, seed: int | None, out: Path) -> Path:
     with disk_faults(folder):
         unfinished.mkdir(parents=True)
         try:
-            _write(made, unfinished)
+            write_simulation(made, unfinished)
             unfinished.rename(folder)
         finally:
             shutil.rmtree(unfinished, ignore_errors=True)
     return folder
-
-
-def _write(made: Simulation, folder: Path) -> None:
-    write_rig(made.rig, folder / RIG)
-    with PosesWriter(folder / POSES) as writer:
-        for poses in made.poses:
-            writer.write(poses)
-    write_truth(folder / TRUTH, made.truth_t_s, made.truth_xyz_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
