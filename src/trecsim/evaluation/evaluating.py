@@ -108,13 +108,13 @@ def evaluate(
     truth
         Where everybody truly was: ``truth.npz``, the directory of a made scene, or the arrays.
     shelf
-        Directory of the Shelf recording, if the tracks are made of it.
+        Directory of the Shelf recording, if the tracks are made of it; all its frames count.
     rig, poses
         Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
     lengths
         Limb lengths measured with a tape, which count more than those of the truth.
     from_s, until_s
-        Only this time counts [s].
+        Only this time counts, but for `shelf` [s].
     remark
         Is called with what is worth knowing without being wrong.
 
