@@ -12,7 +12,6 @@ from trecsim.tables.table import beside_the_file
 
 FORMAT = "trecsim.study/1"
 KIND = "study file"
-DESIGNS = ("grid", "one-at-a-time", "random")
 MOST_LEVELS = 100
 MOST_POINTS = 5_000
 MOST_PEOPLE = 200
