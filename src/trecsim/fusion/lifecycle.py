@@ -79,8 +79,9 @@ def survivors(
     Notes
     -----
     A tentative person needs two cameras again within a quarter of a second. A confirmed one
-    dies when no camera supports it for `death_s` (half of that where no camera looks), or when
-    for `doubt_s` only one of three or more cameras that look at the place does.
+    dies when no camera supports it for `death_s` (half of that where no camera looks, 0.7 of it
+    where three or more do), or when for `doubt_s` only one of three or more cameras that look at
+    the place does.
     """
     s = model.settings
     alive = np.empty(len(people), bool)

@@ -11,6 +11,7 @@ from trecsim.fusion import birth, kernels, lifecycle
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.clocks import JUMP_S, Clocks
 from trecsim.fusion.images import Detections, Images, prepare
+from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.lifecycle import Lost
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
@@ -23,8 +24,6 @@ from trecsim.types import FrameSet, Poses2D, Snapshot
 # Leftover detections of different cameras this close in time may begin a person together [s].
 _PAIR_S = 0.1
 _CLOSE_S = 0.25
-# Whom only one camera has seen for so long, as it takes to confirm somebody, is looked at anew.
-_LONELY_S = 0.15
 _FREE, _TAKEN = -1, -2
 
 
@@ -230,7 +229,7 @@ class Tracker:
     def _begin(self, images: Images, association: Association) -> Bool[np.ndarray, " track"]:
         """Let people begin where detections of two or more cameras meet; mark who is replaced.
 
-        Whom one camera alone has seen for a while may have drifted, or may never have been right:
+        Whom one camera alone sees now may have drifted, or may never have been right:
         those detections are looked at again, together with what the other cameras cannot explain.
         """
         replaced = np.zeros(len(self._people), bool)
@@ -249,17 +248,40 @@ class Tracker:
             owners = np.unique(owner[candidate.member])
             owners = owners[owners >= 0]
             owners = owners[~replaced[owners]]  # each is replaced once
+            free[candidate.member] = False
+            if not len(owners) and self._is_known(candidate, pool, images, association):
+                continue
             self._add(candidate, pool, owners)
             replaced[owners] = True
-            free[candidate.member] = False
         self._leftover = pool.take(free)
         return replaced
+
+    def _is_known(
+        self,
+        candidate: birth.Candidate,
+        pool: Detections,
+        images: Images,
+        association: Association,
+    ) -> bool:
+        """Return whether the candidate is somebody whom its cameras failed to recognise.
+
+        Who stands where two cameras support somebody, and was seen by other cameras only, is the
+        same person.
+        """
+        m = self._model
+        torso = birth.completed(candidate.xyz_m, m)[m.torso]
+        apart_m = np.linalg.norm(self._people.x_m[: len(association.match), m.torso] - torso, axis=2)
+        near = np.flatnonzero(apart_m.mean(axis=1) < m.settings.duplicate_m)
+        looking = np.isin(images.cam, pool.cam[candidate.member])
+        seen = (association.match[near] >= 0) & looking
+        other = (association.match[near] >= 0) & ~looking
+        return bool((~seen.any(axis=1) & (other.sum(axis=1) >= 2)).any())
 
     def _owners(self, images: Images, association: Association) -> Int64[np.ndarray, " person"]:
         """Return for each detection its lonely track, or whether it is free or taken."""
         owner = np.full(len(images.xy_px), _FREE, np.int64)
         track, view = np.nonzero(association.match >= 0)
-        lonely = self._t_s - self._people.two_s > _LONELY_S
+        lonely = self._t_s - self._people.two_s > SUPPORT_S
         owner[association.match[track, view]] = np.where(lonely[track], track, _TAKEN)
         return owner
 
