@@ -81,9 +81,9 @@ def report(result: Result, before: Result | None = None) -> list[comparing.Chang
         verdict: [c for c in changes if c.verdict == verdict] for verdict in ("worse", "better")
     }
     since = f"{before.about['date']}, commit {before.about['commit']}"
-    if result.about["fingerprints"] and (
-        result.about["fingerprints"] != before.about["fingerprints"]
-    ):
+    if not comparing.times_count(result, before):
+        print("others left this program no core to itself, now or then: times are not compared")
+    if not comparing.same_input(result, before):
         print("the input has changed: seeds are not compared one by one")
     print(
         f"{len(changes)} figures compared with {since}: {len(moved['worse'])} worse, "

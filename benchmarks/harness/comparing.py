@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from harness.figures import Figure, Path_, Result, find, leaves, spread_of
+from harness.machine import crowded
 
 Verdict = Literal["worse", "better", "as before"]
 
@@ -17,7 +18,8 @@ COUNTED = 1.65  # one-sided 95 % of a difference of two counts
 SMALL = 0.01  # a mean that moved by less than this share is as before
 SMALL_ONCE = 0.03  # the same for what is measured once
 SMALL_TIME = 0.20  # a time, relative to the calibration
-ROUNDS = 2.0  # so many times the half range of the rounds of both
+GAPS = 2.0  # so many times the gaps between the two best rounds of both
+ALONE = 0.10  # such a gap where there is a single round
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +33,7 @@ class Change:
     verdict
         Whether it moved beyond noise, and which way.
     before, now
-        Values, over the runs both have in common; of times: medians.
+        Values, over the runs both have in common; of times: those quoted.
     noise
         What it might have moved by chance, in the unit; of times: as a share.
     unit
@@ -62,12 +64,25 @@ class Change:
 
 def compare(now: Result, before: Result) -> list[Change]:
     """Return how every figure moved that both results have and that is watched."""
-    same_input = now.about.get("fingerprints") == before.about.get("fingerprints")
-    return list(_changes(now, before, same_input))
+    return list(_changes(now, before, same_input(now, before)))
 
 
-def _changes(now: Result, before: Result, same_input: bool) -> Iterator[Change]:
+def same_input(now: Result, before: Result) -> bool:
+    """Tell whether what is made on the way is the same, as far as both have it."""
+    one, other = (result.about.get("fingerprints", {}) for result in (now, before))
+    return all(other[name] == print_ for name, print_ in one.items() if name in other)
+
+
+def times_count(now: Result, before: Result) -> bool:
+    """Tell whether both had a core to themselves; else times say nothing."""
+    return not (crowded(now.about) or crowded(before.about))
+
+
+def _changes(now: Result, before: Result, paired: bool) -> Iterator[Change]:
+    times = times_count(now, before)
     for path, figure in leaves(now.figures):
+        if figure.kind == "time" and not times:
+            continue
         old = find(before.figures, path)
         if old is None or not figure.watched or not math.isfinite(old.value):
             continue
@@ -76,23 +91,24 @@ def _changes(now: Result, before: Result, same_input: bool) -> Iterator[Change]:
         elif figure.kind == "time" and figure.relative and old.relative:
             yield _compare_times(path, figure, old)
         else:
-            yield _compare_values(path, figure, old, same_input)
+            yield _compare_values(path, figure, old, paired)
 
 
 def _compare_times(path: Path_, now: Figure, before: Figure) -> Change:
-    moved = statistics.median(now.relative) / statistics.median(before.relative) - 1.0
-    noise = max(SMALL_TIME, ROUNDS * (_half_range(now.relative) + _half_range(before.relative)))
+    moved = min(now.relative) / min(before.relative) - 1.0
+    noise = max(SMALL_TIME, GAPS * (_gap(now.relative) + _gap(before.relative)))
     verdict = _verdict(moved, noise)
     return Change(path, verdict, before.value, now.value, noise, now.unit, moved)
 
 
-def _half_range(relative: tuple[float, ...]) -> float:
-    """Return half the range of the rounds as a share of their median."""
-    return (max(relative) - min(relative)) / 2 / statistics.median(relative)
+def _gap(relative: tuple[float, ...]) -> float:
+    """Return by which share the second best round took longer than the best."""
+    best = sorted(relative)[:2]
+    return best[1] / best[0] - 1.0 if len(best) > 1 else ALONE
 
 
-def _compare_values(path: Path_, now: Figure, before: Figure, same_input: bool) -> Change:
-    common = [run for run in now.runs if run in before.runs] if same_input else []
+def _compare_values(path: Path_, now: Figure, before: Figure, paired: bool) -> Change:
+    common = [run for run in now.runs if run in before.runs] if paired else []
     common = [run for run in common if math.isfinite(now.runs[run] + before.runs[run])]
     if now.kind == "sum":
         old, new = _sums(now, before, common)

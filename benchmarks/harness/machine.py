@@ -13,6 +13,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 MOST_BY_OTHERS = 0.4  # cores
+LITTLE = 0.1
 PACKAGES = ("numpy", "numba", "openvino")
 
 
@@ -79,6 +80,13 @@ def busy_with(about: Mapping[str, Any]) -> float | None:
     """Return how many cores others used, where that was too much for times to be quoted."""
     others = about["machine"].get("cores_used_by_others")
     return others if others is not None and others > MOST_BY_OTHERS else None
+
+
+def crowded(about: Mapping[str, Any]) -> bool:
+    """Tell whether others left not even one core, so that times cannot be compared at all."""
+    machine = about["machine"]
+    others = machine.get("cores_used_by_others")
+    return others is not None and others > machine["cores"] - 1 + LITTLE
 
 
 def installed(package: str) -> str | None:

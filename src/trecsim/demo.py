@@ -5,17 +5,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from trecsim.calibration import write_rig
 from trecsim.config.check import check_site
 from trecsim.errors import InputError, SetupError
 from trecsim.evaluation.moments import read_moments, with_empty_moments
 from trecsim.evaluation.truth import Comparison, compare_moments
 from trecsim.pipeline import RunSummary, run
 from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
-from trecsim.sources import PosesWriter
+from trecsim.staging import write_simulation
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.tracks import read_tracks
-from trecsim.store.truth import Truth, write_truth
+from trecsim.store.truth import Truth
 
 Progress = Callable[[int, int | None], None]
 
@@ -167,11 +166,7 @@ def _write(folder: Path, made: Simulation) -> None:
     """Write what a site needs; the site file first, since it marks the folder as ours."""
     with atomic_write(folder / "site.toml") as file:
         file.write(SITE)
-    write_rig(made.rig, folder / "rig.toml")
-    write_truth(folder / "truth.npz", made.truth_t_s, made.truth_xyz_m)
-    with PosesWriter(folder / "poses.jsonl") as writer:
-        for poses in made.poses:
-            writer.write(poses)
+    write_simulation(made, folder)
 
 
 def _draw(folder: Path, made: Simulation, comparison: Comparison) -> Path | None:

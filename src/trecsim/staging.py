@@ -87,9 +87,7 @@ def stage(
     _check_empty(folder)
     made = simulate(scene, seed, progress=simulating)
     with _emptied_after_an_error(folder):
-        write_rig(made.rig, folder / RIG)
-        write_truth(folder / TRUTH, made.truth_t_s, made.truth_xyz_m)
-        _write_poses(made, folder / POSES, writing)
+        write_simulation(made, folder, writing)
     return Staged(
         folder=folder,
         scene=scene.name,
@@ -111,8 +109,28 @@ def _check_empty(folder: Path) -> None:
             )
 
 
-def _write_poses(made: Simulation, path: Path, writing: Progress | None) -> None:
-    with PosesWriter(path) as writer:
+def write_simulation(made: Simulation, folder: Path, writing: Progress | None = None) -> None:
+    """Write a simulated scene as ``rig.toml``, ``truth.npz`` and ``poses.jsonl``.
+
+    Parameters
+    ----------
+    made
+        The simulation.
+    folder
+        Gets the files; must be there.
+    writing
+        Told the number of images written, and of all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    SetupError
+        The disk is full.
+    """
+    write_rig(made.rig, folder / RIG)
+    write_truth(folder / TRUTH, made.truth_t_s, made.truth_xyz_m)
+    with PosesWriter(folder / POSES) as writer:
         for number, poses in enumerate(made.poses, 1):
             writer.write(poses)
             if writing is not None:

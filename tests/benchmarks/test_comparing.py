@@ -6,7 +6,7 @@ import pytest
 
 from harness.comparing import Change, compare
 from harness.figures import Figure, once, over_seeds, summed, timed
-from made_results import result, runs
+from made_results import ABOUT, result, runs
 
 
 def verdict(before: Figure, now: Figure, **about: object) -> Change:
@@ -57,6 +57,14 @@ def test_seeds_are_not_paired_when_the_scenes_have_changed() -> None:
     assert verdict(before, now, fingerprints={"room": "other"}).verdict == "as before"
 
 
+def test_a_part_has_the_same_scenes_as_the_whole() -> None:
+    before = over_seeds(runs(2.0, 3.0, 4.0, 5.0, 6.0), "cm")
+    now = over_seeds(runs(2.1, 3.1, 4.1, 5.1, 6.1), "cm")
+    whole = result({"error": before}, fingerprints={"room": "f00", "hall": "ba2"})
+    (change,) = compare(result({"error": now}, fingerprints={"room": "f00"}), whole)
+    assert change.verdict == "worse"
+
+
 def test_a_figure_that_was_there_and_is_not_any_more_is_worse() -> None:
     before = over_seeds(runs(2.0, 2.0), "cm")
     assert verdict(before, over_seeds(runs(math.nan, math.nan), "cm")).verdict == "worse"
@@ -73,7 +81,7 @@ def test_counts_must_move_by_more_than_chance(before: int, now: int, expected: s
 def test_a_count_over_fewer_seeds_is_not_taken_for_an_improvement() -> None:
     before = summed(runs(10, 10, 10, 10))
     assert verdict(before, summed(runs(10))).verdict == "as before"
-    assert verdict(before, summed(runs(10)), fingerprints={}).before == 10
+    assert verdict(before, summed(runs(10)), fingerprints={"room": "other"}).before == 10
 
 
 def test_what_is_measured_once_has_the_tolerance_it_states() -> None:
@@ -100,7 +108,26 @@ def test_a_slower_program_on_a_busy_machine_is_named() -> None:
 
 def test_times_whose_rounds_disagree_are_no_evidence() -> None:
     before = timed([1.0, 1.5, 0.8], [10.0, 10.0, 10.0])
-    assert verdict(before, timed([1.4, 1.5, 1.3], [10.0, 10.0, 10.0])).verdict == "as before"
+    assert verdict(before, timed([1.1, 1.5, 1.1], [10.0, 10.0, 10.0])).verdict == "as before"
+    before = timed([0.8, 1.5, 0.8], [10.0, 10.0, 10.0])
+    assert verdict(before, timed([1.1, 1.5, 1.1], [10.0, 10.0, 10.0])).verdict == "worse"
+
+
+def test_one_disturbed_round_does_not_hide_a_slower_program_nor_make_one() -> None:
+    before = timed([1.0, 1.01, 1.02], [10.0, 10.0, 10.0])
+    assert verdict(before, timed([9.0, 1.01, 1.0], [10.0, 10.0, 10.0])).verdict == "as before"
+    assert verdict(before, timed([9.0, 1.5, 1.52], [10.0, 10.0, 10.0])).verdict == "worse"
+
+
+def test_without_a_core_to_itself_times_are_not_compared_and_the_rest_is() -> None:
+    figures = {"time": timed([1.0], [1.0]), "error": once(1.0, "cm")}
+    slower = {"time": timed([9.0], [1.0]), "error": once(9.0, "cm")}
+    machine = {**ABOUT["machine"], "cores_used_by_others": 1.8}
+    changes = compare(result(slower, machine=machine), result(figures))
+    assert [change.path for change in changes] == [("error",)]
+    machine = {**ABOUT["machine"], "cores_used_by_others": 1.0}
+    changes = compare(result(slower, machine=machine), result(figures))
+    assert [change.verdict for change in changes] == ["worse", "worse"]
 
 
 def test_what_is_not_watched_or_not_stored_is_left_out() -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from harness import figures, running
 from harness.options import Options, parse_override
+from made_results import result
 from trecsim.errors import ConfigError
 
 GOOD = """
@@ -39,11 +40,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_one_that_breaks_does_not_lose_the_others(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before = figures.Result("worse", {"group": {"figure": figures.once(1.0, "cm")}}, {})
-    before = figures.Result(before.name, before.figures, {"date": "", "commit": ""})
+    before = result({"group": {"figure": figures.once(1.0, "cm")}}, "worse")
     figures.store(before, folder / "results" / "worse.json")
     outcome = running.run_all(["broken", "absent", "worse", "good"], [], store=True, folder=folder)
-    assert [result.name for result in outcome.done] == ["worse", "good"]
+    assert [done.name for done in outcome.done] == ["worse", "good"]
     assert outcome.failed == ["broken"]
     assert outcome.skipped == {"absent": "no data here"}
     (line,) = outcome.worse
@@ -57,7 +57,7 @@ def test_one_that_breaks_does_not_lose_the_others(
 def test_after_an_interrupt_what_was_done_is_kept_and_nothing_more_is_begun(folder: Path) -> None:
     outcome = running.run_all(["good", "stopped", "worse"], [], store=True, folder=folder)
     assert outcome.interrupted
-    assert [result.name for result in outcome.done] == ["good"]
+    assert [done.name for done in outcome.done] == ["good"]
     assert [path.stem for path in (folder / "results").iterdir()] == ["good"]
 
 

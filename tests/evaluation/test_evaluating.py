@@ -77,6 +77,21 @@ def test_times_of_frame_sets_beside_the_tracks_are_the_moments(tmp_path: Path) -
     assert any("timing.csv beside them is of other tracks" in remark for remark in remarks)
 
 
+def test_a_run_that_saw_only_a_part_of_the_truth_is_said_to_be_scored_there_only(
+    tmp_path: Path,
+) -> None:
+    truth = truth_of([0.0] * 40, [3.0] * 40, step_s=0.1)
+    path = write(tmp_path, [{1: 0.0, 2: 3.0}] * 10)
+    with timing_writer(tmp_path / "timing.csv") as writer:
+        for n in range(10):
+            writer.write(StepTiming(n / 10, 2, 2, 1.0))
+    remarks: list[str] = []
+    scores = evaluate(path, truth, remark=remarks.append).scores
+    assert scores is not None
+    assert (scores.moments, scores.missed) == (10, 0)
+    assert any("no frame set came in 3 s of the 3.9 s" in remark for remark in remarks)
+
+
 def test_empty_tracks_are_a_stated_zero(tmp_path: Path) -> None:
     remarks: list[str] = []
     result = evaluate(write(tmp_path, []), TWO, remark=remarks.append)

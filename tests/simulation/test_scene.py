@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from trecsim.errors import InputError
 from trecsim.geometry import Camera, Rig
-from trecsim.simulation.detector import PERFECT
+from trecsim.simulation.detector import PERFECT, Footage, detect
 from trecsim.simulation.paths import through
 from trecsim.simulation.room import corner_rig
 from trecsim.simulation.scene import Clock, Scene, Scripted, Wanderers, room_scene, simulate
@@ -30,6 +31,25 @@ def test_the_same_seed_gives_the_same_and_another_seed_another_simulation() -> N
     assert all(same(*pair) for pair in zip(first.poses, again.poses, strict=True))
     np.testing.assert_array_equal(first.truth_xyz_m, again.truth_xyz_m)
     assert not np.array_equal(first.truth_xyz_m, other.truth_xyz_m, equal_nan=True)
+
+
+def test_what_cameras_agree_on_is_by_another_chance_than_the_people(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    seeds = []
+
+    def watched(footage: Footage, *rest: Any) -> list[Poses2D]:
+        seeds.append(footage.common_seed)
+        return detect(footage, *rest)
+
+    monkeypatch.setattr("trecsim.simulation.scene.detect", watched)
+    simulate(room_scene(people=1, seconds=0.5), 7)
+    assert len(set(seeds)) == 1
+    of_people, of_cameras = np.random.SeedSequence(7).spawn(2)
+    habits = np.random.default_rng(seeds[0])
+    drawn = [rng.random() for rng in (habits, *np.random.default_rng(seeds[0]).spawn(2))]
+    others = [np.random.default_rng(own).random() for own in (7, of_people, of_cameras)]
+    assert not set(drawn) & set(others)
 
 
 def test_one_more_camera_changes_neither_the_people_nor_the_other_cameras() -> None:

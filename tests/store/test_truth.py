@@ -122,6 +122,16 @@ def test_a_missing_array_is_told_with_what_is_there(tmp_path: Path) -> None:
     assert "missing: xyz_m; found: t_s, joints_world_m" in refused(tmp_path / "truth.npz")
 
 
+def test_an_array_under_another_name_in_the_archive_is_told(tmp_path: Path) -> None:
+    file_of(tmp_path)
+    with zipfile.ZipFile(tmp_path / "truth.npz") as archive:
+        parts = {name: archive.read(name) for name in archive.namelist()}
+    with zipfile.ZipFile(tmp_path / "bare.npz", "w") as archive:
+        for name, data in parts.items():
+            archive.writestr(name.removesuffix(".npy"), data)
+    assert "missing: t_s, xyz_m" in refused(tmp_path / "bare.npz")
+
+
 def test_an_array_that_claims_to_be_huge_is_not_read(tmp_path: Path) -> None:
     header = io.BytesIO()
     claim = {"descr": "<f8", "fortran_order": False, "shape": (4, 10**12, 17, 3)}

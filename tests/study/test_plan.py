@@ -48,6 +48,30 @@ def test_scene_files_and_folders_lie_beside_the_study_file(tmp_path: Path) -> No
     assert study_of(tmp_path, text).scenes[1].source == str(tmp_path / "mine.toml")
 
 
+def test_a_scene_is_another_one_when_a_clip_that_it_plays_is(tmp_path: Path) -> None:
+    scene = """
+format = "trecsim.scene/1"
+seconds = 2
+rig.pattern = "corners"
+[[people]]
+start_m = [0, 0]
+actions = [{ do = "clip", path = "walk.npz" }]
+"""
+    (tmp_path / "mine.toml").write_text(scene)
+    facts = []
+    for content in (b"one", b"other", b"one"):
+        (tmp_path / "walk.npz").write_bytes(content)
+        facts.append(_scene_of(study_of(tmp_path, GOOD.replace("crossing-30cm", "mine.toml"))))
+    assert facts[0] == facts[2] != facts[1]
+    (tmp_path / "walk.npz").unlink()
+    with pytest.raises(ConfigError, match=r"cannot read .*walk\.npz"):
+        study_of(tmp_path, GOOD.replace("crossing-30cm", "mine.toml"))
+
+
+def _scene_of(study: Study) -> object:
+    return study.scenes[1].facts["scene"]
+
+
 def test_a_study_written_down_is_the_same_study(tmp_path: Path) -> None:
     study = study_of(tmp_path)
     assert study_of(tmp_path, toml_of(study.table)).table == study.table

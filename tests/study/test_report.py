@@ -115,6 +115,13 @@ def test_the_table_of_a_document_is_made_from_the_results(tmp_path: Path) -> Non
     assert "**" not in table[4]
 
 
+def test_an_effect_without_any_chance_stands_in_the_table(tmp_path: Path) -> None:
+    study = study_of()
+    write_results(findings(study, made_runs(study, tmp_path), code_digest()), tmp_path)
+    rows = [{**row, "spread": "2", "chance": "0"} for row in read_results(tmp_path / RESULTS)]
+    assert "(> 100 ×)" in markdown(rows)
+
+
 def test_incomplete_and_failed_runs_are_told_and_left_out(tmp_path: Path) -> None:
     study = study_of()
     runs = made_runs(study, tmp_path)[

@@ -36,7 +36,7 @@ def evaluate(
     truth
         Where everybody truly was: `truth.npz`, or the directory of a made scene.
     shelf
-        Directory of the Shelf recording, to count PCP3D of tracks made of it.
+        Directory of the Shelf recording, to count PCP3D of tracks made of it, over all its frames.
     rig
         Calibration, to measure reprojection errors; goes with `--poses`.
     poses

@@ -38,6 +38,8 @@ from trecsim.store.truth import Truth, read_truth
 
 Remark = Callable[[str], None]
 
+LEFT_OUT_S = 1.0  # more than a lag, or a camera that starts late
+
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
@@ -106,13 +108,13 @@ def evaluate(
     truth
         Where everybody truly was: ``truth.npz``, the directory of a made scene, or the arrays.
     shelf
-        Directory of the Shelf recording, if the tracks are made of it.
+        Directory of the Shelf recording, if the tracks are made of it; all its frames count.
     rig, poses
         Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
     lengths
         Limb lengths measured with a tape, which count more than those of the truth.
     from_s, until_s
-        Only this time counts [s].
+        Only this time counts, but for `shelf` [s].
     remark
         Is called with what is worth knowing without being wrong.
 
@@ -248,4 +250,18 @@ def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float
             f"the tracks end {until_s - found[-1]:.3g} s before the truth does; until there nobody "
             "counts as found (tracks with a lag: give --to-s)"
         )
+    uncovered_s = _uncovered_s(recorded, from_s, until_s)
+    if uncovered_s > LEFT_OUT_S:
+        remarks.append(
+            f"no frame set came in {uncovered_s:.3g} s of the {until_s - from_s:.3g} s that count, "
+            "at the beginning or the end: these are not scored"
+        )
     return remarks
+
+
+def _uncovered_s(recorded: Recorded, from_s: float, until_s: float) -> float:
+    """Return for how long no frame set was there yet, or any more; 0 where nothing tells."""
+    times_s = recorded.frame_set_t_s
+    if times_s is None:
+        return 0.0
+    return float(max(times_s[0] - from_s, 0.0) + max(until_s - times_s[-1], 0.0))

@@ -9,7 +9,7 @@ from trecsim.report.recording import Recording
 from trecsim.report.style import ACCENT, PAPER, as_svg, figure, quiet
 
 TITLE = "Against the truth"
-LEAD = "This recording was simulated: where everybody truly was is known exactly."
+LEAD = "Where everybody truly was is known for this recording, made or annotated."
 
 
 def scores_of(recording: Recording) -> Scores | str | None:
@@ -55,7 +55,7 @@ def _facts(scores: Scores) -> list[Fact]:
         Fact("found within 15 cm", _percent(error.recall_15cm), "of all true joints"),
         Fact("missed", _percent(scores.missed_share), "of everybody's time"),
         Fact("ghosts", _percent(scores.ghosts_share), "as a share of the same"),
-        Fact("identity switches", f"{identity.switches}", f"IDF1 {identity.idf1:.3f}"),
+        Fact("identity switches", f"{identity.switches}", f"IDF1 {_number(identity.idf1)}"),
         Fact("right count", _percent(scores.right_count), "of the moments"),
     ]
 
@@ -66,6 +66,10 @@ def _cm(length_m: float) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.1f} %" if share == share else "–"
+
+
+def _number(score: float) -> str:
+    return f"{score:.3f}" if score == score else "–"
 
 
 def _seconds(delay: Delay) -> str:
@@ -90,9 +94,9 @@ def _table(scores: Scores) -> Table:
     identity, honesty, latency = scores.identity, scores.honesty, scores.latency
     rows = [
         ("mean error of a joint (MPJPE)", _cm(scores.error.mean_m), "of people found"),
-        ("IDF1", f"{identity.idf1:.3f}", "share of the time with the right identity"),
-        ("MOTA", f"{identity.mota:.3f}", "1 less the shares of missed, ghosts and switches"),
-        ("HOTA", f"{identity.hota:.3f}", "detection and association together"),
+        ("IDF1", _number(identity.idf1), "share of the time with the right identity"),
+        ("MOTA", _number(identity.mota), "1 less the shares of missed, ghosts and switches"),
+        ("HOTA", _number(identity.hota), "detection and association together"),
         (
             "truth within the stated 90 % region",
             _percent(honesty.within_90),

@@ -41,7 +41,7 @@ def section(recording: Recording) -> Section:
                 "missing",
             )
         )
-    lead = "Each identity is one person from entering to leaving; who comes back gets a new one."
+    lead = "Each identity is one person from entering to leaving; who is back later gets a new one."
     return Section(TITLE, blocks, lead)
 
 

@@ -1,11 +1,13 @@
 """Who is in a scene: people with a script, people who wander about, or both."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from trecsim.errors import InputError
+from trecsim.simulation.actions import Clip
 from trecsim.simulation.body import Body, bodies, body
 from trecsim.simulation.paths import FloorPath
 from trecsim.simulation.roles import Role
@@ -149,6 +151,22 @@ class Company:
             for cast, own in zip(self.casts, sources, strict=True)
             for person in cast(seconds, own)
         )
+
+
+def clips_of(cast: Cast) -> tuple[Path, ...]:
+    """Return the files of recorded motion that people of a cast play, each once, in order.
+
+    Parameters
+    ----------
+    cast
+        Any; what is not known here plays none.
+    """
+    if isinstance(cast, Company):
+        return tuple(dict.fromkeys(path for one in cast.casts for path in clips_of(one)))
+    if not isinstance(cast, Players):
+        return ()
+    actions = (action for role in cast.roles for visit in role.visits for action in visit.actions)
+    return tuple(dict.fromkeys(action.path for action in actions if isinstance(action, Clip)))
 
 
 def _player(role: Role, any_body: Body, seconds: float, rng: np.random.Generator) -> Person:

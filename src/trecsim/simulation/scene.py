@@ -146,14 +146,15 @@ def simulate(scene: Scene, seed: int | None = None, progress: Progress | None = 
     seed = scene.seed if seed is None else seed
     if seed < 0:
         raise InputError(f"a seed is a whole number from 0, got {seed}")
-    of_people, of_cameras = np.random.SeedSequence(seed).spawn(2)
+    of_people, of_cameras, of_habits = np.random.SeedSequence(seed).spawn(3)
+    common_seed = int(of_habits.generate_state(1, np.uint64)[0])
     clocks = scene.clocks if len(scene.clocks) > 1 else scene.clocks * len(scene.rig)
     _check_size(scene, clocks)
     people = scene.cast(scene.seconds, np.random.default_rng(of_people))
     images: list[tuple[float, int, Poses2D]] = []
     seeds = of_cameras.spawn(len(scene.rig))
     for number, (camera, clock, own) in enumerate(zip(scene.rig, clocks, seeds, strict=True)):
-        taken_s, seen = _look(scene, camera, clock, people, np.random.default_rng(own), seed)
+        taken_s, seen = _look(scene, camera, clock, people, np.random.default_rng(own), common_seed)
         images.extend(zip(taken_s, [number] * len(seen), seen, strict=True))
         if progress is not None:
             progress(number + 1, len(scene.rig))

@@ -102,10 +102,10 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _check_all_there(path: Path, names: Sequence[str], members: Iterable[str]) -> None:
-    there = [member.removesuffix(".npy") for member in members]
-    missing = [name for name in names if name not in there]
+    there = list(members)
+    missing = [name for name in names if f"{name}.npy" not in there]
     if missing:
-        found = ", ".join(name[:40] for name in there[:6])
+        found = ", ".join(name.removesuffix(".npy")[:40] for name in there[:6])
         raise InputError(
             f"{path}: expected {_listed(names)}; missing: {', '.join(missing)}; "
             f"found: {found or 'nothing'}"

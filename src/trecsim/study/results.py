@@ -144,9 +144,8 @@ def markdown(rows: Sequence[Mapping[str, str]]) -> str:
             first = next(row for row in own if row["measure"] == measure.name)
             spread, chance = float(first["spread"]), float(first["chance"] or "nan")
             text = figure_text(measure, spread).removesuffix(measure.unit).strip()
-            cells.append(
-                f"**{text}** ({strength_text(spread / chance)})" if spread > chance else text
-            )
+            strength = spread / chance if chance else math.inf
+            cells.append(f"**{text}** ({strength_text(strength)})" if spread > chance else text)
         lines.append(_line(cells))
     return "\n".join(lines) + "\n"
 

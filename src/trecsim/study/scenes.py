@@ -10,20 +10,20 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from trecsim.calibration import read_rig, write_rig
+from trecsim.calibration import read_rig
 from trecsim.errors import ConfigError, Error, InputError
 from trecsim.geometry import Rig
-from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
+from trecsim.simulation.cast import clips_of
+from trecsim.simulation.scene import Scene, room_scene, simulate
 from trecsim.simulation.scene_file import BUILT_IN, built_in_text, read_scene
-from trecsim.sources import PosesWriter, read_poses
+from trecsim.sources import read_poses
+from trecsim.staging import POSES, RIG, TRUTH, write_simulation
 from trecsim.store.atomic import disk_faults
-from trecsim.store.truth import Truth, read_truth, write_truth
+from trecsim.store.truth import Truth, read_truth
 from trecsim.study.code import simulation_digest
 from trecsim.study.table import SceneTable
 from trecsim.tables import read_text
 from trecsim.types import Poses2D
-
-RIG, POSES, TRUTH = "rig.toml", "poses.jsonl", "truth.npz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,11 +107,14 @@ def _choice(name: str, table: SceneTable) -> SceneChoice:
 
 
 def _scene_digest(source: str) -> str:
-    """Return a text that is another one when a scene file is."""
+    """Return a text that is another one when a scene file is, or a clip that it plays."""
     text = built_in_text(source) if source in BUILT_IN else ""
     if not text and (path := Path(source)).suffix:
         text = read_text(path, "scene file")
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    digest = hashlib.sha256(text.encode())
+    for clip in clips_of(read_scene(source).cast):
+        digest.update(_file_digest(clip))
+    return digest.hexdigest()[:16]
 
 
 def _content(folder: Path) -> str:
@@ -120,12 +123,16 @@ def _content(folder: Path) -> str:
     read_truth(folder / TRUTH)
     digest = hashlib.sha256()
     for name in (RIG, POSES, TRUTH):
-        try:
-            with (folder / name).open("rb") as file:
-                digest.update(hashlib.file_digest(file, "sha256").digest())
-        except OSError as error:
-            raise InputError(f"cannot read {folder / name}: {error.strerror}") from None
+        digest.update(_file_digest(folder / name))
     return digest.hexdigest()[:16]
+
+
+def _file_digest(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return hashlib.file_digest(file, "sha256").digest()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}") from None
 
 
 def scene_of(choice: SceneChoice) -> Scene:
@@ -164,19 +171,11 @@ def prepare(choice: SceneChoice, seed: int | None, out: Path) -> Path:
     with disk_faults(folder):
         unfinished.mkdir(parents=True)
         try:
-            _write(made, unfinished)
+            write_simulation(made, unfinished)
             unfinished.rename(folder)
         finally:
             shutil.rmtree(unfinished, ignore_errors=True)
     return folder
-
-
-def _write(made: Simulation, folder: Path) -> None:
-    write_rig(made.rig, folder / RIG)
-    with PosesWriter(folder / POSES) as writer:
-        for poses in made.poses:
-            writer.write(poses)
-    write_truth(folder / TRUTH, made.truth_t_s, made.truth_xyz_m)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from trecsim.config.site import LONGEST_LAG_S
-from trecsim.tables import Table, read_text, validated
+from trecsim.tables import FilePath, Table, read_text, validated
+from trecsim.tables.table import beside_the_file
 
 FORMAT = "trecsim.study/1"
 KIND = "study file"
@@ -19,17 +20,11 @@ MOST_CAMERAS = 64
 LONGEST_S = 3600.0
 
 
-def _beside_the_file(path: Path, info: Any) -> Path:
-    folder: Path = (info.context or {}).get("folder", Path())
-    return folder / path.expanduser()
-
-
 def _scene_beside_the_file(name: str, info: Any) -> str:
-    return str(_beside_the_file(Path(name), info)) if name.endswith(".toml") else name
+    return str(beside_the_file(Path(name), info)) if name.endswith(".toml") else name
 
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-BesideTheFile = Annotated[Path, Field(strict=False), AfterValidator(_beside_the_file)]
 
 
 class SettingTable(Table):
@@ -80,7 +75,7 @@ class SceneTable(Table):
     """Images per second of each camera in the room (25)."""
     scene: Annotated[str, AfterValidator(_scene_beside_the_file)] | None = None
     """Name of a built-in scene, or a scene file."""
-    folder: BesideTheFile | None = None
+    folder: FilePath | None = None
     """A made scene: the folder with its `rig.toml`, `poses.jsonl` and `truth.npz`."""
 
     @property

@@ -18,12 +18,21 @@ class Table(BaseModel):
     )
 
 
-def _beside_the_file(path: Path, info: Any) -> Path:
+def beside_the_file(path: Path, info: Any) -> Path:
+    """Return a path as seen from the folder of the file in which it stands.
+
+    Parameters
+    ----------
+    path
+        As it stands there.
+    info
+        Of pydantic; the folder is in the context of validation.
+    """
     folder: Path = (info.context or {}).get("folder", Path())
     return folder / path.expanduser()
 
 
-FilePath = Annotated[Path, Field(strict=False), AfterValidator(_beside_the_file)]
+FilePath = Annotated[Path, Field(strict=False), AfterValidator(beside_the_file)]
 """A path relative to the file in which it stands; its folder is in the context of validation."""
 
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]
