@@ -6,7 +6,7 @@ from jaxtyping import Bool, Float64, Int64
 # A camera that is further from the others than this has jumped [s].
 JUMP_S = 2.0
 # One that has delivered nothing for so long does not look [s].
-SILENT_S = 1.0
+SILENT_S = 0.3
 
 
 class Clocks:

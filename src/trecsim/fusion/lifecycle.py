@@ -4,8 +4,6 @@ Support is counted in cameras and in time, never in observations, so that frame 
 dropped frames change nothing.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
@@ -79,8 +77,9 @@ def survivors(
     Notes
     -----
     A tentative person needs two cameras again within a quarter of a second. A confirmed one
-    dies when no camera supports it for `death_s` (half of that where no camera looks), or when
-    for `doubt_s` only one of three or more cameras that look at the place does.
+    dies when no camera supports it for `death_s` (half of that where no camera looks, 0.7 of it
+    where three or more do), or when for `doubt_s` only one of three or more cameras that look at
+    the place does.
     """
     s = model.settings
     alive = np.empty(len(people), bool)
@@ -113,43 +112,33 @@ def close_pairs(
     ]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Lost:
-    """Somebody who was dropped, and may come back.
+def is_known(
+    people: Population,
+    torso_m: Float64[np.ndarray, "joint_of_torso 3"],
+    eyes: Bool[np.ndarray, " view"],
+    association: Association,
+    model: Model,
+) -> bool:
+    """Return whether somebody new is one of `people` whom some cameras failed to recognise.
 
-    Attributes
+    Parameters
     ----------
-    id
-        The identity.
-    t_s
-        When the person was last supported [s].
-    xyz_m, velocity_mps
-        Where the torso was then, and how it moved.
+    people
+        Those whom the association knows come first.
+    torso_m
+        The joints of the new torso.
+    eyes
+        Which images are of the cameras that see somebody new.
+    association
+        Who was found in each image.
+    model
+        Constants of the run.
+
+    Notes
+    -----
+    Who stands where two other cameras see somebody, whom these cameras do not, is the same person.
     """
-
-    id: int
-    t_s: float
-    xyz_m: Float64[np.ndarray, "3"]
-    velocity_mps: Float64[np.ndarray, "3"]
-
-    def distance_m(self, xyz_m: Float64[np.ndarray, "3"], t_s: float) -> float:
-        """Return how far `xyz_m` is from the way the person may have gone by `t_s`.
-
-        That is anything from having stopped at once to having gone on for half a second.
-        """
-        way_m = self.velocity_mps * min(t_s - self.t_s, 0.5)
-        length_m2 = float(way_m @ way_m)
-        share = float((xyz_m - self.xyz_m) @ way_m) / length_m2 if length_m2 > 0.0 else 0.0
-        return float(np.linalg.norm(xyz_m - self.xyz_m - min(max(share, 0.0), 1.0) * way_m))
-
-
-def recall(
-    lost: list[Lost], xyz_m: Float64[np.ndarray, "3"], t_s: float, recall_s: float
-) -> Lost | None:
-    """Return the lost person who is most likely back at `xyz_m`, if anybody is."""
-    near = [
-        (one.distance_m(xyz_m, t_s), one)
-        for one in lost
-        if t_s - one.t_s <= recall_s and one.distance_m(xyz_m, t_s) < 0.5 + 0.6 * (t_s - one.t_s)
-    ]
-    return min(near, key=lambda pair: pair[0])[1] if near else None
+    known = people.x_m[: len(association.match), model.torso]
+    apart_m = np.linalg.norm(known - torso_m, axis=-1).mean(axis=1)
+    seen = association.match[apart_m < model.settings.duplicate_m] >= 0
+    return bool((~seen[:, eyes].any(axis=1) & (seen[:, ~eyes].sum(axis=1) >= 2)).any())

@@ -49,7 +49,8 @@ class FusionSettings:
         Two cameras must support a new person for so long before it is reported; three report it
         at once [s].
     death_s
-        A person whom no camera supports is dropped after this time [s].
+        A person whom no camera supports is dropped after this time; after half of it where no
+        camera looks, 0.7 of it where three or more do [s].
     doubt_s
         A person whom one camera supports, while two or more others look at the place, is dropped
         after this time [s].

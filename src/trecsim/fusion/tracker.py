@@ -1,20 +1,21 @@
 """The one object with state: frame sets in, people in 3D out."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.errors import InputError
-from trecsim.fusion import birth, kernels, lifecycle
+from trecsim.fusion import birth, kernels, lifecycle, memory
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.clocks import JUMP_S, Clocks
 from trecsim.fusion.images import Detections, Images, prepare
-from trecsim.fusion.lifecycle import Lost
+from trecsim.fusion.kernels.presence import SUPPORT_S
+from trecsim.fusion.memory import Lost
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
 from trecsim.fusion.settings import FusionSettings
+from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
@@ -23,8 +24,6 @@ from trecsim.types import FrameSet, Poses2D, Snapshot
 # Leftover detections of different cameras this close in time may begin a person together [s].
 _PAIR_S = 0.1
 _CLOSE_S = 0.25
-# Whom only one camera has seen for so long, as it takes to confirm somebody, is looked at anew.
-_LONELY_S = 0.15
 _FREE, _TAKEN = -1, -2
 
 
@@ -230,7 +229,7 @@ class Tracker:
     def _begin(self, images: Images, association: Association) -> Bool[np.ndarray, " track"]:
         """Let people begin where detections of two or more cameras meet; mark who is replaced.
 
-        Whom one camera alone has seen for a while may have drifted, or may never have been right:
+        Whom one camera alone sees now may have drifted, or may never have been right:
         those detections are looked at again, together with what the other cameras cannot explain.
         """
         replaced = np.zeros(len(self._people), bool)
@@ -249,9 +248,15 @@ class Tracker:
             owners = np.unique(owner[candidate.member])
             owners = owners[owners >= 0]
             owners = owners[~replaced[owners]]  # each is replaced once
+            free[candidate.member] = False
+            torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso]
+            eyes = np.isin(images.cam, pool.cam[candidate.member])
+            if not len(owners) and lifecycle.is_known(
+                self._people, torso, eyes, association, self._model
+            ):
+                continue
             self._add(candidate, pool, owners)
             replaced[owners] = True
-            free[candidate.member] = False
         self._leftover = pool.take(free)
         return replaced
 
@@ -259,7 +264,7 @@ class Tracker:
         """Return for each detection its lonely track, or whether it is free or taken."""
         owner = np.full(len(images.xy_px), _FREE, np.int64)
         track, view = np.nonzero(association.match >= 0)
-        lonely = self._t_s - self._people.two_s > _LONELY_S
+        lonely = self._t_s - self._people.two_s > SUPPORT_S
         owner[association.match[track, view]] = np.where(lonely[track], track, _TAKEN)
         return owner
 
@@ -289,7 +294,7 @@ class Tracker:
             oldest = owners[np.argmin(self._people.id[owners])]
             return int(self._people.id[oldest]), bool(self._people.confirmed[oldest])
         torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso].mean(axis=0)
-        back = lifecycle.recall(self._lost, torso, self._t_s, self._model.settings.recall_s)
+        back = memory.recall(self._lost, torso, self._t_s, self._model.settings.recall_s)
         if back is not None:
             self._lost.remove(back)
             return back.id, True
@@ -312,7 +317,11 @@ class Tracker:
             if self._t_s - self._close_since[pair] >= _CLOSE_S:
                 alive[younger] = False
         left = ~stays & alive
-        self._remember(people, left & people.confirmed)
+        gone = memory.remembered(
+            people, left & people.confirmed, self._knots, self._model, self._t_s
+        )
+        recall_s = self._model.settings.recall_s
+        self._lost = memory.still_near(self._lost, self._t_s, recall_s) + gone
         left[:n_old] |= replaced
         self._depart(people.keep(left & people.confirmed))
         self._people = people.keep(alive & stays)
@@ -322,19 +331,6 @@ class Tracker:
         if self._lag_s > 0.0 and len(people) and self._grid is not None:
             self._departed.append((self._t_s, self._grid, people))
 
-    def _remember(self, people: Population, who: Bool[np.ndarray, " track"]) -> None:
-        """Keep in mind people who were dropped, as they may come back."""
-        recall_s = self._model.settings.recall_s
-        self._lost = [one for one in self._lost if self._t_s - one.t_s <= recall_s]
-        seen_s = people.camera_s.max(axis=1, initial=-np.inf)
-        for k in np.flatnonzero(who):
-            then_s = max(seen_s[k], self._t_s - self._model.settings.window_s + 0.1)
-            at = evaluated(people.c[k : k + 1], self._knots, [then_s - 0.1, then_s])
-            torso = at[:, 0, self._model.torso].mean(axis=1)
-            self._lost.append(
-                Lost(int(people.id[k]), then_s, torso[1], (torso[1] - torso[0]) / 0.1)
-            )
-
     def _snapshot(self, now_s: float) -> Snapshot:
         """Return everybody who was there at `now_s` minus the lag, gone since or not."""
         t_s = now_s - self._lag_s
@@ -342,49 +338,4 @@ class Tracker:
         there = [(one[1], one[2]) for one in self._departed]
         if self._grid is not None:
             there.append((self._grid, self._people.keep(self._people.confirmed)))
-        parts = []
-        for grid, people in there:
-            known = people.keep(people.born_s <= t_s + 1e-9)
-            if len(known):
-                parts.append(self._part(known, grid, t_s))
-        if not parts:
-            return nobody_at(t_s, len(self._model.skeleton.joints))
-        if len(parts) == 1:
-            return Snapshot(t_s, *parts[0])
-        return Snapshot(t_s, *(np.concatenate(values) for values in zip(*parts, strict=True)))
-
-    def _part(
-        self, people: Population, grid: KnotGrid, t_s: float
-    ) -> tuple[
-        Int64[np.ndarray, " person"],
-        Float64[np.ndarray, "person joint 3"],
-        Float64[np.ndarray, "person joint 3 3"],
-        Int64[np.ndarray, "person joint"],
-    ]:
-        """Return identities, joints, covariances and support of `people` at `t_s`."""
-        count = lifecycle.support(people, t_s)
-        if t_s == self._t_s:
-            return people.id.copy(), people.x_m.copy(), people.cov_m2.copy(), count
-        cov = np.empty(people.cov_m2.shape)
-        kernels.covariance_all(people.R, grid.place(t_s), cov)
-        return people.id.copy(), evaluated(people.c, grid, [t_s])[0], cov, count
-
-
-def evaluated(
-    c: Float64[np.ndarray, "track joint n"], grid: KnotGrid, t_s: Sequence[float]
-) -> Float64[np.ndarray, "time track joint 3"]:
-    """Return the joints at several times [m]."""
-    xyz = np.empty((len(t_s), *c.shape[:2], 3))
-    kernels.evaluate_all(c, np.array([grid.place(t) for t in t_s]), xyz)
-    return xyz
-
-
-def nobody_at(t_s: float, n_joint: int) -> Snapshot:
-    """Return a moment without anybody."""
-    return Snapshot(
-        t_s,
-        np.empty(0, np.int64),
-        np.empty((0, n_joint, 3)),
-        np.empty((0, n_joint, 3, 3)),
-        np.empty((0, n_joint), np.int64),
-    )
+        return snapshot_of(there, t_s, self._t_s, len(self._model.skeleton.joints))

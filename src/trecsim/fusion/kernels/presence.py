@@ -11,6 +11,9 @@ SUPPORT_S = 0.12
 INLIER, FEWEST_INLIERS = 0.5, 3
 # A camera should see somebody of whose torso at least this share is before its image.
 IN_VIEW = 0.5
+# The share of `death_s` after which somebody is given up whom no camera should see, as people have
+# left then, or whom three or more should: that all of them miss the same person is rare.
+UNSEEN_PATIENCE, CROWDED_PATIENCE = 0.5, 0.7
 # A body nearer than this to a camera's plane is not expected in the image [m].
 AHEAD_M = 0.1
 
@@ -172,13 +175,22 @@ def survive_all(
         for c in range(camera_s.shape[1]):
             last_s = max(last_s, camera_s[k, c])
         alone_s = now_s - two_s[k]
-        patience_s = death_s if expected[k] else 0.5 * death_s
+        patience_s = death_s * patience(expected[k])
         alive[k] = (
             now_s - last_s <= patience_s
             and not (alone_s > doubt_s and expected[k] >= 3)
             and (confirmed[k] or alone_s <= tentative_s)
             and finite(x_m[k])
         )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def patience(expected):
+    """Return the share of `death_s` to wait for somebody whom so many cameras should see."""
+    if expected == 0:
+        return UNSEEN_PATIENCE
+    return CROWDED_PATIENCE if expected >= 3 else 1.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)

@@ -1,0 +1,74 @@
+"""What the trajectories say about one moment."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.fusion import kernels, lifecycle
+from trecsim.fusion.population import Population
+from trecsim.fusion.spline import KnotGrid
+from trecsim.types import Snapshot
+
+
+def snapshot_of(
+    there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, n_joint: int
+) -> Snapshot:
+    """Return everybody who had begun at `t_s`.
+
+    Parameters
+    ----------
+    there
+        People, with the grids on which their trajectories are.
+    t_s
+        The moment, within those grids [s].
+    now_s
+        Time of the last frame set, for which places and covariances are known already [s].
+    n_joint
+        Number of joints of the skeleton.
+    """
+    parts = []
+    for grid, people in there:
+        known = people.keep(people.born_s <= t_s + 1e-9)
+        if len(known):
+            parts.append(_part(known, grid, t_s, now_s))
+    if not parts:
+        return nobody_at(t_s, n_joint)
+    if len(parts) == 1:
+        return parts[0]
+    return Snapshot(
+        t_s,
+        np.concatenate([part.id for part in parts]),
+        np.concatenate([part.xyz_m for part in parts]),
+        np.concatenate([part.cov_m2 for part in parts]),
+        np.concatenate([part.support for part in parts]),
+    )
+
+
+def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float) -> Snapshot:
+    count = lifecycle.support(people, t_s)
+    if t_s == now_s:
+        return Snapshot(t_s, people.id.copy(), people.x_m.copy(), people.cov_m2.copy(), count)
+    cov_m2 = np.empty(people.cov_m2.shape)
+    kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
+    return Snapshot(t_s, people.id.copy(), evaluated(people.c, grid, [t_s])[0], cov_m2, count)
+
+
+def evaluated(
+    c: Float64[np.ndarray, "track joint n"], grid: KnotGrid, t_s: Sequence[float]
+) -> Float64[np.ndarray, "time track joint 3"]:
+    """Return the joints at several times, from their control points [m]."""
+    xyz_m = np.empty((len(t_s), *c.shape[:2], 3))
+    kernels.evaluate_all(c, np.array([grid.place(t) for t in t_s]), xyz_m)
+    return xyz_m
+
+
+def nobody_at(t_s: float, n_joint: int) -> Snapshot:
+    """Return a moment without anybody."""
+    return Snapshot(
+        t_s,
+        np.empty(0, np.int64),
+        np.empty((0, n_joint, 3)),
+        np.empty((0, n_joint, 3, 3)),
+        np.empty((0, n_joint), np.int64),
+    )
