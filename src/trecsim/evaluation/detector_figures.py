@@ -127,9 +127,12 @@ def _sights(
     parts = []
     for run, of_run in enumerate(runs):
         of_people, *of_cameras = of_run.spawn(1 + len(STANDS_M))
+        common_seed = int(of_run.generate_state(1, np.uint64)[0])
         xyz_m, stature_m = _people(frame / FPS % ROUND_S, np.random.default_rng(of_people))
         for number, own in enumerate(of_cameras):
-            footage = Footage(_camera(number), frame / FPS, frame / FPS, xyz_m, stature_m, (), run)
+            footage = Footage(
+                _camera(number), frame / FPS, frame / FPS, xyz_m, stature_m, (), common_seed
+            )
             truth_px = footage.camera.project(xyz_m[:, :, LIMBS])
             for i, seen in enumerate(detect(footage, detector, np.random.default_rng(own))):
                 place = number + len(STANDS_M) * run
