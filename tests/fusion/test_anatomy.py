@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 from fusion.made import frame_sets, made, outcome, path
 from trecsim.fusion import FusionSettings, Tracker, kernels
 from trecsim.fusion.body import stiffness, usual_body
-from trecsim.fusion.kernels import anatomy
+from trecsim.fusion.kernels import anatomy, lengths
 from trecsim.simulation.detector import PERFECT
 from trecsim.skeleton import COCO17
 from trecsim.types import FrameSet, Poses2D
@@ -132,7 +132,7 @@ def test_a_message_from_the_body_is_what_makes_the_joint_what_the_body_says():
     told, shift = np.diag([1e3, 1e2, 0.0]), np.array([0.05, -0.02, 0.01])
     after = np.linalg.inv(np.linalg.inv(before) + told)
     info, vector = np.empty((3, 3)), np.empty(3)
-    size = anatomy.quotient(before, after, shift, info, vector)
+    size = lengths.quotient(before, after, shift, info, vector)
     np.testing.assert_allclose(info, told, atol=1e-8)
     np.testing.assert_allclose(vector, np.linalg.inv(after) @ shift, rtol=1e-8)
     assert np.isclose(size, np.trace(np.linalg.inv(after)))
@@ -143,10 +143,10 @@ def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
     x = np.array([[0.0, 0, 0], [0.5, 0, 0]])
     cov = np.stack([np.eye(3) * 1e-4, np.eye(3) * 1e-2])
     limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
-    anatomy.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
-    first = 1e-4 + 1e-2 + anatomy._TIE_M2
+    lengths.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
+    first = 1e-4 + 1e-2 + lengths.TIE_M2
     rest = 0.1 * (1 - (1e-4 + 1e-2) / first)  # what the first of two sweeps leaves
-    moved = 0.1 - rest + rest * cov[:, 0, 0].sum() / (cov[:, 0, 0].sum() + anatomy._TIE_M2)
+    moved = 0.1 - rest + rest * cov[:, 0, 0].sum() / (cov[:, 0, 0].sum() + lengths.TIE_M2)
     assert np.isclose(0.5 - (x[1, 0] - x[0, 0]), moved)
     assert x[0, 0] < 0.01 * moved * 1.5
     assert cov[1, 0, 0] < 1e-3  # along the limb
@@ -157,7 +157,7 @@ def test_a_limb_that_is_far_off_has_no_say():
     x = np.array([[0.0, 0, 0], [1.5, 0, 0]])
     cov = np.tile(np.eye(3) * 1e-4, (2, 1, 1))
     limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
-    anatomy.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
+    lengths.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
     np.testing.assert_array_equal(x, [[0.0, 0, 0], [1.5, 0, 0]])
 
 

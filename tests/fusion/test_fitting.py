@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.fitting import LOOSEN, loosen_if_turned, moments
+from trecsim.fusion.kernels.locating import LOOSEN, loosen_if_turned, moments
 
 OFF_M = np.array([0.03, -0.02, 0.04])
 NO_LIMBS = (
-    kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0)), np.empty((1, 0)), np.empty((1, 0)), 1.0
+    np.full((1, 1), 2), kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0)), np.empty((1, 0)),
+    np.empty((1, 0)), 1.0,
 )  # fmt: skip
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -17,6 +17,8 @@ from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
 _PAIR_SCORE = 10.0
+# Where no other detection fits, a pair that meets as well as this is a person beyond doubt.
+_SURE_SCORE = 25.0
 _ABSORB_SCORE = 3.0
 _SEED_SIGMA_M = 0.08
 _MOST = 60
@@ -40,11 +42,14 @@ class Candidate:
         1 where left and right are exchanged, per member.
     xyz_m
         The joints that two cameras see; NaN for the others.
+    sure
+        Whether two cameras agree so well, and nobody else fits, that there is no doubt.
     """
 
     member: Int64[np.ndarray, " member"]
     flip: Int64[np.ndarray, " member"]
     xyz_m: Float64[np.ndarray, "joint 3"]
+    sure: bool
 
 
 def rays(model: Model, found: Detections) -> Float64[np.ndarray, "person joint 3"]:
@@ -81,11 +86,18 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
         xyz = _meet(origin, ray, int(i), int(k), bool(flip[i, k]), model)
         if np.isfinite(xyz[:, 0]).sum() < _FEWEST:
             continue
+        sure = bool(pair[i, k] >= _SURE_SCORE) and _without_rival(pair, int(i), int(k))
         member = {int(i): 0, int(k): int(flip[i, k])}
         _absorb(model, pool, free, xyz, member)
         chosen = np.array(list(member), np.int64)
         free[chosen] = False
-        yield Candidate(best[chosen], np.array(list(member.values()), np.int64), xyz)
+        yield Candidate(best[chosen], np.array(list(member.values()), np.int64), xyz, sure)
+
+
+def _without_rival(pair: Float64[np.ndarray, "person person"], i: int, k: int) -> bool:
+    """Return whether neither of two detections makes a person with any third one."""
+    rivals = np.delete(np.concatenate([pair[[i, k]], pair[:, [i, k]].T]), [i, k], axis=1)
+    return bool((rivals < _PAIR_SCORE).all())
 
 
 def _pairs(

@@ -47,7 +47,7 @@ class FusionSettings:
         Fewest key points that make a detection worth looking at.
     confirm_s
         Two cameras must support a new person for so long before it is reported; three report it
-        at once [s].
+        at once, and so do two that agree beyond doubt [s].
     death_s
         A person whom no camera supports is dropped after this time; after half of it where no
         camera looks, 0.7 of it where three or more do [s].

@@ -10,6 +10,9 @@ from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
 from trecsim.types import Snapshot
 
+# Times closer than this are the same; a difference of times is rarely exact [s].
+SAME_S = 1e-6
+
 
 def snapshot_of(
     there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, n_joint: int
@@ -29,7 +32,7 @@ def snapshot_of(
     """
     parts = []
     for grid, people in there:
-        known = people.keep(people.born_s <= t_s + 1e-9)
+        known = people.keep(people.born_s <= t_s + SAME_S)
         if len(known):
             parts.append(_part(known, grid, t_s, now_s))
     if not parts:

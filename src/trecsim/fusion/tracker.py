@@ -15,7 +15,7 @@ from trecsim.fusion.memory import Lost
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
 from trecsim.fusion.settings import FusionSettings
-from trecsim.fusion.snapshots import snapshot_of
+from trecsim.fusion.snapshots import SAME_S, snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
@@ -205,9 +205,9 @@ class Tracker:
         kernels.fit_all(
             people.R, people.z, people.c, xyz_m, prior_m2, images.cam, m.P, m.focal_px,
             self._places(images), images.xy_px, images.factor, association.match, association.flip,
-            association.responsibility * worth, m.noise, self._knots.place(self._t_s), m.limbs,
-            people.limb_m, people.limb_m2, body_worth, inlier, found, found_m2, people.x_m,
-            people.cov_m2,
+            association.responsibility * worth, m.noise, self._knots.place(self._t_s),
+            lifecycle.support(people, self._t_s), m.limbs, people.limb_m, people.limb_m2,
+            body_worth, inlier, found, found_m2, people.x_m, people.cov_m2,
         )  # fmt: skip
         return inlier, found, found_m2
 
@@ -247,7 +247,8 @@ class Tracker:
         for candidate in birth.candidates(self._model, pool):
             owners = np.unique(owner[candidate.member])
             owners = owners[owners >= 0]
-            owners = owners[~replaced[owners]]  # each is replaced once
+            if replaced[owners].any():  # each is replaced once
+                continue
             free[candidate.member] = False
             torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso]
             eyes = np.isin(images.cam, pool.cam[candidate.member])
@@ -277,11 +278,13 @@ class Tracker:
         """Add somebody new, somebody who is back, or a better place for the tracks `owners`."""
         identity, known = self._identify(candidate, owners)
         person = birth.newborn(candidate, identity, self._t_s, self._live, self._model)
-        person.confirmed[:] = known
+        person.confirmed[:] = known or candidate.sure
         images = pool.take(candidate.member).as_images()
         match = np.arange(len(images), dtype=np.int64)[None]
         association = Association(match, candidate.flip[None], np.ones(match.shape))
         xyz, prior = self._predicted(person, images)
+        # Its images have just been noted, so they weigh little here: the candidate's place is
+        # theirs already, and the next frame set counts in full.
         inlier, _, _ = self._fit(person, images, association, xyz, prior, 1.0)
         lifecycle.note_support(person, images, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(person)
@@ -334,7 +337,7 @@ class Tracker:
     def _snapshot(self, now_s: float) -> Snapshot:
         """Return everybody who was there at `now_s` minus the lag, gone since or not."""
         t_s = now_s - self._lag_s
-        self._departed = [one for one in self._departed if one[0] > t_s]
+        self._departed = [one for one in self._departed if one[0] > t_s + SAME_S]
         there = [(one[1], one[2]) for one in self._departed]
         if self._grid is not None:
             there.append((self._grid, self._people.keep(self._people.confirmed)))

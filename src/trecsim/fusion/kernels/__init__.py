@@ -4,10 +4,10 @@ Arrays are C-contiguous float64. Axes: track, joint, view, and ``n = 3 * live`` 
 Importing this package imports numba; only the fusion does.
 """
 
-from trecsim.fusion.kernels.anatomy import Limbs, constrain_all
+from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.assignment import assign
 from trecsim.fusion.kernels.curve import evaluate_all, locate
-from trecsim.fusion.kernels.fitting import Observed, fit_all, locate_joint, scratch, sums
+from trecsim.fusion.kernels.fitting import fit_all
 from trecsim.fusion.kernels.information import (
     control_points,
     covariance_all,
@@ -16,6 +16,8 @@ from trecsim.fusion.kernels.information import (
     fold_row,
     start_all,
 )
+from trecsim.fusion.kernels.lengths import Limbs
+from trecsim.fusion.kernels.locating import Observed, locate_joint, scratch, sums
 from trecsim.fusion.kernels.matching import associate_all, match_view, responsibility, score_view
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
 from trecsim.fusion.kernels.pairing import pair_scores, ray_midpoint

@@ -1,0 +1,152 @@
+"""Limb lengths: learnt where two cameras see both ends, and what they say about joints."""
+
+import math
+from typing import NamedTuple, no_type_check
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from numba import njit
+
+from trecsim.fusion.kernels.information import invert3
+
+# How a length is learnt: spread of one measurement, and time after which the next is new [s].
+_MEASURE_M2 = 0.02**2
+_MEASURE_S = 0.5
+# A length is never surer than this, so that it can be learnt anew [m^2].
+_SUREST_M2 = 0.005**2
+# A limb's equation is never surer than this [m^2].
+TIE_M2 = 0.01**2
+# Sweeps over the limbs that hold a body together whose joints are all seen.
+_SWEEPS = 2
+# A limb whose length is off by more standard deviations has no say: one end is elsewhere.
+_GATE = 3.0
+
+
+class Limbs(NamedTuple):
+    """The distances between joints that a body keeps.
+
+    Attributes
+    ----------
+    joints
+        The two joints of each.
+    slack_m2
+        Variance about a person's mean length: what posture changes.
+    """
+
+    joints: Int64[np.ndarray, "limb 2"]
+    slack_m2: Float64[np.ndarray, " limb"]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def length_along(x, cov_m2, a, b, d):
+    """Write the unit vector from joint `a` to `b` to `d`; return length and its variance."""
+    length = 0.0
+    for p in range(3):
+        d[p] = x[b, p] - x[a, p]
+        length += d[p] * d[p]
+    length = math.sqrt(length)
+    if length < 1e-6:
+        return 0.0, math.inf
+    var = 0.0
+    for p in range(3):
+        d[p] /= length
+    for p in range(3):
+        for q in range(3):
+            var += d[p] * (cov_m2[a, p, q] + cov_m2[b, p, q]) * d[q]
+    return length, var
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
+    """Update, in place, one person's limb lengths `limb_m` and their variances `limb_m2`.
+
+    Notes
+    -----
+    A scalar Kalman filter per limb, fed only where two cameras see both ends. Errors persist, so
+    a measurement counts by the time that has passed and not by the image.
+    """
+    d = np.empty(3)
+    share = min(1.0, elapsed_s / _MEASURE_S)
+    if share <= 0.0:
+        return
+    for i in range(limbs.joints.shape[0]):
+        a, b = limbs.joints[i]
+        if n_seen[a] < 2 or n_seen[b] < 2:
+            continue
+        length, var = length_along(x, cov_m2, a, b, d)
+        gain = limb_m2[i] / (limb_m2[i] + (var + _MEASURE_M2 + limbs.slack_m2[i]) / share)
+        limb_m[i] += gain * (length - limb_m[i])
+        limb_m2[i] = max(limb_m2[i] * (1.0 - gain), _SUREST_M2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def tighten(x, cov_m2, limbs, limb_m, limb_m2):
+    """Move one person's joints, in place, towards the lengths of the limbs, by how sure each is.
+
+    Parameters
+    ----------
+    x, cov_m2
+        Joints and covariances, (joint, 3) and (joint, 3, 3), changed in place.
+    limbs, limb_m, limb_m2
+        `Limbs`, and this person's lengths with their variances.
+
+    Notes
+    -----
+    One limb after the other is taken as a measurement of the distance of two joints, which are
+    treated as independent (Gauss-Seidel). Covariances shrink in the first sweep only, as later
+    ones bring no new information.
+    """
+    u, gain = np.empty(3), np.empty(3)
+    for sweep in range(_SWEEPS):
+        for i in range(limbs.joints.shape[0]):
+            a, b = limbs.joints[i]
+            length, var = length_along(x, cov_m2, a, b, u)
+            var += limb_m2[i] + limbs.slack_m2[i] + TIE_M2
+            rest = limb_m[i] - length
+            if length == 0.0 or rest * rest > _GATE * _GATE * var:
+                continue
+            pull(x[a], cov_m2[a], u, -rest, var, sweep == 0, gain)
+            pull(x[b], cov_m2[b], u, rest, var, sweep == 0, gain)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def pull(x, cov_m2, u, rest, var, informed, gain):
+    """Move one joint along `u` by its share of `rest`, in place; shrink its covariance if told."""
+    for p in range(3):
+        gain[p] = cov_m2[p, 0] * u[0] + cov_m2[p, 1] * u[1] + cov_m2[p, 2] * u[2]
+    for p in range(3):
+        x[p] += gain[p] * rest / var
+        if informed:
+            for q in range(3):
+                cov_m2[p, q] -= gain[p] * gain[q] / var
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def quotient(before_m2, after_m2, shift_m, info, vector):
+    """Write what the body says of a joint beyond its trajectory; return the information of both.
+
+    Parameters
+    ----------
+    before_m2
+        Covariance of the joint as its trajectory has it, (3, 3).
+    after_m2, shift_m
+        Covariance and shift of the joint with the body taken into account.
+    info, vector
+        Results: the quotient of the two Gaussians, information ``after^-1 - before^-1`` and
+        information vector ``after^-1 shift``.
+    """
+    before = np.empty((3, 3))
+    invert3(before_m2, before)
+    invert3(after_m2, info)
+    size = info[0, 0] + info[1, 1] + info[2, 2]
+    for p in range(3):
+        vector[p] = 0.0
+        for q in range(3):
+            vector[p] += info[p, q] * shift_m[q]
+            info[p, q] -= before[p, q]
+    return size

@@ -1,0 +1,294 @@
+"""Finding one joint by EM: where it is, and what its key points say about that."""
+
+import math
+from typing import NamedTuple, no_type_check
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from numba import njit
+
+from trecsim.fusion.kernels.information import copy, invert3, scale
+from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project
+
+# By how much the variance of a joint grows when its key points say it has turned sharply.
+LOOSEN = 25.0
+LOOSEN_M2 = 0.01
+STEPS, LOOSE_STEPS = 3, 6
+# EM has converged when a step moves a joint by less [m^2].
+STILL_M2 = 0.0005**2
+# Images this close in time, in knots, enter the trajectory at their common mean time.
+TOGETHER = 0.5
+
+
+class Observed(NamedTuple):
+    """Key points of one joint in several images.
+
+    Attributes
+    ----------
+    cam
+        Cameras of the images.
+    place, moment
+        When they were taken, in knots, and the number of the moment each belongs to.
+    xyz_m
+        Predicted place of the joint at each image's own time.
+    xy_px
+        Key points; NaN where missing.
+    sigma_m
+        Noise of each key point as a length at the person's distance.
+    worth
+        What each observation is worth, 0 to 1.
+    """
+
+    cam: Int64[np.ndarray, " view"]
+    place: Float64[np.ndarray, " view"]
+    moment: Int64[np.ndarray, " view"]
+    xyz_m: Float64[np.ndarray, "view 3"]
+    xy_px: Float64[np.ndarray, "view 2"]
+    sigma_m: Float64[np.ndarray, " view"]
+    worth: Float64[np.ndarray, " view"]
+
+
+class Sums(NamedTuple):
+    """What the images of each moment say about one person's joints, summed over the cameras.
+
+    Attributes
+    ----------
+    info, rhs
+        Information and information vector of a joint's shift from its prediction.
+    place, weight
+        Weighted sum of the images' times in knots, and sum of the weights.
+    """
+
+    info: Float64[np.ndarray, "joint moment 3 3"]
+    rhs: Float64[np.ndarray, "joint moment 3"]
+    place: Float64[np.ndarray, "joint moment"]
+    weight: Float64[np.ndarray, "joint moment"]
+
+
+class Scratch(NamedTuple):
+    """Arrays that the kernels overwrite, allocated once per call."""
+
+    x: Float64[np.ndarray, "3"]
+    basis: Float64[np.ndarray, "4"]
+    info: Float64[np.ndarray, "3 3"]
+    wide: Float64[np.ndarray, "3 3"]
+    rows: Float64[np.ndarray, "3 n"]
+    right: Float64[np.ndarray, "3"]
+    y: Float64[np.ndarray, "n 3"]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def scratch(n):
+    """Allocate the scratch arrays for joints of `n` unknowns."""
+    return Scratch(
+        np.empty(3), np.empty(4), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, n)),
+        np.empty(3), np.empty((n, 3)),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def sums(n_joint, n_moment):
+    """Allocate the sums of one person's joints over `n_moment` moments."""
+    return Sums(
+        np.empty((n_joint, n_moment, 3, 3)), np.empty((n_joint, n_moment, 3)),
+        np.empty((n_joint, n_moment)), np.empty((n_joint, n_moment)),
+    )  # fmt: skip
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def moments(place, moment):
+    """Write the moment each image belongs to, counted back from the newest; return how many."""
+    newest = -math.inf
+    for v in range(place.shape[0]):
+        newest = max(newest, place[v])
+    most = 0
+    for v in range(place.shape[0]):
+        moment[v] = int((newest - place[v]) / TOGETHER)
+        most = max(most, moment[v])
+    return most + 1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
+    """Add an image's equations for the shift to `info` and `rhs`; return their information."""
+    along_u = eu + du[0] * shift_m[0] + du[1] * shift_m[1] + du[2] * shift_m[2]
+    along_v = ev + dv[0] * shift_m[0] + dv[1] * shift_m[1] + dv[2] * shift_m[2]
+    size = 0.0
+    for p in range(3):
+        gu, gv = weight * du[p], weight * dv[p]
+        rhs[p] += gu * along_u + gv * along_v
+        size += gu * du[p] + gv * dv[p]
+        for q in range(3):
+            info[p, q] += gu * du[q] + gv * dv[q]
+    return size
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def clear(total, j):
+    """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
+    for m in range(total.weight.shape[1]):
+        total.place[j, m] = 0.0
+        total.weight[j, m] = 0.0
+        for p in range(3):
+            total.rhs[j, m, p] = 0.0
+            for q in range(3):
+                total.info[j, m, p, q] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def locate_joint(
+    P, focal_px, seen, n, prior_m2, noise, steps, total, j, shift_m, cov_m2, inlier, tmp
+):
+    """Find one joint from its key points in several images and its predicted place, by EM.
+
+    Parameters
+    ----------
+    P, focal_px
+        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,).
+    seen, n
+        The `Observed` key points; only the first `n` count.
+    prior_m2
+        Covariance of the prediction, (3, 3).
+    noise
+        The detector's `Noise`.
+    steps
+        EM steps, at most.
+    total, j
+        Result: the images' `Sums`, of which those of joint `j` are written, linearised at the
+        last step but one.
+    shift_m, cov_m2, inlier
+        Results: the joint lies at ``xyz_m + shift_m`` with this covariance; responsibility of
+        the joint for each key point.
+    tmp
+        `Scratch`.
+
+    Notes
+    -----
+    E step: thesis eq. 33 with a clutter term. M step: one Gauss-Newton step of eq. 37 with the
+    Jacobian of eq. 42-46. The images of a frame set share one shift of the predicted curve.
+    """
+    # Out of the tuples once, as every access to one of their arrays costs more than its use.
+    cam, moment, place, worth = seen.cam, seen.moment, seen.place, seen.worth
+    xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
+    info, rhs, sum_place, sum_weight = total.info, total.rhs, total.place, total.weight
+    tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
+    for a in range(3):
+        shift_m[a] = 0.0
+    copy(prior_m2, cov_m2)
+    for _ in range(steps):
+        clear(total, j)
+        for v in range(n):
+            inlier[v] = 0.0
+            if math.isnan(xy_px[v, 0]):
+                continue
+            w, u, v_, du, dv = project(
+                P, cam[v], xyz_m[v, 0] + shift_m[0], xyz_m[v, 1] + shift_m[1],
+                xyz_m[v, 2] + shift_m[2],
+            )  # fmt: skip
+            if not w > NEAR_M:
+                continue
+            eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
+            var = (sigma_m[v] / m_per_px) ** 2 + least_px2
+            uu, uv, vv = image_covariance(du, dv, cov_m2)
+            odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
+            inlier[v] = odds / (1.0 + odds)
+            # Student's t as a scale mixture of Gaussians, in two dimensions.
+            heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
+            weight = inlier[v] * worth[v] * heavy / var
+            m = moment[v]
+            size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
+            sum_place[j, m] += size * place[v]
+            sum_weight[j, m] += size
+        if newton_step(total, j, prior_m2, shift_m, cov_m2, tmp) < STILL_M2:
+            return
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+@no_type_check
+def newton_step(total, j, prior_m2, shift_m, cov_m2, tmp):
+    """Write the best shift and its covariance given all moments; return how far it moved [m^2]."""
+    info, rhs = tmp.info, tmp.x
+    invert3(prior_m2, info)
+    for a in range(3):
+        rhs[a] = 0.0
+    for m in range(total.weight.shape[1]):
+        for p in range(3):
+            rhs[p] += total.rhs[j, m, p]
+            for q in range(3):
+                info[p, q] += total.info[j, m, p, q]
+    invert3(info, cov_m2)
+    moved = 0.0
+    for a in range(3):
+        there = cov_m2[a, 0] * rhs[0] + cov_m2[a, 1] * rhs[1] + cov_m2[a, 2] * rhs[2]
+        moved += (there - shift_m[a]) ** 2
+        shift_m[a] = there
+    return moved
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def loosen_if_turned(
+    P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
+):
+    """Seek a joint again with a wide prior where its key points agree, but not with the curve.
+
+    A person has turned sharply when two or more key points fit each other and not the
+    prediction. Then the joint's information is loosened, in place, and sums, shift and
+    responsibilities are those of the second search; otherwise nothing changes. `trial` is
+    scratch, (view,).
+    """
+    for a in range(3):
+        for b in range(3):
+            tmp.wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
+    locate_joint(
+        P, focal_px, seen, n, tmp.wide, noise, LOOSE_STEPS, total, j, shift_m, cov_m2, trial, tmp
+    )
+    before, after = 0.0, 0.0
+    for v in range(n):
+        before += inlier[v]
+        after += trial[v]
+    if after > max(1.5, before + 0.5):
+        scale(R, z, 1.0 / math.sqrt(LOOSEN))
+        for v in range(n):
+            inlier[v] = trial[v]
+    else:
+        locate_joint(
+            P, focal_px, seen, n, prior_m2, noise, STEPS, total, j, shift_m, cov_m2, inlier, tmp
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
+@no_type_check
+def seek_joint(
+    P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
+):
+    """Find one joint by its key points; return whether there are any. See `locate_joint`."""
+    known = 0
+    for v in range(n):
+        inlier[v] = 0.0
+        if not math.isnan(seen.xy_px[v, 0]):
+            known += 1
+    if known == 0:
+        clear(total, j)
+        for a in range(3):
+            shift_m[a] = 0.0
+        copy(prior_m2, cov_m2)
+        return False
+    locate_joint(
+        P, focal_px, seen, n, prior_m2, noise, STEPS, total, j, shift_m, cov_m2, inlier, tmp
+    )
+    agree = 0.0
+    for v in range(n):
+        agree += inlier[v]
+    if known >= 2 and agree < 0.5 * known:
+        loosen_if_turned(
+            P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier,
+            trial, tmp,
+        )  # fmt: skip
+    return True
