@@ -1,9 +1,11 @@
 """What is said about speed follows from the times."""
 
+import numpy as np
 import pytest
 
 import speed
 from harness.figures import find, timed
+from trecsim.simulation.scene import room_scene, simulate
 
 
 def test_the_fit_finds_the_exponents_that_times_were_made_with() -> None:
@@ -39,3 +41,12 @@ def test_the_quick_part_is_among_the_whole() -> None:
 def test_fifty_people_have_the_room_of_ten_each() -> None:
     (width_m, depth_m), (wide_m, deep_m) = speed.room_size_m(10), speed.room_size_m(50)
     assert wide_m * deep_m / 50 == pytest.approx(width_m * depth_m / 10, rel=0.01)
+
+
+@pytest.mark.parametrize("seed", speed.SEEDS)
+def test_everybody_is_there_while_times_are_taken(seed: int) -> None:
+    scene = room_scene(people=50, cameras=2, seconds=speed.SECONDS, fps=1.0)
+    made = simulate(scene, seed)
+    there = np.isfinite(made.truth_xyz_m).all(axis=(0, 2, 3))
+    assert there[made.truth_t_s >= speed.WARM_S].all()
+    assert not there[made.truth_t_s < 0.3 * speed.SECONDS].all()
