@@ -101,6 +101,7 @@ def test_recorded_people_keep_to_the_laws(shared_data: Path, name: str) -> None:
         ({"fps": "thirty"}, "fps: expected real numbers"),
         ({"fps": [30.0, 30.0]}, "fps: expected a single number"),
         ({"joints": np.zeros((10, 5, 3))}, "joints: expected the shape"),
+        ({"joints": np.zeros((2, 201, 3))}, "time x 17 to 200 x 3"),
         ({"joints": np.zeros((1, 17, 3))}, "joints: expected 2 to"),
         ({"joints": np.full((9, 17, 3), np.nan)}, "joints: expected finite"),
         ({"joints": np.full((9, 17, 3), 1e6)}, "the unit is metres"),

@@ -238,7 +238,7 @@ class Clip:
     Attributes
     ----------
     path
-        An ``.npz`` file with ``joints`` (time, 17 or more, 3) [m], z up, the first 17 of them
+        An ``.npz`` file with ``joints`` (time, 17 to 200, 3) [m], z up, the first 17 of them
         COCO-17, and ``fps``.
     from_s
         Where in the clip to begin [s].

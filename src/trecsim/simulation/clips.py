@@ -1,6 +1,6 @@
 """Clips of real motion, done with the limbs of another body, anywhere on the floor.
 
-A clip is an ``.npz`` file with ``joints`` (time, 17 or more, 3) [m], z up, the first 17 of them
+A clip is an ``.npz`` file with ``joints`` (time, 17 to 200, 3) [m], z up, the first 17 of them
 COCO-17, and ``fps``, its frames per second.
 """
 
@@ -22,7 +22,7 @@ from trecsim.simulation.timing import even
 from trecsim.simulation.turns import Place, unit
 from trecsim.store.npz import Shapes, read_arrays
 
-MOST_FRAMES = 1_000_000
+MOST_FRAMES, MOST_JOINTS = 1_000_000, 200
 FEWEST_FPS, MOST_FPS = 1.0, 1000.0
 # Nose, eyes and ears seen from the head of those recorded: forward, left, up [m].
 FACE_M = np.array(
@@ -113,8 +113,8 @@ def _leg_m(xyz_m: Joints) -> float:
 def _shape_faults(shapes: Shapes) -> Iterator[str]:
     """Yield what is wrong with the shapes that the arrays of a clip claim."""
     shape, fps = shapes["joints"], shapes["fps"]
-    if len(shape) != 3 or shape[1] < 17 or shape[2] != 3:
-        yield f"joints: expected the shape time x 17 or more x 3, found {shape}"
+    if len(shape) != 3 or not 17 <= shape[1] <= MOST_JOINTS or shape[2] != 3:
+        yield f"joints: expected the shape time x 17 to {MOST_JOINTS} x 3, found {shape}"
     elif not 2 <= shape[0] <= MOST_FRAMES:
         yield f"joints: expected 2 to {MOST_FRAMES} frames, found {shape[0]}"
     if fps not in ((), (1,)):
