@@ -127,7 +127,7 @@ class SupportRow:
     Attributes
     ----------
     name
-        The joint, all joints, or a person.
+        The joint, or all joints.
     n
         Positions given.
     shares
@@ -153,11 +153,6 @@ def support_of_joints(people: Iterable[PersonTrack]) -> tuple[SupportRow, ...]:
         _support_row(ALL_JOINTS, counts.sum(axis=0)),
         *(_support_row(*row) for row in zip(COCO17.joints, counts, strict=True)),
     )
-
-
-def support_of_people(people: Iterable[PersonTrack]) -> tuple[SupportRow, ...]:
-    """Return the support of each person over all joints."""
-    return tuple(_support_row(str(track.person), _counts(track).sum(axis=0)) for track in people)
 
 
 def _counts(track: PersonTrack) -> Int64[np.ndarray, "joint 4"]:
