@@ -10,9 +10,11 @@ from trecsim.errors import InputError, SetupError
 from trecsim.evaluation.moments import read_moments, with_empty_moments
 from trecsim.evaluation.truth import Comparison, compare_moments
 from trecsim.pipeline import RunSummary, run
+from trecsim.simulation.camera_tables import MOST_CAMERAS
 from trecsim.simulation.scene import Scene, Simulation, room_scene, simulate
 from trecsim.staging import write_simulation
 from trecsim.store.atomic import atomic_write, disk_faults
+from trecsim.store.names import POSES, RIG
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth
 
@@ -22,12 +24,12 @@ MARK = "# Made by trecsim demo."
 SITE = f"""{MARK} Run it again as any other site: trecsim run site.toml
 format = "trecsim.site/1"
 name = "demo"
-rig = "rig.toml"
-poses = "poses.jsonl"
+rig = "{RIG}"
+poses = "{POSES}"
 """
 RUN = "run"
-RUN_FILES = ("tracks.parquet", "rig.toml", "timing.csv", "summary.json", "paths.png")
-LONGEST_S, MOST_PEOPLE, MOST_CAMERAS = 3600.0, 100, 28
+RUN_FILES = ("tracks.parquet", RIG, "timing.csv", "summary.json", "paths.png")
+LONGEST_S, MOST_PEOPLE = 3600.0, 100
 SIDE_M = (8.0, 6.0)
 FLOOR_PER_PERSON_M2 = 4.0
 

@@ -32,6 +32,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.sources import PosesWriter, prefetched, read_poses
 from trecsim.store.atomic import atomic_write, disk_faults, partial_path
+from trecsim.store.names import POSES, RIG
 from trecsim.store.timing import NAME as TIMING
 from trecsim.store.timing import timing_writer
 from trecsim.store.tracks import kept_of, read_tracks, tracks_writer
@@ -41,7 +42,6 @@ from trecsim.types import Poses2D
 
 Progress = Callable[[int, int | None], None]
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
-RIG = "rig.toml"
 Ended = Literal["complete", "stopped", "failed"]
 
 
@@ -214,7 +214,7 @@ def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError |
         try:
             poses = watch.images(_begun(images))
             if site.output.poses:
-                poses = _copied(poses, files.enter_context(PosesWriter(folder / "poses.jsonl")))
+                poses = _copied(poses, files.enter_context(PosesWriter(folder / POSES)))
             for snapshot in follow(poses, rig, settings, lag_s=lag_s, tally=watch.tally):
                 tracks.write(snapshot)
                 watch.last_s = snapshot.t_s
@@ -323,7 +323,7 @@ def _new_folder(out: Path | None, checked: CheckedSite) -> Path:
 
 def _discard(folder: Path) -> None:
     """Remove what a run that did not get to its first frame set has made."""
-    for name in ("tracks.parquet", "poses.jsonl", TIMING, RIG):
+    for name in ("tracks.parquet", POSES, TIMING, RIG):
         (folder / name).unlink(missing_ok=True)
     folder.rmdir()
 

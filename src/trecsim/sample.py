@@ -15,6 +15,7 @@ from trecsim.fetch import Member, Package, fetch, matches
 from trecsim.geometry import Rig
 from trecsim.sources import probe
 from trecsim.store.atomic import atomic_write
+from trecsim.store.names import RIG
 
 PACKAGE = Package("pose2sim", "0.10.49")
 NOTICE = (
@@ -92,7 +93,7 @@ def _scene_files(folder: Path) -> Iterator[tuple[Path, Member]]:
 
 
 def _make_ready(scene: Path) -> Path:
-    site, rig = scene / "site.toml", scene / "rig.toml"
+    site, rig = scene / "site.toml", scene / RIG
     if not rig.exists():
         write_rig(_rig_of_videos(scene), rig)
     if not site.exists():
@@ -117,7 +118,7 @@ def _site(scene: str) -> str:
         f"# Pose2Sim's demo recording, scene {scene}. Run it: trecsim run site.toml",
         'format = "trecsim.site/1"',
         f'name = "pose2sim-{scene.removesuffix("Person").lower()}"',
-        'rig = "rig.toml"',
+        f'rig = "{RIG}"',
     ]
     for camera in CAMERAS:
         lines += ["", f"[sources.{camera}]", f'video = "videos/{camera}.mp4"']

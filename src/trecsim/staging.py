@@ -10,11 +10,10 @@ from trecsim.errors import InputError
 from trecsim.simulation.scene import Scene, Simulation, simulate
 from trecsim.sources import PosesWriter
 from trecsim.store.atomic import disk_faults, partial_path
+from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.truth import write_truth
 
 Progress = Callable[[int, int | None], None]
-
-RIG, POSES, TRUTH = "rig.toml", "poses.jsonl", "truth.npz"
 
 
 @dataclass(frozen=True, slots=True)

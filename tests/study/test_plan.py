@@ -127,6 +127,8 @@ HOSTILE = {
     ),
     "a name that leads elsewhere": (r"small =", '"../small" =', r"scenes"),
     "too many people": (r"people = 1", "people = 100000", r"scenes\.small\.people"),
+    "more cameras than a scene file": (r"cameras = 2", "cameras = 29", r"scenes\.small\.cameras"),
+    "fewer cameras than a scene file": (r"cameras = 2", "cameras = 1", r"scenes\.small\.cameras"),
     "a scene without end": (r"seconds = 1.5", "seconds = 1e9", r"scenes\.small\.seconds"),
     "a folder that is not there": (
         r'scene = "crossing-30cm"', 'folder = "nowhere"', r"scenes\.narrow.*nowhere",

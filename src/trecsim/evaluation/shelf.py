@@ -22,6 +22,7 @@ from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.sources import PosesWriter
 from trecsim.store.atomic import disk_faults
+from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.npz import read_arrays, unlike
 from trecsim.store.truth import Truth, write_truth
 from trecsim.types import Poses2D, Snapshot
@@ -245,12 +246,12 @@ def convert_shelf(folder: Path | str, out_dir: Path | str) -> None:
     shelf, out_dir = read_shelf(folder), Path(out_dir)
     with disk_faults(out_dir):
         out_dir.mkdir(parents=True, exist_ok=True)
-    write_rig(shelf.rig, out_dir / "rig.toml")
-    with PosesWriter(out_dir / "poses.jsonl") as writer:
+    write_rig(shelf.rig, out_dir / RIG)
+    with PosesWriter(out_dir / POSES) as writer:
         for image in shelf.poses:
             writer.write(image)
     truth = shelf.annotation.truth()
-    write_truth(out_dir / "truth.npz", truth.t_s, truth.xyz_m)
+    write_truth(out_dir / TRUTH, truth.t_s, truth.xyz_m)
 
 
 def _file(folder: Path | str, name: str) -> Path:

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.errors import InputError
+from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.timing import NAME as TIMING
 from trecsim.store.tracks_parquet import parts_of
 
 PIECES = {
-    "rig": "rig.toml",
-    "poses": "poses.jsonl",
-    "truth": "truth.npz",
+    "rig": RIG,
+    "poses": POSES,
+    "truth": TRUTH,
     "timing": TIMING,
     "summary": "summary.json",
 }

@@ -10,9 +10,8 @@ from jaxtyping import Float64
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import atomic_write
+from trecsim.store.names import TRUTH
 from trecsim.store.npz import Shapes, read_arrays
-
-NAME = "truth.npz"
 
 _FARTHEST_M = 1e6
 _AXES = f"(person, time, {len(COCO17.joints)}, 3)"
@@ -73,7 +72,7 @@ def read_truth(path: Path | str) -> Truth:
         It is not there, not a truth file, or contradicts itself.
     """
     path = Path(path)
-    path = path / NAME if path.is_dir() else path
+    path = path / TRUTH if path.is_dir() else path
     arrays = read_arrays(path, ("t_s", "xyz_m"), "truth file", _shape_faults)
     t_s, xyz_m = arrays["t_s"], arrays["xyz_m"]
     faults = [*_time_faults(t_s), *_joint_faults(xyz_m)]

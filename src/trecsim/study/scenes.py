@@ -17,11 +17,12 @@ from trecsim.simulation.cast import clips_of
 from trecsim.simulation.scene import Scene, room_scene, simulate
 from trecsim.simulation.scene_file import BUILT_IN, built_in_text, read_scene
 from trecsim.sources import read_poses
-from trecsim.staging import POSES, RIG, TRUTH, write_simulation
+from trecsim.staging import write_simulation
 from trecsim.store.atomic import disk_faults
+from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.truth import Truth, read_truth
 from trecsim.study.code import simulation_digest
-from trecsim.study.table import SceneTable
+from trecsim.study.table import ChoiceTable
 from trecsim.tables import read_text
 from trecsim.types import Poses2D
 
@@ -69,7 +70,7 @@ class SceneChoice:
         return out / "scenes" / f"{self.name}-{seed}-{digest}"
 
 
-def chosen(tables: Mapping[str, SceneTable], origin: str) -> tuple[SceneChoice, ...]:
+def chosen(tables: Mapping[str, ChoiceTable], origin: str) -> tuple[SceneChoice, ...]:
     """Return the scenes of a study, having looked whether each can be had.
 
     Parameters
@@ -95,7 +96,7 @@ def chosen(tables: Mapping[str, SceneTable], origin: str) -> tuple[SceneChoice, 
     return tuple(scenes)
 
 
-def _choice(name: str, table: SceneTable) -> SceneChoice:
+def _choice(name: str, table: ChoiceTable) -> SceneChoice:
     if table.folder is not None:
         return SceneChoice(name, {"content": _content(table.folder)}, folder=table.folder)
     if table.scene is not None:

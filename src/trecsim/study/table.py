@@ -7,6 +7,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from trecsim.config.site import LONGEST_LAG_S
+from trecsim.simulation.camera_tables import MOST_CAMERAS
+from trecsim.simulation.scene import LONGEST_S
+from trecsim.simulation.scene_tables import FEWEST_CAMERAS, MOST_PEOPLE
 from trecsim.tables import FilePath, Table, read_text, validated
 from trecsim.tables.table import beside_the_file
 
@@ -14,9 +17,6 @@ FORMAT = "trecsim.study/1"
 KIND = "study file"
 MOST_LEVELS = 100
 MOST_POINTS = 5_000
-MOST_PEOPLE = 200
-MOST_CAMERAS = 64
-LONGEST_S = 3600.0
 
 
 def _scene_beside_the_file(name: str, info: Any) -> str:
@@ -55,12 +55,12 @@ class SettingTable(Table):
         return self
 
 
-class SceneTable(Table):
+class ChoiceTable(Table):
     """One scene: a room with people who wander about, a scene by name or file, or a made one."""
 
     people: int | None = Field(default=None, ge=1, le=MOST_PEOPLE)
     """How many people are in the room (4)."""
-    cameras: int | None = Field(default=None, ge=1, le=MOST_CAMERAS)
+    cameras: int | None = Field(default=None, ge=FEWEST_CAMERAS, le=MOST_CAMERAS)
     """How many cameras look on (4)."""
     seconds: float | None = Field(default=None, gt=0, le=LONGEST_S)
     """How long the room is watched [s] (20)."""
@@ -127,7 +127,7 @@ class StudyTable(Table):
     ] = Field(min_length=1)
     """Values to try, by the name of the setting."""
     scenes: Annotated[
-        dict[Name, SceneTable], BeforeValidator(_scene_tables, json_schema_input_type=Any)
+        dict[Name, ChoiceTable], BeforeValidator(_scene_tables, json_schema_input_type=Any)
     ] = Field(min_length=1, max_length=100)
     """Scenes by a name for each, or a list of built-in ones."""
 
