@@ -1,6 +1,7 @@
 """Studies can be stopped, continued and changed; nothing is done twice, nothing is lost."""
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -135,6 +136,25 @@ def test_the_version_follows_the_code(tmp_path: Path, monkeypatch: pytest.Monkey
     assert code.digest_of(("fusion",)) == first
     (package / "fusion" / "a.py").write_text("x = 2\n")
     assert code.digest_of(("fusion",)) != first
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["sources/poses_jsonl.py", "calibration/trecsim_toml.py", "tables/reading.py", "store/npz.py"],
+)
+def test_how_files_are_read_and_written_belongs_to_the_version(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "package"
+    shutil.copytree(
+        Path(code.trecsim.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__")
+    )
+    monkeypatch.setattr(code.trecsim, "__file__", str(package / "__init__.py"))
+    versions = (code.code_digest.__wrapped__, code.simulation_digest.__wrapped__)
+    before = [version() for version in versions]
+    with (package / name).open("a") as file:
+        file.write("x = 1\n")
+    assert all(version() != old for version, old in zip(versions, before, strict=True))
 
 
 def test_a_run_that_fails_is_written_down_and_the_others_go_on(

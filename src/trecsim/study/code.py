@@ -6,9 +6,12 @@ from pathlib import Path
 
 import trecsim
 
-# All that decides what a run gives: the simulator, the fusion, and how the result is judged.
-_FUSION = ("fusion", "geometry", "evaluation", "skeleton.py", "sync.py", "tracking.py", "types.py")
-_SIMULATION = ("simulation", "geometry", "skeleton.py", "types.py")
+# All that decides what a run gives: the simulator, the fusion, how the result is judged, and how
+# files are written and read in between.
+_FILES = ("calibration", "sources", "tables", "store/npz.py", "store/truth.py", "staging.py")
+_BASE = ("geometry", "skeleton.py", "types.py", *_FILES)
+_FUSION = ("fusion", "evaluation", "sync.py", "tracking.py", *_BASE)
+_SIMULATION = ("simulation", *_BASE)
 
 
 @cache
