@@ -8,7 +8,8 @@ import pytest
 from made_rigs import ring
 from made_tracks import snapshot, walk
 from trecsim.errors import InputError
-from trecsim.plots.paths import COLOURS, paths_figure, plot_paths
+from trecsim.plots.colours import COLOURS
+from trecsim.plots.paths import paths_figure, plot_paths
 from trecsim.plots.recorder import PathRecorder
 from trecsim.types import Snapshot
 

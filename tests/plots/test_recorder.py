@@ -46,7 +46,7 @@ def test_unknown_joints_do_not_hide_where_somebody_stands() -> None:
     xyz_m = np.ones((2, 17, 3))
     xyz_m[0, 3:] = np.nan
     xyz_m[1] = np.nan
-    places_m = floor_places(snapshot(0.0, [1, 2], xyz_m))
+    places_m = floor_places(xyz_m)
     np.testing.assert_array_equal(places_m, [[1.0, 1.0], [np.nan, np.nan]])
     recorder = PathRecorder()
     recorder.add(snapshot(0.0, [1, 2], xyz_m))

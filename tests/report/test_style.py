@@ -6,9 +6,9 @@ import sys
 import pytest
 
 from trecsim.errors import SetupError
+from trecsim.plots.colours import COLOURS
 from trecsim.report.style import (
     ACCENT,
-    COLOURS,
     INK,
     PALETTE,
     as_svg,

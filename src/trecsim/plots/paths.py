@@ -16,6 +16,7 @@ from trecsim.plots.canvas import (
     round_step,
     save_figure,
 )
+from trecsim.plots.colours import COLOURS
 from trecsim.plots.labels import Label, write_labels
 from trecsim.plots.recorder import PathRecorder, RecordedPath
 from trecsim.plots.rig import draw_camera, floor_views
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Told apart by colour-blind people too, and on paper; neighbours differ in lightness.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#332288", "#882255")
 CAMERA_COLOUR = "#4D4D4D"
 MOST_LABELS = 40
 FEWEST_ROWS, MOST_ROWS = 4, 60  # in the panel of who was there when

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float, Float64
 
 from trecsim.types import Snapshot
 
@@ -71,7 +71,7 @@ class PathRecorder:
         """Take in one moment."""
         self.first_s = snapshot.t_s if np.isnan(self.first_s) else self.first_s
         self.last_s = snapshot.t_s
-        for person, xy_m in zip(snapshot.id.tolist(), floor_places(snapshot), strict=True):
+        for person, xy_m in zip(snapshot.id.tolist(), floor_places(snapshot.xyz_m), strict=True):
             if np.isfinite(xy_m).all():
                 path = self.paths.setdefault(person, RecordedPath(snapshot.t_s, snapshot.t_s))
                 path.add(snapshot.t_s, xy_m)
@@ -79,15 +79,13 @@ class PathRecorder:
             self.fullest = snapshot
 
 
-def floor_places(snapshot: Snapshot) -> Float64[np.ndarray, "person 2"]:
-    """Return where everybody stands: below the middle of the joints that are known [m]."""
-    known = np.isfinite(snapshot.xyz_m)
-    total_m = np.where(known, snapshot.xyz_m, 0.0).sum(axis=1)
-    count = known.sum(axis=1)
-    places_m: Float64[np.ndarray, "person 3"] = np.where(
-        count > 0, total_m / np.maximum(count, 1), np.nan
-    )
-    return places_m[:, :2]
+def floor_places(xyz_m: Float[np.ndarray, "person 17 3"]) -> Float64[np.ndarray, "person 2"]:
+    """Return where people stand: below the middle of the joints that are known [m]."""
+    known = np.isfinite(xyz_m[..., 0])
+    total_m = np.where(known[..., None], xyz_m, 0.0).sum(axis=1, dtype=np.float64)
+    count = known.sum(axis=1)[:, None]
+    middle_m = np.where(count > 0, total_m / np.maximum(count, 1), np.nan)
+    return np.asarray(middle_m[:, :2])
 
 
 def _fullness(snapshot: Snapshot) -> tuple[int, int]:

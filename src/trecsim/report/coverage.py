@@ -11,7 +11,8 @@ from trecsim.evaluation.people import people_of
 from trecsim.evaluation.reprojection import Reprojection, reprojection
 from trecsim.geometry import Rig
 from trecsim.geometry.view import image_margin
-from trecsim.report.plan import Extent, extent_of, places_of
+from trecsim.plots.recorder import floor_places
+from trecsim.report.plan import Extent, extent_of
 from trecsim.report.recording import Recording
 from trecsim.sources import read_poses
 from trecsim.types import Poses2D
@@ -81,7 +82,7 @@ def facts_of(recording: Recording) -> CameraFacts | None:
     sample, rig = recording.sample, recording.rig
     if rig is None or not len(sample.id):
         return None
-    places_m = places_of(sample.xyz_m)
+    places_m = floor_places(sample.xyz_m)
     extent = extent_of(places_m, rig)
     cells_m = _cells(extent)
     inside = _in_view(rig, recording)

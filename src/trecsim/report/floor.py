@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.plots.recorder import floor_places
 from trecsim.report.curves import curve
 from trecsim.report.page import Block, Figure, Section, Text
 from trecsim.report.paths import EXCERPTS, Excerpts, draw_paths, excerpts_of, share_of
@@ -14,7 +15,6 @@ from trecsim.report.plan import (
     extent_of,
     heat_map,
     lay_plan,
-    places_of,
     smoothed,
     time_map,
 )
@@ -38,7 +38,7 @@ def section(recording: Recording) -> Section:
     """Return paths, time spent and heights."""
     if not len(recording.sample.id):
         return Section(TITLE, [Text("Nobody was followed: there are no paths.", "missing")])
-    places_m = places_of(recording.sample.xyz_m)
+    places_m = floor_places(recording.sample.xyz_m)
     extent = extent_of(places_m, recording.rig)
     excerpts = excerpts_of(recording, places_m, extent)
     maps = _maps(recording, places_m, extent, excerpts)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float, Float64
+from jaxtyping import Float64
 
 from trecsim.geometry import Rig
 from trecsim.plots.canvas import round_step
@@ -42,15 +42,6 @@ class Extent:
     def depth_m(self) -> float:
         """Size along y [m]."""
         return self.y_m[1] - self.y_m[0]
-
-
-def places_of(xyz_m: Float[np.ndarray, "row 17 3"]) -> Float64[np.ndarray, "row 2"]:
-    """Return where people stand: below the middle of the joints that are known [m]."""
-    known = np.isfinite(xyz_m[..., 0])
-    total_m = np.where(known[..., None], xyz_m, 0.0).sum(axis=1, dtype=np.float64)
-    count = known.sum(axis=1)[:, None]
-    middle_m = np.where(count > 0, total_m / np.maximum(count, 1), np.nan)
-    return np.asarray(middle_m[:, :2])
 
 
 def extent_of(places_m: Float64[np.ndarray, "row 2"], rig: Rig | None) -> Extent:

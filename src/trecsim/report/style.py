@@ -7,11 +7,16 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any, Literal
 
 from trecsim.errors import SetupError
+from trecsim.plots.colours import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+# The same hues as COLOURS, light enough for a dark page.
+_ON_DARK = (
+    "#4fa9e0", "#f28a45", "#2fc59b", "#e6a3c8", "#f3bd4a", "#9fd5f5", "#a99cf5", "#dd6f9e",
+)  # fmt: skip
 PALETTE = {
     "paper": ("#ffffff", "#12161c"),
     "card": ("#f6f8fa", "#1a2029"),
@@ -22,22 +27,13 @@ PALETTE = {
     "accent": ("#0a6fb0", "#5cb3ea"),
     "warn": ("#b45309", "#f2b155"),
     "good": ("#0b8a66", "#3fcb9f"),
-    "c0": ("#0072b2", "#4fa9e0"),
-    "c1": ("#d55e00", "#f28a45"),
-    "c2": ("#009e73", "#2fc59b"),
-    "c3": ("#cc79a7", "#e6a3c8"),
-    "c4": ("#e69f00", "#f3bd4a"),
-    "c5": ("#56b4e9", "#9fd5f5"),
-    "c6": ("#332288", "#a99cf5"),
-    "c7": ("#882255", "#dd6f9e"),
+    **{f"c{n}": pair for n, pair in enumerate(zip(COLOURS, _ON_DARK, strict=True))},
 }
-"""Names of the colours with their light and dark forms; ``c0`` to ``c7`` tell things apart, for
-colour-blind people too (after Okabe and Ito)."""
+"""Names of the colours with their light and dark forms; ``c0`` to ``c7`` tell things apart."""
 
 INK, SOFT, LINE, FAINT, PAPER, ACCENT, WARN, GOOD = (
     PALETTE[name][0] for name in ("ink", "soft", "line", "faint", "paper", "accent", "warn", "good")
 )
-COLOURS = tuple(PALETTE[f"c{number}"][0] for number in range(8))
 TIME_COLOURS = ("#3f6fd8", "#8f5bc7", "#c9508f", "#e2683c", "#e99a1f")
 """From early to late; neither too light for white paper nor too dark for a dark page."""
 
