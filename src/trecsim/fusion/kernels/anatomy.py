@@ -9,8 +9,8 @@ from numba import njit
 
 from trecsim.fusion.kernels.curve import locate, point
 from trecsim.fusion.kernels.information import (
+    clear_row,
     control_points,
-    copy,
     curve_covariance,
     fold_gaussian,
     invert3,
@@ -87,14 +87,17 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     `place` is the index of a joint's first unknown, or -1 where the joint is well known; `x` are
     joints as fitted, `d` their shifts so far, (joint, 3).
     """
-    A[:] = 0.0
-    b[:] = 0.0
+    clear_row(b)
+    for i in range(b.shape[0]):
+        clear_row(A[i])
     inverse = np.empty((3, 3))
     u = np.empty(3)
     for j in range(x.shape[0]):
         if place[j] >= 0:
             invert3(cov_m2[j], inverse)
-            copy(inverse, A[place[j] : place[j] + 3, place[j] : place[j] + 3])
+            for p in range(3):
+                for q in range(3):
+                    A[place[j] + p, place[j] + q] = inverse[p, q]
     for i in range(limbs.joints.shape[0]):
         j, k = limbs.joints[i]
         if place[j] < 0 and place[k] < 0:

@@ -55,9 +55,10 @@ def assign(gain, best):
     low, used = np.empty(m + 1), np.empty(m + 1, np.bool_)
     for i in range(1, n_row + 1):
         owner[0] = i
-        column = 0
-        low[:] = math.inf
-        used[:] = False
+        column = np.int64(0)  # typed, so that `relax` is not compiled for 0 as well
+        for j in range(m + 1):
+            low[j] = math.inf
+            used[j] = False
         while owner[column] != 0:
             used[column] = True
             nearest, delta = relax(gain, owner[column], column, u, v, used, low, way)
@@ -71,7 +72,8 @@ def assign(gain, best):
         while column:
             owner[column] = owner[way[column]]
             column = way[column]
-    best[:] = -1
+    for i in range(n_row):
+        best[i] = -1
     for j in range(1, n_column + 1):
         if owner[j] > 0 and gain[owner[j] - 1, j - 1] > 0.0:
             best[owner[j] - 1] = j - 1

@@ -13,7 +13,9 @@ from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds
 # By how much the variance of a joint grows when its key points say it has turned sharply.
 LOOSEN = 25.0
 LOOSEN_M2 = 0.01
-STEPS, LOOSE_STEPS = 3, 6
+# EM steps at most, with the usual prior and with a wide one; in an array, so that their number is
+# no constant for which the function is compiled twice.
+STEPS = np.array([3, 6])
 # EM has converged when a step moves a joint by less [m^2].
 STILL_M2 = 0.0005**2
 # Images this close in time, in knots, enter the trajectory at their common mean time.
@@ -247,7 +249,7 @@ def loosen_if_turned(
         for b in range(3):
             tmp.wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
     locate_joint(
-        P, focal_px, seen, n, tmp.wide, noise, LOOSE_STEPS, total, j, shift_m, cov_m2, trial, tmp
+        P, focal_px, seen, n, tmp.wide, noise, STEPS[1], total, j, shift_m, cov_m2, trial, tmp
     )
     before, after = 0.0, 0.0
     for v in range(n):
@@ -259,7 +261,7 @@ def loosen_if_turned(
             inlier[v] = trial[v]
     else:
         locate_joint(
-            P, focal_px, seen, n, prior_m2, noise, STEPS, total, j, shift_m, cov_m2, inlier, tmp
+            P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
         )
 
 
@@ -281,7 +283,7 @@ def seek_joint(
         copy(prior_m2, cov_m2)
         return False
     locate_joint(
-        P, focal_px, seen, n, prior_m2, noise, STEPS, total, j, shift_m, cov_m2, inlier, tmp
+        P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
     )
     agree = 0.0
     for v in range(n):

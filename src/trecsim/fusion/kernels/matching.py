@@ -160,7 +160,7 @@ def match_view(ratio, best):
                 claims[k] += 1
                 claimed[d] += 1
                 best[k] = d
-    contested = 0
+    contested = np.int64(0)  # typed, so that `settle` is not compiled for 0 as well
     for k in range(n_track):
         if claims[k] and (claims[k] > 1 or claimed[best[k]] > 1):
             contested += 1
