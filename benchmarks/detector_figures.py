@@ -10,7 +10,14 @@ from harness.command import alone
 from harness.figures import Figures, Skipped, once
 from harness.options import Options, shared_data
 
-SEED = 1  # the detector was made on others, but its figures are those of the documentation
+# Some of the habits are rare (left and right swapped: once in 250 people), so that a single run
+# may be off by a tenth by chance alone.
+SEEDS = range(1, 9)
+
+
+def mean(runs: list[dict[str, float]]) -> dict[str, float]:
+    """Return the mean of every figure over the runs."""
+    return {name: sum(run[name] for run in runs) / len(runs) for name in runs[0]}
 
 
 def measure(options: Options) -> Figures:
@@ -18,9 +25,16 @@ def measure(options: Options) -> Figures:
     from trecsim.evaluation.detector_figures import MEASURED, recorded, simulated
     from trecsim.simulation.detector import ANNOTATED, REAL
 
-    options.input.update(data="made people before the cameras of Shelf", seeds=[SEED, SEED])
-    annotated, real = simulated(ANNOTATED, SEED), simulated(REAL, SEED)
-    options.tell("simulated")
+    seeds = SEEDS[:1] if options.quick else SEEDS
+    options.input.update(
+        data="made people before the cameras of Shelf", seeds=[seeds[0], seeds[-1]]
+    )
+    runs = {"annotated": [], "real": []}
+    for seed in seeds:
+        runs["annotated"].append(simulated(ANNOTATED, seed))
+        runs["real"].append(simulated(REAL, seed))
+        options.tell(f"seed {seed}")
+    annotated, real = mean(runs["annotated"]), mean(runs["real"])
     here: dict[str, float] = {}
     try:
         here = recorded(shared_data("shelf"))
@@ -33,7 +47,7 @@ def measure(options: Options) -> Figures:
             "recorded": once(measured, "", watched=False),
             **({"here": once(here[name], "", watched=False)} if here else {}),
             "annotated": once(annotated[name], "", watched=False),
-            "off by": once(off_by, "%", matters=2.0),
+            "off by": once(off_by, "%", matters=2.0, watched=not options.quick),
             "real": once(real[name], "", watched=False),
         }
     return figures
