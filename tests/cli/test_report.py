@@ -27,6 +27,13 @@ def test_the_command_writes_a_page_and_sums_it_up(trecsim: Command, walk: Path) 
     assert facts["sections"][0] == "Summary"
 
 
+def test_the_page_lies_with_the_recording_unless_told(trecsim: Command, walk: Path) -> None:
+    code, out, _ = trecsim("report", walk / "tracks.csv")
+    assert code == 0
+    assert (walk / "report.html").is_file()
+    assert out.startswith(str(walk / "report.html"))
+
+
 def test_warnings_are_told_on_the_terminal_too(trecsim: Command, walk: Path) -> None:
     (walk / "tracks.csv").write_text(",".join(COLUMNS) + "\n")
     (walk / "summary.json").write_text('{"ended": "stopped"}')

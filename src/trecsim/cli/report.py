@@ -10,7 +10,7 @@ def report(
     recording: Path,
     /,
     *,
-    out: Path = Path("report.html"),
+    out: Path | None = None,
     rig: Path | None = None,
     poses: Path | None = None,
     truth: Path | None = None,
@@ -32,7 +32,7 @@ def report(
         A folder that `trecsim run` has made, one with tracks beside rig and poses, or a file of
         tracks.
     out
-        The page to write.
+        The page to write. Without it, `report.html` in the folder of the recording.
     rig
         The cameras, if not in the folder: any format that `trecsim rig show` reads.
     poses

@@ -25,7 +25,7 @@ class ReportSummary:
     Attributes
     ----------
     out
-        The page.
+        The page; None is `report.html` in the folder of the recording.
     bytes
         Its size.
     sections
@@ -49,7 +49,7 @@ class ReportSummary:
 
 def report(
     recording: Path | str,
-    out: Path | str = "report.html",
+    out: Path | str | None = None,
     *,
     rig: Path | None = None,
     poses: Path | None = None,
@@ -67,7 +67,7 @@ def report(
         A folder that `trecsim run` has made or one with tracks beside rig and poses, or a file of
         tracks.
     out
-        The page.
+        The page; None is `report.html` in the folder of the recording.
     rig, poses, truth
         Where they lie, if not in the folder.
     lengths
@@ -85,8 +85,10 @@ def report(
         Matplotlib or Jinja is not installed, or the disk is full.
     """
     need_matplotlib()
-    out = Path(out)
-    places = find(Path(recording), rig=rig, poses=poses, truth=truth)
+    recording = Path(recording)
+    folder = recording if recording.is_dir() else recording.parent
+    out = Path(out) if out is not None else folder / "report.html"
+    places = find(recording, rig=rig, poses=poses, truth=truth)
     measured = read_measured(lengths) if lengths is not None else None
     read = read_recording(places, from_s=from_s, to_s=to_s, progress=progress)
     sections = _sections(read, measured)
