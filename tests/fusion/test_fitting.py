@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.locating import LOOSEN, loosen_if_turned, moments
+from trecsim.fusion.kernels.fitting import nowhere, settle_turned
+from trecsim.fusion.kernels.locating import FOUND, LOOSEN, TURNED, UNSEEN, moments, turned
 
 OFF_M = np.array([0.03, -0.02, 0.04])
 NO_LIMBS = (
@@ -81,7 +82,7 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
     np.testing.assert_allclose(shift, least_squares(residuals, np.zeros(3)).x, atol=5e-4)
 
 
-def test_a_sharp_turn_loosens_the_joint_only_when_key_points_agree():
+def test_a_joint_has_turned_sharply_only_when_its_key_points_agree():
     rng = np.random.default_rng(5)
     joint = np.array([0.0, 0.0, 1.0])
     tight = np.eye(3) * 0.01**2
@@ -90,15 +91,42 @@ def test_a_sharp_turn_loosens_the_joint_only_when_key_points_agree():
         seen.xyz_m[:] = joint + np.array([0.35, 0.0, 0.0])
         if not agree:
             seen.xy_px[:] += rng.normal(0, 300, (3, 2))
-        R, z = np.eye(24), np.ones(24)
         shift, cov, inlier = np.zeros(3), np.empty((3, 3)), np.zeros(3)
-        loosen_if_turned(
-            MODEL.P, MODEL.focal_px, R, z, seen, 3, tight, MODEL.noise, kernels.sums(1, 1), 0,
+        has_turned = turned(
+            MODEL.P, MODEL.focal_px, seen, 3, tight, MODEL.noise, kernels.sums(1, 1), 0,
             shift, cov, inlier, np.empty(3), kernels.scratch(24),
         )  # fmt: skip
-        expected = 1 / np.sqrt(LOOSEN) if agree else 1.0
-        assert R[0, 0] == pytest.approx(expected)
+        assert has_turned == agree
         assert (np.linalg.norm(shift) > 0.2) == agree
+
+
+@pytest.mark.parametrize("alone", [True, False])
+def test_a_turn_is_believed_when_the_body_agrees(alone):
+    """An elbow that jumps by 40 cm: by itself, or with shoulder and wrist."""
+    limbs = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2))
+    found, total = nowhere(3), kernels.sums(3, 1)
+    found.x_m[:] = [[0, 0, 1.4], [0.3, 0, 1.4], [0.55, 0, 1.4]]
+    found.shift_m[:] = 0.0
+    found.cov_m2[:] = np.eye(3) * 0.01**2
+    jumped = [1] if alone else [0, 1, 2]
+    found.x_m[jumped] += [0.0, 0.4, 0.0]
+    found.shift_m[jumped] = [0.0, 0.4, 0.0]
+    sought = np.full(3, FOUND)
+    sought[jumped] = TURNED
+    R, z, inlier = np.tile(np.eye(24), (3, 1, 1)), np.ones((3, 24)), np.ones((2, 3))
+    settle_turned(
+        R, z, found, sought, np.tile(np.eye(3), (3, 1, 1)), limbs, np.array([0.3, 0.25]),
+        np.full(2, 0.01**2), total, inlier,
+    )  # fmt: skip
+    if alone:
+        assert sought.tolist() == [FOUND, UNSEEN, FOUND]
+        np.testing.assert_allclose(found.x_m[1], [0.3, 0, 1.4])
+        assert inlier[:, 1].tolist() == [0, 0]
+        assert R[1, 0, 0] == 1.0
+        assert total.weight[1, 0] == 0.0
+    else:
+        assert (sought == TURNED).all()
+        np.testing.assert_allclose(R[:, 0, 0], 1 / np.sqrt(LOOSEN))
 
 
 def test_images_close_in_time_share_a_moment_counted_back_from_the_newest():

@@ -13,9 +13,21 @@ from trecsim.fusion.kernels.information import (
     copy,
     curve_covariance,
     fold_gaussian,
+    scale,
 )
-from trecsim.fusion.kernels.lengths import quotient, tighten
-from trecsim.fusion.kernels.locating import TOGETHER, Observed, moments, scratch, seek_joint, sums
+from trecsim.fusion.kernels.lengths import GATE, TIE_M2, length_along, quotient, tighten
+from trecsim.fusion.kernels.locating import (
+    LOOSEN,
+    TOGETHER,
+    TURNED,
+    UNSEEN,
+    Observed,
+    clear,
+    moments,
+    scratch,
+    seek_joint,
+    sums,
+)
 
 
 class Located(NamedTuple):
@@ -73,6 +85,71 @@ def fold_moments(R, z, c, total, j, tmp):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
+def fits_body(found, j, limbs, limb_m, limb_m2):
+    """Return whether most of a joint's limbs, if not all, have the lengths they should have.
+
+    A person who falls or turns moves as a whole. Where a single joint is somewhere else, and its
+    limbs are too long or too short, its key points show another limb or another person.
+    """
+    u = np.empty(3)
+    right = wrong = 0
+    for i in range(limbs.joints.shape[0]):
+        a, b = limbs.joints[i]
+        if a != j and b != j:
+            continue
+        length, var = length_along(found.x_m, found.cov_m2, a, b, u)
+        var += limb_m2[i] + limbs.slack_m2[i] + TIE_M2
+        if (length - limb_m[i]) ** 2 > GATE * GATE * var:
+            wrong += 1
+        else:
+            right += 1
+    return wrong == 0 or right > wrong
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def dismiss(found, j, prior_m2, total, inlier):
+    """Forget what the key points said about joint `j`: it stays on its curve."""
+    for a in range(3):
+        found.x_m[j, a] -= found.shift_m[j, a]
+        found.shift_m[j, a] = 0.0
+    copy(prior_m2, found.cov_m2[j])
+    clear(total, j)
+    for v in range(inlier.shape[0]):
+        inlier[v, j] = 0.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def settle_turned(R, z, found, sought, prior_m2, limbs, limb_m, limb_m2, total, inlier):
+    """Loosen the trajectories of joints that have turned sharply, if the body agrees, in place.
+
+    Parameters
+    ----------
+    R, z
+        One person's square-root information, (joint, n, n) and (joint, n).
+    found, sought
+        Where the joints are, and what came of looking for each; `TURNED` becomes `UNSEEN` where
+        the body does not agree.
+    prior_m2
+        Covariances of the predictions, (joint, 3, 3).
+    limbs, limb_m, limb_m2
+        `Limbs`, and this person's lengths with their variances.
+    total, inlier
+        The `Sums` and the responsibilities (view, joint), cleared where the body does not agree.
+    """
+    for j in range(sought.shape[0]):
+        if sought[j] != TURNED:
+            continue
+        if fits_body(found, j, limbs, limb_m, limb_m2):
+            scale(R[j], z[j], 1.0 / math.sqrt(LOOSEN))
+        else:
+            sought[j] = UNSEEN
+            dismiss(found, j, prior_m2[j], total, inlier)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
 def hold(found, sought, n_seen, limbs, limb_m, limb_m2, now, worth, total):
     """Add what the lengths of the limbs say about joints that are well seen to their sums.
 
@@ -81,8 +158,8 @@ def hold(found, sought, n_seen, limbs, limb_m, limb_m2, now, worth, total):
     found
         The joints as `Located`; those held by the body are written.
     sought, n_seen
-        Whether a joint has key points in this frame set, and how many cameras have supported it
-        lately, (joint,). What fewer than two see is left to `anatomy.relax_body`.
+        What came of looking for each joint in this frame set, and how many cameras have
+        supported it lately, (joint,). What fewer than two see is left to `anatomy.relax_body`.
     limbs, limb_m, limb_m2
         `Limbs`, and this person's lengths with their variances.
     now
@@ -104,7 +181,7 @@ def hold(found, sought, n_seen, limbs, limb_m, limb_m2, now, worth, total):
             found.held_m[j, a] = found.x_m[j, a]
     tighten(found.held_m, found.held_m2, limbs, limb_m, limb_m2)
     for j in range(sought.shape[0]):
-        if not sought[j] or n_seen[j] < 2:
+        if sought[j] == UNSEEN or n_seen[j] < 2:
             continue
         for a in range(3):
             moved[a] = found.held_m[j, a] - found.x_m[j, a]
@@ -205,7 +282,7 @@ def fit_all(
     newest = -math.inf
     for v in range(n_view):
         newest = max(newest, place[v])
-    found, sought, tmp = nowhere(R.shape[1]), np.empty(R.shape[1], np.bool_), scratch(R.shape[2])
+    found, sought, tmp = nowhere(R.shape[1]), np.empty(R.shape[1], np.int64), scratch(R.shape[2])
     r, trial, weights = np.empty(n_view), np.empty(n_view), np.empty(4)
     span = locate(now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
@@ -213,19 +290,23 @@ def fit_all(
         for j in range(R.shape[1]):
             gather_joint(seen, j, xyz_m[:, k], match[k], flip[k], xy_px, factor, noise)
             sought[j] = seek_joint(
-                P, focal_px, R[k, j], z[k, j], seen, n, prior_m2[k, j], noise, total, j,
-                found.shift_m[j], found.cov_m2[j], r, trial, tmp,
+                P, focal_px, seen, n, prior_m2[k, j], noise, total, j, found.shift_m[j],
+                found.cov_m2[j], r, trial, tmp,
             )  # fmt: skip
             spread(match[k], r, inlier[k], j)
             point(c[k, j], span, weights, found.x_m[j])
             for a in range(3):
                 found.x_m[j, a] += found.shift_m[j, a]
-                found_m[k, j, a] = found.x_m[j, a]
+        settle_turned(R[k], z[k], found, sought, prior_m2[k], limbs, limb_m[k], limb_m2[k], total,
+                      inlier[k])  # fmt: skip
+        for j in range(R.shape[1]):
             copy(found.cov_m2[j], found_m2[k, j])
+            for a in range(3):
+                found_m[k, j, a] = found.x_m[j, a]
         if n and now - newest <= TOGETHER:  # the limbs say something about now
             hold(found, sought, n_seen[k], limbs, limb_m[k], limb_m2[k], now, body_worth, total)
         for j in range(R.shape[1]):
-            if sought[j]:
+            if sought[j] != UNSEEN:
                 fold_moments(R[k, j], z[k, j], c[k, j], total, j, tmp)
             point(c[k, j], span, weights, x_m[k, j])
             curve_covariance(R[k, j], span, weights, tmp.y, cov_m2[k, j])

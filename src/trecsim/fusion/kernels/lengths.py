@@ -19,7 +19,7 @@ TIE_M2 = 0.01**2
 # Sweeps over the limbs that hold a body together whose joints are all seen.
 _SWEEPS = 2
 # A limb whose length is off by more standard deviations has no say: one end is elsewhere.
-_GATE = 3.0
+GATE = 3.0
 
 
 class Limbs(NamedTuple):
@@ -106,7 +106,7 @@ def tighten(x, cov_m2, limbs, limb_m, limb_m2):
             length, var = length_along(x, cov_m2, a, b, u)
             var += limb_m2[i] + limbs.slack_m2[i] + TIE_M2
             rest = limb_m[i] - length
-            if length == 0.0 or rest * rest > _GATE * _GATE * var:
+            if length == 0.0 or rest * rest > GATE * GATE * var:
                 continue
             pull(x[a], cov_m2[a], u, -rest, var, sweep == 0, gain)
             pull(x[b], cov_m2[b], u, rest, var, sweep == 0, gain)

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 from numba import njit
 
-from trecsim.fusion.kernels.information import copy, invert3, scale
+from trecsim.fusion.kernels.information import copy, invert3
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project
 
 # By how much the variance of a joint grows when its key points say it has turned sharply.
@@ -16,6 +16,8 @@ LOOSEN_M2 = 0.01
 # EM steps at most, with the usual prior and with a wide one; in an array, so that their number is
 # no constant for which the function is compiled twice.
 STEPS = np.array([3, 6])
+# What came of looking for a joint: no key point; found near its curve; found elsewhere.
+UNSEEN, FOUND, TURNED = 0, 1, 2
 # EM has converged when a step moves a joint by less [m^2].
 STILL_M2 = 0.0005**2
 # Images this close in time, in knots, enter the trajectory at their common mean time.
@@ -235,15 +237,12 @@ def newton_step(total, j, prior_m2, shift_m, cov_m2, tmp):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def loosen_if_turned(
-    P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
-):
-    """Seek a joint again with a wide prior where its key points agree, but not with the curve.
+def turned(P, focal_px, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp):
+    """Seek a joint again with a wide prior; return whether its key points agree there.
 
     A person has turned sharply when two or more key points fit each other and not the
-    prediction. Then the joint's information is loosened, in place, and sums, shift and
-    responsibilities are those of the second search; otherwise nothing changes. `trial` is
-    scratch, (view,).
+    prediction. Then sums, shift and responsibilities are those of the second search; otherwise
+    nothing changes. `trial` is scratch, (view,).
     """
     for a in range(3):
         for b in range(3):
@@ -256,21 +255,21 @@ def loosen_if_turned(
         before += inlier[v]
         after += trial[v]
     if after > max(1.5, before + 0.5):
-        scale(R, z, 1.0 / math.sqrt(LOOSEN))
         for v in range(n):
             inlier[v] = trial[v]
-    else:
-        locate_joint(
-            P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
-        )
+        return True
+    locate_joint(
+        P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
+    )
+    return False
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 @no_type_check
 def seek_joint(
-    P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
+    P, focal_px, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
 ):
-    """Find one joint by its key points; return whether there are any. See `locate_joint`."""
+    """Find one joint by its key points; return `UNSEEN`, `FOUND` or `TURNED`."""
     known = 0
     for v in range(n):
         inlier[v] = 0.0
@@ -281,16 +280,19 @@ def seek_joint(
         for a in range(3):
             shift_m[a] = 0.0
         copy(prior_m2, cov_m2)
-        return False
+        return UNSEEN
     locate_joint(
         P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
     )
     agree = 0.0
     for v in range(n):
         agree += inlier[v]
-    if known >= 2 and agree < 0.5 * known:
-        loosen_if_turned(
-            P, focal_px, R, z, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier,
-            trial, tmp,
-        )  # fmt: skip
-    return True
+    if (
+        known >= 2
+        and agree < 0.5 * known
+        and turned(
+            P, focal_px, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
+        )
+    ):
+        return TURNED
+    return FOUND
