@@ -19,7 +19,7 @@ SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
 
-demo: .venv/installed-plot  ## Follow people through a simulated room and show the result.
+demo: .venv/installed-report .venv/installed-evaluate  ## Follow people through a simulated room and show the result.
 	$(BIN)/trecsim demo
 
 test: .venv/installed-test  ## Run all tests.

@@ -179,6 +179,6 @@ def test_ctrl_c_ends_a_run_in_order(folder: Path) -> None:
     assert running.returncode == 1
     assert out == ""
     assert "Traceback" not in err
-    assert re.search(r"trecsim: stopped by Ctrl-C; out: 1 people in \d+ frame sets", err), err
+    assert re.search(r"trecsim: stopped by Ctrl-C; out: 1 person in \d+ frame sets", err), err
     assert (folder / "out" / "summary.json").exists()
     assert 10 < len(list(read_tracks(folder / "out"))) < 400

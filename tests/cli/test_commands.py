@@ -30,7 +30,7 @@ def test_run_tells_what_it_kept_and_where(trecsim: Command, site: Path, tmp_path
 def test_run_says_it_in_words_too(trecsim: Command, site: Path, tmp_path: Path) -> None:
     code, out, err = trecsim("run", site, "--out", tmp_path / "out")
     assert (code, err) == (0, "")
-    assert "1 people in 40 frame sets of 120 images" in out
+    assert "1 person in 40 frame sets of 120 images" in out
 
 
 def test_a_run_can_be_exported(trecsim: Command, site: Path, tmp_path: Path) -> None:

@@ -106,6 +106,20 @@ def test_empty_tracks_are_a_stated_zero(tmp_path: Path) -> None:
     assert any("empty" in remark for remark in remarks)
 
 
+def test_the_truth_of_another_recording_is_remarked(tmp_path: Path) -> None:
+    remarks: list[str] = []
+    evaluate(write(tmp_path, [{1: 50.0, 2: 60.0}] * 10), TWO, remark=remarks.append)
+    assert [text for text in remarks if "is this the truth of this recording?" in text]
+    remarks.clear()
+    evaluate(write(tmp_path, [{1: 0.0}] + [{}] * 9), TWO, remark=remarks.append)
+    assert not [text for text in remarks if "is this the truth" in text]
+
+
+def test_a_time_before_the_beginning_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="cannot begin before 0 s, got from -3 s"):
+        evaluate(write(tmp_path, [{1: 0.0}] * 10), TWO, from_s=-3.0)
+
+
 def test_an_absent_person_is_neither_missed_nor_found(tmp_path: Path) -> None:
     truth = truth_of([0.0] * 10, [np.nan] * 5 + [3.0] * 5, step_s=0.1)
     scores = scored(write(tmp_path, [{1: 0.0}] * 10), truth)

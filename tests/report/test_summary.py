@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from made_recording import make_recording
-from trecsim.evaluation.limbs import LimbSummary
+from trecsim.evaluation.limbs import LimbSummary, limb_series
+from trecsim.evaluation.people import people_of
 from trecsim.evaluation.reprojection import Reprojection, ReprojectionRow
 from trecsim.evaluation.scores import Scores
 from trecsim.report import summary
@@ -16,6 +17,7 @@ from trecsim.report.page import Facts, Text
 from trecsim.report.places import find
 from trecsim.report.recording import Recording, read_recording
 from trecsim.report.sample import Stay
+from trecsim.skeleton import COCO17
 
 LIMBS = LimbSummary(1, 0.02, float("nan"))
 
@@ -146,3 +148,24 @@ def test_what_is_wrong_against_the_truth_is_told(recording: Recording) -> None:
     assert told[2].startswith("2 times somebody came to bear another identity")
     good = replace(scores, missed_share=0.01)
     assert len(summary.section(recording, None, LIMBS, good).blocks) == 2
+
+
+def test_a_single_limb_that_jumps_is_told(recording: Recording) -> None:
+    sample = replace(recording.sample, xyz_m=recording.sample.xyz_m.copy())
+    sample.xyz_m[20, COCO17.index("left_ankle"), 0] += 1
+    blocks = summary.section(recording, None, LIMBS, series=limb_series(people_of(sample))).blocks
+    told = [block.text for block in blocks if isinstance(block, Text)]
+    assert len(told) == 1
+    assert told[0].startswith("Person 7: left shin is far too long in 1 moment (worst 1.")
+
+
+def test_a_truth_of_another_recording_is_told(recording: Recording) -> None:
+    scores = scores_of(recording)
+    assert isinstance(scores, Scores)
+    other = replace(scores, matched=1, missed=59, ghosts=55, missed_share=59 / 60)
+    blocks = summary.section(recording, None, LIMBS, other).blocks
+    told = [block.text for block in blocks if isinstance(block, Text)]
+    assert told == [
+        "Hardly anybody in the tracks is near anybody in the truth: is this the truth of this "
+        "recording?"
+    ]

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from trecsim.cli.terminal import finish, progress_bar
+from trecsim.cli.terminal import counted_people, finish, progress_bar
 
 
 def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
@@ -32,5 +32,5 @@ def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
         "first_s": extent.first_s,
         "last_s": extent.last_s,
     }
-    text = f"{out}: {extent.moments} moments, {extent.people} people, {extent.rows} rows"
+    text = f"{out}: {extent.moments} moments, {counted_people(extent.people)}, {extent.rows} rows"
     finish(summary, json, text)

@@ -8,7 +8,7 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from trecsim.cli.models import fetch_first
-from trecsim.cli.terminal import finish, note, progress_bar
+from trecsim.cli.terminal import counted_people, finish, note, progress_bar
 
 if TYPE_CHECKING:
     from trecsim.pipeline import RunSummary
@@ -57,8 +57,8 @@ def _facts(summary: "RunSummary") -> dict[str, object]:
 def _told(summary: "RunSummary") -> str:
     ms = summary.fusion_ms
     return (
-        f"{summary.out}: {summary.people} people in {summary.frame_sets} frame sets of "
-        f"{summary.images} images, {summary.wall_s:.1f} s; fusion {ms['median']:.2f} ms per set "
+        f"{summary.out}: {counted_people(summary.people)} in {summary.frame_sets} frame sets "
+        f"of {summary.images} images, {summary.wall_s:.1f} s; fusion {ms['median']:.2f} ms per set "
         f"(p95 {ms['p95']:.2f})"
     )
 

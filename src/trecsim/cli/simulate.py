@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from trecsim.cli.terminal import finish, progress_bar
+from trecsim.cli.terminal import counted_people, finish, progress_bar
 from trecsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ def _simulate(
     ):
         staged = stage(scene, folder, seed=seed, simulating=cameras, writing=images)
     text = (
-        f"{staged.folder}: {staged.images} images of {staged.cameras} cameras, {staged.people} "
-        f"people, {staged.seconds:g} s, seed {staged.seed}"
+        f"{staged.folder}: {staged.images} images of {staged.cameras} cameras, "
+        f"{counted_people(staged.people)}, {staged.seconds:g} s, seed {staged.seed}"
     )
     finish(asdict(staged), json, text)
 
@@ -140,7 +140,7 @@ def _told(chapters: "list[tuple[str, list[Scene]]]") -> str:
         lines += [title, ""]
         for scene in scenes:
             facts = _facts(scene)
-            people = "1 person" if facts["people"] == 1 else f"{facts['people']} people"
+            people = counted_people(facts["people"])
             size = f"{facts['cameras']} cameras, {people}, {scene.seconds:g} s"
             lines.append(f"  {scene.name}: {size}")
             lines += [f"    {scene.about}", ""]

@@ -30,6 +30,17 @@ class ProgressBar:
             self._bar.update(self._task, completed=done, total=total)
 
 
+def counted_people(count: int) -> str:
+    """Return how many people, as one says it.
+
+    Examples
+    --------
+    >>> counted_people(1), counted_people(2)
+    ('1 person', '2 people')
+    """
+    return "1 person" if count == 1 else f"{count} people"
+
+
 @contextmanager
 def progress_bar(
     description: str,

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from trecsim.cli.rig_options import RigOptions
-from trecsim.cli.terminal import finish, progress_bar
+from trecsim.cli.terminal import counted_people, finish, progress_bar
 
 Reading = Annotated[RigOptions, Parameter(name="*")]
 
@@ -51,7 +51,7 @@ def track(
         summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
     ms = summary["fusion_ms"]
     text = (
-        f"{out}: {summary['people']} people in {summary['frame_sets']} frame sets; "
+        f"{out}: {counted_people(summary['people'])} in {summary['frame_sets']} frame sets; "
         f"fusion {ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
     )
     finish(summary, json, text)

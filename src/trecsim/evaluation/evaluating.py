@@ -160,6 +160,8 @@ def _check_request(
 ) -> None:
     if (rig is None) != (poses is None):
         raise InputError("reprojection errors need both, the rig and the poses")
+    if -float("inf") < from_s < 0:
+        raise InputError(f"the time that counts cannot begin before 0 s, got from {from_s:g} s")
     if not from_s < until_s:
         raise InputError(f"the time must run forwards, got from {from_s:g} s until {until_s:g} s")
 
@@ -206,7 +208,13 @@ def _scores(
             f"{recorded.path}: no moment lies between {from_s:g} s and {until_s:g} s; "
             f"one comes each {interval_s(found):.3g} s"
         )
-    return score(moments, truth, from_s, until_s)
+    scores = score(moments, truth, from_s, until_s)
+    if scores.elsewhere:
+        remark(
+            f"{recorded.path}: hardly anybody in the tracks is near anybody in the truth: is this "
+            "the truth of this recording?"
+        )
+    return scores
 
 
 def _check_joints(recorded: Recorded, truth: Truth) -> None:

@@ -15,6 +15,7 @@ from trecsim.skeleton import COCO17
 from trecsim.store.truth import Truth
 
 ALL_JOINTS = "all joints"
+_HARDLY = 0.1  # fewer matches than this share: tracks and truth have nothing to do with each other
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +94,11 @@ class Scores:
     honesty: Honesty
     honesty_by_support: dict[str, Honesty]
     latency: Latency
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether there are people in both, but hardly any of them near each other."""
+        return self.matched < _HARDLY * min(self.person_moments, self.matched + self.ghosts)
 
 
 def score(moments: Moments, truth: Truth, from_s: float, until_s: float) -> Scores:

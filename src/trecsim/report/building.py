@@ -119,10 +119,11 @@ def report(
 def _sections(recording: Recording, measured: Given | None) -> list[Section]:
     given, source = _given(recording, measured)
     seen = facts_of(recording)
-    table = limb_table(limb_series(people_of(recording.sample)), given)
+    series = limb_series(people_of(recording.sample))
+    table = limb_table(series, given)
     scores = against_truth.scores_of(recording)
     known = None if isinstance(scores, str) else scores
-    sections = [summary.section(recording, seen, limb_summary(table), known)]
+    sections = [summary.section(recording, seen, limb_summary(table), known, series)]
     if scores is not None:
         sections.append(against_truth.section(scores))
     return [

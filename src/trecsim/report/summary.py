@@ -1,14 +1,15 @@
 """What a recording is, in a few figures, and what about it should make one look twice."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
 
-from trecsim.evaluation.limbs import LimbSummary
+from trecsim.evaluation.limbs import LimbSeries, LimbSummary
 from trecsim.evaluation.scores import Scores
 from trecsim.report.coverage import CameraFacts
+from trecsim.report.odd_limbs import odd_limbs
 from trecsim.report.page import Block, Fact, Facts, Section, Text
 from trecsim.report.recording import EARLIEST_UNIX_S, Recording
 from trecsim.skeleton import COCO17
@@ -27,6 +28,7 @@ def section(
     cameras: CameraFacts | None,
     limbs: LimbSummary,
     scores: Scores | None = None,
+    series: Sequence[LimbSeries] = (),
 ) -> Section:
     """Return the figures, and warnings in plain words.
 
@@ -40,6 +42,8 @@ def section(
         How steady limbs are.
     scores
         Against the truth; None where it is not known.
+    series
+        Lengths of everybody's limbs over time.
     """
     blocks: list[Block] = [Facts(list(_facts(recording, limbs)))]
     warnings = [*_run_warnings(recording), *_track_warnings(recording)]
@@ -48,6 +52,7 @@ def section(
             f"The lengths of limbs vary by {100 * limbs.sd_m:.1f} cm, more than is usual: the "
             "joints are less certain here than elsewhere."
         )
+    warnings += odd_limbs(series, recording.clock)
     warnings += [*_camera_warnings(cameras)] if cameras is not None else []
     warnings += [*_truth_warnings(scores)] if scores is not None and recording.stays else []
     blocks += [Text(text, "warning") for text in warnings]
@@ -172,6 +177,12 @@ def _identity_warnings(recording: Recording) -> Iterator[str]:
 
 
 def _truth_warnings(scores: Scores) -> Iterator[str]:
+    if scores.elsewhere:
+        yield (
+            "Hardly anybody in the tracks is near anybody in the truth: is this the truth of this "
+            "recording?"
+        )
+        return
     if scores.missed_share > AMISS:
         yield (
             f"For {100 * scores.missed_share:.0f} % of their time people were not followed, "
