@@ -13,10 +13,10 @@ from harness.machine import ROOT
 from trecsim.report.style import PALETTE
 from trecsim.study.analysis import findings
 from trecsim.study.charts import effects_svg
+from trecsim.study.folder import STUDY
 from trecsim.study.ledger import NAME, read_runs
 from trecsim.study.plan import planned
 from trecsim.study.results import DEFAULT, PAIRS, RESULTS, markdown, read_results, standing_markdown
-from trecsim.study.running import STUDY
 from trecsim.study.table import read_study_table
 
 KEPT = ROOT / "benchmarks" / "results" / "study_three"

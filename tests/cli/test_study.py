@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -79,6 +80,13 @@ BAD = {
     "a room that cannot be": (
         ["--set", "knot_s=0.1,0.2", "--scene", "room:people=none"], "people.*'none'",
     ),
+    "a key that a room has not": (
+        ["--set", "knot_s=0.1,0.2", "--scene", "room:persons=3"],
+        "unknown key 'persons'; did you mean 'people'\\?",
+    ),
+    "a misspelt key of a room": (
+        ["--set", "knot_s=0.1,0.2", "--scene", "room:camera=3"], "did you mean 'cameras'",
+    ),
     "a scene nobody knows": (["--set", "knot_s=0.1,0.2", "--scene", "moon"], "moon"),
     "no processes": (["--set", "knot_s=0.1,0.2", "--jobs", "0"], "--jobs 0"),
     "no runs to report on": (["--set", "knot_s=0.1,0.2", "--report-only"], "no finished runs"),
@@ -96,6 +104,31 @@ def test_what_cannot_be_is_told_before_anything_runs(
     assert told.startswith("trecsim: ")
     assert re.search(message, told), told
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("package", ["matplotlib", "jinja2"])
+def test_a_report_that_cannot_be_written_is_told_before_any_run(
+    trecsim: Command, quick: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, package: str
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    code, said, told = trecsim("study", "--set", "knot_s=0.1,0.2", "--out", tmp_path, "--jobs", 1)
+    assert (code, said) == (1, "")
+    assert "mc3d-trecsim[report]" in told
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("seeds", "warned"), [("1-2", True), ("1-5", False)])
+def test_few_seeds_are_warned_of_in_terminal_and_report(
+    trecsim: Command, quick: None, tmp_path: Path, seeds: str, warned: bool
+) -> None:
+    code, said, _ = trecsim(
+        "study", "--set", "joint_sigma_m=0.01,0.02", "--seeds", seeds, "--out", tmp_path,
+        "--jobs", 1,
+    )  # fmt: skip
+    assert code == 0
+    assert "where the default stands" in said.splitlines()[0]
+    for text in (said, (tmp_path / "report.html").read_text()):
+        assert ("two seeds tell little: take five or more" in text) == warned
 
 
 def test_ctrl_c_says_how_to_go_on(

@@ -1,6 +1,7 @@
 """What a study's report and tables say of made runs with known effects."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -140,7 +141,19 @@ def test_incomplete_and_failed_runs_are_told_and_left_out(tmp_path: Path) -> Non
 def test_few_seeds_are_warned_of(tmp_path: Path) -> None:
     study = study_of(seeds="1-2")
     found = findings(study, made_runs(study, tmp_path), code_digest())
-    assert "2 seeds say little about chance" in found.remarks[0]
+    assert found.remarks[0] == "two seeds tell little: take five or more"
+
+
+def test_runs_of_a_former_study_are_not_counted(tmp_path: Path) -> None:
+    study = study_of()
+    runs = made_runs(study, tmp_path)
+    former = [replace(run, key=f"former {n}", figures={}, fault="x") for n, run in enumerate(runs)]
+    found = findings(study, [*runs, *former], code_digest())
+    assert (found.runs, found.wanted, found.failed) == (study.runs, study.runs, {})
+    fewer = study_of(seeds="1-6")
+    assert findings(fewer, runs, code_digest()).runs == fewer.runs < len(runs)
+    older = [replace(run, code="older") for run in [*runs, *runs]]
+    assert findings(study, older, "older").runs == study.runs
 
 
 def test_too_few_runs_say_nothing(tmp_path: Path) -> None:

@@ -76,12 +76,13 @@ def study(
     options = {"design": design, "points": points, "lag_s": lag_s, "seeds": seeds}
     given = {name: value for name, value in options.items() if value is not None}
     plan = _plan(file, out, set_, scene, given)
+    from trecsim.study.report import need_report, report_study
+
+    need_report()
     if not report_only:
         _run(plan, out, jobs, reporting=reporting, quiet=json)
-    from trecsim.study.report import report_study
-
     found = report_study(plan, out, remark=note)
-    finish(_summary(plan, found, out), json, _told(found, out))
+    finish(_summary(plan, found, out), json, _told(plan, found, out))
 
 
 def _plan(
@@ -91,8 +92,8 @@ def _plan(
     scenes: Sequence[str],
     options: dict[str, Any],
 ) -> "Study":
+    from trecsim.study.folder import STUDY
     from trecsim.study.plan import planned
-    from trecsim.study.running import STUDY
     from trecsim.study.table import read_study_table
 
     said = [f"--{name.replace('_', '-')}" for name in options]
@@ -180,13 +181,14 @@ def _summary(plan: "Study", found: "Findings", out: Path) -> dict[str, Any]:
     }
 
 
-def _told(found: "Findings", out: Path) -> str:
+def _told(plan: "Study", found: "Findings", out: Path) -> str:
+    from trecsim.study.analysis import few_seeds
     from trecsim.study.report import REPORT
     from trecsim.study.results import settings_that_matter
     from trecsim.study.words import figure_text
 
     matter = settings_that_matter(found)
-    lines = [f"  {'measure':<28}{'what matters, strongest first':<44}"]
+    lines = [f"  {'measure':<28}{'what matters, strongest first':<44}where the default stands"]
     for finding in found.findings:
         names = ", ".join(matter[finding.measure.name]) or "nothing beyond noise"
         stands = finding.standing
@@ -195,4 +197,5 @@ def _told(found: "Findings", out: Path) -> str:
             default = figure_text(finding.measure, stands.default)
             rank = f"default {default}, rank {stands.rank} of {stands.points}"
         lines.append(f"  {finding.measure.title:<28}{names:<44}{rank}".rstrip())
-    return "\n".join([*lines, "", f"report: {out / REPORT}"])
+    few = few_seeds(plan)
+    return "\n".join([*lines, "", *[few] * bool(few), f"report: {out / REPORT}"])

@@ -4,15 +4,18 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.errors import InputError
+from trecsim.study.code import code_digest
 from trecsim.study.design import Design, Factor, Point, Value, levels_of, value_text
 from trecsim.study.ledger import Run
 from trecsim.study.plan import Study
 from trecsim.study.resampling import Blocks, blocks_of
+from trecsim.study.running import jobs_of
 from trecsim.study.standing import Standing, standing
 from trecsim.study.statistics import Analysis, analyse
 
@@ -140,7 +143,7 @@ def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
     study
         What was asked for.
     runs
-        What is there, of any version.
+        What is there, of any version and of any study that was in the folder.
     code
         The version that counts.
 
@@ -153,42 +156,49 @@ def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
     blocks = {(scene.name, seed): n for n, (scene, seed) in enumerate(study.blocks)}
     numbered: dict[tuple[object, ...], int] = {p: n for n, p in enumerate(study.design.points)}
     table = np.full((len(MEASURES), len(blocks), len(numbered)), np.nan)
-    failed: Counter[str] = Counter()
-    count = 0
-    for run in runs:
+    own: dict[tuple[int, int], Run] = {}
+    for run in _of_this_study(study, runs, code):
         block = blocks.get((run.scene, run.seed))
         point = numbered.get(tuple(run.values.get(name) for name in names))
-        if run.code != code or block is None or point is None:
-            continue
-        count += 1
-        if run.fault:
-            failed[run.fault] += 1
-        else:
+        if block is not None and point is not None:
+            own[block, point] = run
+    for (block, point), run in own.items():
+        if not run.fault:
             table[:, block, point] = [measure.of(run.figures) for measure in MEASURES]
+    failed = Counter(run.fault for run in own.values() if run.fault)
+    count = len(own)
     remarks: list[str] = []
     found = tuple(_finding(measure, table[m], study, remarks) for m, measure in enumerate(MEASURES))
     wanted = study.runs
     if count < wanted:
         remarks.insert(0, f"{wanted - count} of {wanted} runs are not done yet.")
-    remarks += _few_seeds(study)
-    told = tuple(dict.fromkeys(remarks))
-    return Findings(study.design.factors, found, code, count, wanted, dict(failed), told)
-
-
-def _few_seeds(study: Study) -> list[str]:
-    remarks = []
-    simulated = [scene for scene in study.scenes if scene.is_simulated]
-    if simulated and len(study.seeds) < FEW_SEEDS:
-        remarks.append(
-            f"{len(study.seeds)} seeds say little about chance: intervals are wide and rough. "
-            f"Take {FEW_SEEDS} or more."
-        )
-    if len(simulated) < len(study.scenes):
+    if few := few_seeds(study):
+        remarks.append(few)
+    if not all(scene.is_simulated for scene in study.scenes):
         remarks.append(
             "Scenes that were not simulated exist once: what chance does in them is not in the "
             "intervals."
         )
-    return remarks
+    told = tuple(dict.fromkeys(remarks))
+    return Findings(study.design.factors, found, code, count, wanted, dict(failed), told)
+
+
+def _of_this_study(study: Study, runs: Sequence[Run], code: str) -> list[Run]:
+    """Return the runs that count; those of an older version can be told by their values only."""
+    same = [run for run in runs if run.code == code]
+    if code != code_digest():
+        return same
+    keys = {job.key for job in jobs_of(study, Path())}
+    return [run for run in same if run.key in keys]
+
+
+def few_seeds(study: Study) -> str:
+    """Return a warning if a study has too few seeds to tell much; else an empty text."""
+    count = len(study.seeds)
+    if count >= FEW_SEEDS or not any(scene.is_simulated for scene in study.scenes):
+        return ""
+    told = f"{('one', 'two', 'three', 'four')[count - 1]} seed{'s tell' if count > 1 else ' tells'}"
+    return f"{told} little: take five or more"
 
 
 def _finding(

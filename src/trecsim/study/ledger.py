@@ -13,6 +13,8 @@ from trecsim.errors import InputError
 from trecsim.store.atomic import disk_faults
 
 NAME = "runs.jsonl"
+_LONGEST_LINE = 1 << 16
+_FIRST = b'{"key": "'  # as `Ledger.append` begins a line; a crash may leave no more than that
 _MEASURED = ("mean_m", "recall_15cm", "switches", "missed", "ghosts", "person_frames", "fusion_ms")
 
 
@@ -71,6 +73,18 @@ def read_runs(path: Path) -> list[Run]:
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror}") from None
     return list(runs.values())
+
+
+def holds_runs(path: Path) -> bool:
+    """Tell whether a file is one of runs: its first line is one, or none was finished yet."""
+    if not path.is_file():
+        return False
+    with disk_faults(path), path.open("rb") as file:
+        line = file.readline(_LONGEST_LINE)
+    try:
+        return not line or bool(_run(path, 1, line))
+    except InputError:
+        return line.startswith(_FIRST[: len(line)]) and not line.endswith(b"\n")
 
 
 def _run(path: Path, number: int, line: bytes) -> Run:

@@ -6,10 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from trecsim.errors import ConfigError
+from trecsim.study.table import ChoiceTable
+from trecsim.tables.reading import nearest
 
 _RANGE = re.compile(r"([^:,]+):([^:,]+)(?::(\d+))?(log)?")
 _NOT_IN_NAMES = re.compile(r"[^A-Za-z0-9_-]+")
 _MOST_LETTERS = 10_000
+_ROOM_KEYS = ChoiceTable.model_fields.keys() - {"scene", "folder"}
+_OTHER_WORDS = {"person": "people", "persons": "people"}  # too far off to be found by letters
 
 
 def settings_table(given: Iterable[str]) -> dict[str, Any]:
@@ -133,5 +137,9 @@ def _room(parameters: str) -> dict[str, Any]:
         name, equals, value = part.partition("=")
         if not equals:
             raise ConfigError(f"--scene room:{parameters[:60]}: expected NAME=NUMBER, as people=8")
-        table[name.strip()] = _value(value.strip())
+        name = name.strip()
+        if name not in _ROOM_KEYS:
+            hint = nearest(_OTHER_WORDS.get(name, name), _ROOM_KEYS)
+            raise ConfigError(f"--scene room: unknown key {name[:40]!r}; {hint}")
+        table[name] = _value(value.strip())
     return table

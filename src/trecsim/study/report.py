@@ -6,6 +6,7 @@ from pathlib import Path
 
 from trecsim.errors import InputError
 from trecsim.report.page import Block, Fact, Facts, Section, Table, Text, page
+from trecsim.report.style import need_matplotlib
 from trecsim.store.atomic import atomic_write
 from trecsim.study.analysis import Finding, Findings, findings
 from trecsim.study.code import code_digest
@@ -18,6 +19,18 @@ from trecsim.study.standing import Standing
 from trecsim.study.words import figure_text, interval_text
 
 REPORT = "report.html"
+
+
+def need_report() -> None:
+    """Fail early where the report cannot be written.
+
+    Raises
+    ------
+    SetupError
+        Jinja or Matplotlib is not installed.
+    """
+    need_matplotlib()
+    page("", ())  # needs Jinja
 
 
 def report_study(study: Study, out: Path, *, remark: Remark | None = None) -> Findings:

@@ -28,13 +28,13 @@ from trecsim.evaluation.truth import compare
 from trecsim.fusion import FusionSettings
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.study.code import code_changed, code_digest
+from trecsim.study.folder import STUDY, changed_parts, check_folder
 from trecsim.study.ledger import NAME, Run, opened, read_runs
 from trecsim.study.plan import Study, settings_of
 from trecsim.study.scenes import SceneChoice, load, prepare
 from trecsim.study.table import toml_of
 from trecsim.tracking import Tally, follow
 
-STUDY = "study.toml"
 Progress = Callable[[int, int | None], None]
 Remark = Callable[[str], None]
 
@@ -146,15 +146,22 @@ def run_study(
     Raises
     ------
     InputError
-        The folder cannot be written to, or another study is writing there.
+        The folder cannot be written to, holds other things than a study, or another study is
+        writing there.
     SetupError
         The disk has no room, or the system ended a process.
     """
     remark = remark or (lambda text: None)
+    check_folder(out)
     with disk_faults(out):
         out.mkdir(parents=True, exist_ok=True)
     with opened(out / NAME) as ledger:
         jobs, known = jobs_of(study, out), read_runs(out / NAME)
+        if changed := changed_parts(study, out):
+            remark(
+                f"the study in {out} is changed: other {', '.join(changed)}; runs that still fit "
+                "are used"
+            )
         with atomic_write(out / STUDY) as file:
             file.write(toml_of(study.table))
         good = {run.key for run in known if not run.fault}
