@@ -32,9 +32,13 @@ def alone(file: str, measure: Measure, arguments: Sequence[str] | None = None) -
         Of the command line.
     """
     given = _parser(measure.__doc__ or "").parse_args(arguments)
+    if given.seeds and given.store:
+        return fail("--store keeps figures for reporting; --seeds is for tuning: give one of them")
     name = Path(file).stem
     try:
-        options = Options(given.quick, dict(given.set), given.jobs, given.folder)
+        options = Options(
+            given.quick, dict(given.set), given.jobs, given.folder, tuple(given.seeds)
+        )
         result = run(name, measure, options)
     except Skipped as reason:
         print(f"skipped: {reason}")
@@ -47,7 +51,8 @@ def alone(file: str, measure: Measure, arguments: Sequence[str] | None = None) -
         figures.store(result, given.out)
     else:
         print(markdown.listed(result))
-        report(result)
+        if not given.seeds:
+            report(result)
     if given.store:
         figures.store(result, figures.RESULTS / f"{name}.json")
     return 0
@@ -100,6 +105,10 @@ def _parser(text: str) -> argparse.ArgumentParser:
     add_options(parser)
     parser.add_argument("--folder", type=Path, help="of the recording, where one is needed")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the result there (JSON)")
+    parser.add_argument(
+        "--seeds", type=int, nargs="+", default=[], metavar="SEED",
+        help="take these where scenes are made by seeds, to tune with (0 to 999)",
+    )  # fmt: skip
     parser.add_argument("--store", action="store_true", help="make it the last stored result")
     return parser
 

@@ -41,6 +41,8 @@ class Options:
         Processes for what is not timed.
     folder
         Of data, where a benchmark takes one.
+    only_seeds
+        Other seeds than those for reporting, to tune with.
     skipped
         Parts that could not run, and why; to be filled by the benchmark.
     fingerprints
@@ -51,6 +53,7 @@ class Options:
     overrides: Mapping[str, Any] = field(default_factory=dict)
     jobs: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))
     folder: Path | None = None
+    only_seeds: tuple[int, ...] = ()
     skipped: dict[str, str] = field(default_factory=dict)
     fingerprints: dict[str, str] = field(default_factory=dict)
     input: dict[str, Any] = field(default_factory=dict)
@@ -62,6 +65,8 @@ class Options:
 
     def seeds(self, whole: int, quick: int) -> list[int]:
         """Return so many of the seeds for reporting; the quick ones are among the whole."""
+        if self.only_seeds:
+            return list(self.only_seeds)
         return list(REPORTING_SEEDS[: quick if self.quick else whole])
 
     def tell(self, text: str) -> None:
