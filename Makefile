@@ -14,7 +14,7 @@ SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.study.standing,trecsim.study.statistics
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bench-quick figures tables study docs constraints clean
+.PHONY: help demo test check bench bench-quick ablation figures tables study docs constraints clean
 
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
@@ -37,6 +37,10 @@ bench: .venv/installed-test  ## Run all benchmarks, store the results, make the 
 
 bench-quick: .venv/installed-test  ## Run a part of them (3 min); say what got worse, and fail if so.
 	$(BIN)/python benchmarks/run.py --quick
+
+ablation: .venv/installed-test  ## Switch the parts of the model off one by one; store what each is worth (10 min).
+	$(BIN)/python benchmarks/ablation.py
+	$(BIN)/python benchmarks/tables.py
 
 figures: | $(BIN)/python  ## Print every figure to reach beside the one reached.
 	@$(BIN)/python benchmarks/figures.py

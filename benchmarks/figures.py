@@ -18,7 +18,7 @@ from targets import FUSION, OTHERS, Target
 
 def results() -> dict[str, Result]:
     """Return all stored results by name."""
-    found = {name: stored(name) for name in ALL}
+    found = {name: stored(name) for name in (*ALL, "ablation")}
     return {name: result for name, result in found.items() if result is not None}
 
 

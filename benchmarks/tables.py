@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Mapping
 from functools import partial
 
+import ablation_tables as ablation
 import exactness_tables as exact
 import figures as all_figures
 import speed_tables as fast
@@ -63,6 +64,9 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "thesis-rate": ("speed", fast.thesis_rate),
     "growth": ("speed", fast.growth),
     "estimator": ("estimator_speed", fast.estimator),
+    "ablation": ("ablation", ablation.ablation),
+    "ablation-instead": ("ablation", ablation.instead),
+    "ablation-idle": ("ablation", ablation.idle),
     "others": (ANY, others),
     "targets": (ANY, targets),
     "machine": (ANY, machine),

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from harness import scoring
 from harness.command import alone
@@ -19,11 +19,16 @@ from harness.figures import Figures, Skipped
 from harness.machine import ROOT
 from harness.options import Options, shared_data
 
+if TYPE_CHECKING:
+    from trecsim.geometry import Rig
+    from trecsim.store.truth import Truth
+    from trecsim.types import Poses2D
+
 Task = tuple[Path, Mapping[str, Any]]
 
 
-def scene(task: Task) -> dict[str, dict[str, float]]:
-    """Return the scores of one scene with and without lag."""
+def read(npz: Path) -> "tuple[list[Poses2D], Rig, Truth]":
+    """Return key points, cameras and truth of one scene."""
     from trecsim.calibration import read_rig
     from trecsim.sources import read_poses
     from trecsim.store.truth import read_truth
@@ -31,13 +36,18 @@ def scene(task: Task) -> dict[str, dict[str, float]]:
     sys.path.insert(0, str(ROOT / "tests"))
     import thesis_scenes  # type: ignore[import-not-found, unused-ignore]
 
-    npz, overrides = task
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         thesis_scenes.convert(npz, folder)
         truth = read_truth(folder / "truth.npz")
         rig = read_rig(folder / "rig.toml")
-        poses = list(read_poses(folder / "poses.jsonl"))
+        return list(read_poses(folder / "poses.jsonl")), rig, truth
+
+
+def scene(task: Task) -> dict[str, dict[str, float]]:
+    """Return the scores of one scene with and without lag."""
+    npz, overrides = task
+    poses, rig, truth = read(npz)
     return {
         lag: scoring.scores(poses, rig, truth, lag_s, overrides)
         for lag, lag_s in scoring.LAGS_S.items()

@@ -81,14 +81,14 @@ def _mean(values: Sequence[float]) -> float:
 
 
 def over_seeds(
-    runs: Mapping[int, float], unit: str, better: Better = "lower", matters: float | None = None
+    runs: Mapping[Any, float], unit: str, better: Better = "lower", matters: float | None = None
 ) -> Figure:
     """Return the mean over seeds."""
     by_name = {str(seed): float(value) for seed, value in runs.items()}
     return Figure(_mean(list(by_name.values())), unit, better, "mean", by_name, matters=matters)
 
 
-def summed(runs: Mapping[int, float], unit: str = "", better: Better = "lower") -> Figure:
+def summed(runs: Mapping[Any, float], unit: str = "", better: Better = "lower") -> Figure:
     """Return the sum over seeds, of things that are counted."""
     by_name = {str(seed): float(value) for seed, value in runs.items()}
     return Figure(sum(by_name.values()), unit, better, "sum", by_name)

@@ -13,6 +13,7 @@ from harness.machine import ROOT
 PAGES = (
     ROOT / "README.md",
     ROOT / "docs" / "benchmarks.md",
+    ROOT / "docs" / "ablation.md",
     ROOT / "docs" / "reference" / "simulated-detector.md",
 )
 

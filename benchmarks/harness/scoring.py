@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from harness.figures import Better, Figure, Figures, once, over_seeds, summed
 from harness.options import settings_from
@@ -94,12 +94,12 @@ def scores(
     }
 
 
-def of_seeds(by_seed: Mapping[int, Mapping[str, float]]) -> Figures:
-    """Return scores of many seeds as figures."""
+def of_seeds(by_seed: Mapping[Any, Mapping[str, float]]) -> Figures:
+    """Return scores of many seeds, or of runs by any other name, as figures."""
     return {name: _figure(name, by_seed) for name in KINDS if name in next(iter(by_seed.values()))}
 
 
-def _figure(name: str, by_seed: Mapping[int, Mapping[str, float]]) -> Figure:
+def _figure(name: str, by_seed: Mapping[Any, Mapping[str, float]]) -> Figure:
     kind = KINDS[name]
     runs = {seed: of_one[name] for seed, of_one in by_seed.items()}
     figure = summed(runs) if kind.summed else over_seeds(runs, kind.unit, kind.better)

@@ -1,0 +1,146 @@
+"""Tables of what each part of the fusion's model is worth."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from harness.comparing import Change, compare
+from harness.figures import Figure, Figures, Result, find, leaves
+from harness.markdown import NOTHING, fixed, number, table
+
+Results = Mapping[str, Result]
+
+FULL = "the full model"
+SAME = "·"
+SWITCHES = ("all of these", "switches")
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of the table: title, group and name of the figure, and decimal places."""
+
+    title: str
+    group: str
+    figure: str
+    places: int = 2
+
+
+COLUMNS = (
+    Column("4 cameras, error [cm]", "4 cameras", "mean error"),
+    Column("limb length sd [cm]", "4 cameras", "limb length sd"),
+    Column("IDF1 [%]", "4 cameras", "IDF1"),
+    Column("90 % regions, off by [%]", "4 cameras", "away from 90 %", 1),
+    Column("2 cameras, error [cm]", "2 cameras", "mean error"),
+    Column("IDF1 [%]", "2 cameras", "IDF1"),
+    Column("on the floor, error [cm]", "on the floor", "mean error"),
+    Column("close together, error [cm]", "close together", "mean error"),
+    Column("coming and going, IDF1 [%]", "coming and going", "IDF1", 1),
+    Column("thesis: walking, error [cm]", "thesis, walking", "mean error"),
+    Column("crossing", "thesis, crossing", "mean error"),
+    Column("hard", "thesis, hard", "mean error"),
+    Column("Shelf: 5 cameras, PCP [%]", "Shelf, 5 cameras", "average PCP", 1),
+    Column("2 cameras", "Shelf, 2 cameras", "average PCP", 1),
+    Column("switches, all of these", *SWITCHES, 0),
+)
+
+
+def ablation(results: Results) -> str:
+    """Return the table: the full model, and by how much each row differs beyond noise."""
+    result = results["ablation"]
+    rows, group = [_absolute(result)], ""
+    for name, figures in _rows(result):
+        about = result.about["parts"][name]
+        if about["group"] != group:
+            group = about["group"]
+            rows.append([f"*{group}*", *[""] * len(COLUMNS)])
+        changes = {c.path: c for c in _changes(result, name)}
+        title = name if _comparable(result, name) else f"{name} (an older version)"
+        rows.append([title, *(_cell(figures, column, changes) for column in COLUMNS)])
+    return table(["without", *(column.title for column in COLUMNS)], rows)
+
+
+def instead(results: Results) -> str:
+    """Return the table of how each part was switched off."""
+    parts = results["ablation"].about["parts"]
+    return table(
+        ["part", "without it"],
+        [[name, about["instead"]] for name, about in parts.items() if name != FULL],
+    )
+
+
+def idle(results: Results) -> str:
+    """Return which parts could be left out without anything getting worse beyond noise."""
+    result = results["ablation"]
+    lines = []
+    for name, _ in _rows(result):
+        if not _comparable(result, name):
+            continue
+        changes = _changes(result, name)
+        if any(c.verdict == "worse" for c in changes):
+            continue
+        better = [c for c in changes if c.verdict == "better"]
+        if all(c.now == c.before for c in changes):
+            end = "not one figure differs"
+        elif better:
+            end = "better without it: " + "; ".join(map(_told, better))
+        else:
+            end = "nothing beyond noise"
+        lines.append(f"- **{name}**: {end}.")
+    return "\n".join(lines) or "None: without any of the parts something is worse."
+
+
+def _rows(result: Result) -> Iterator[tuple[str, Figures]]:
+    for name, figures in result.figures.items():
+        assert not isinstance(figures, Figure)
+        if name != FULL:
+            yield name, figures
+
+
+def _comparable(result: Result, name: str) -> bool:
+    """Tell whether a row was made with the same version of the code as the full model's."""
+    rows = result.about["rows"]
+    return FULL in rows and rows[name]["code"] == rows[FULL]["code"]
+
+
+def _with_switches(figures: Figures) -> Figures:
+    """Return the figures of a row and the sum of all switches in it."""
+    every = [f for path, f in leaves(figures) if path[-1] == "switches"]
+    total = Figure(sum(f.value for f in every), "", "lower", "sum")
+    return {**figures, SWITCHES[0]: {SWITCHES[1]: total}}
+
+
+def _changes(result: Result, name: str) -> list[Change]:
+    rows = []
+    for which in (name, FULL):
+        figures = result.figures[which]
+        assert not isinstance(figures, Figure)
+        rows.append(replace(result, figures=_with_switches(figures)))
+    return compare(*rows)
+
+
+def _absolute(result: Result) -> list[str]:
+    figures = result.figures[FULL]
+    assert not isinstance(figures, Figure)
+    return [FULL, *(fixed(_value(figures, column), column.places) for column in COLUMNS)]
+
+
+def _value(figures: Figures, column: Column) -> float:
+    figure = find(_with_switches(figures), (column.group, column.figure))
+    return figure.value if figure else math.nan
+
+
+def _cell(figures: Figures, column: Column, changes: Mapping[tuple[str, ...], Change]) -> str:
+    change = changes.get((column.group, column.figure))
+    if change is None or not math.isfinite(_value(figures, column)):
+        return NOTHING
+    if change.verdict == "as before":
+        return SAME
+    difference = f"{change.now - change.before:+.{column.places}f}".replace("-", "−")
+    return f"**{difference}**" if change.verdict == "worse" else difference
+
+
+def _told(change: Change) -> str:
+    difference = (
+        f"{'−' if change.now < change.before else '+'}{number(abs(change.now - change.before), 2)}"
+    )
+    return f"{', '.join(change.path)} {difference} {change.unit}".rstrip()

@@ -1,0 +1,203 @@
+"""The parts of the fusion's model, and how each is switched off.
+
+To add one, add a `Part` to `PARTS`. Take a setting's limiting value where that is exactly "off",
+else change the `Model`, else replace a function or a constant (`harness/switching.py`).
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from harness.switching import replaced
+from trecsim.fusion import model as fusion_model
+from trecsim.fusion.association import Association, associate
+from trecsim.fusion.kernels import Limbs
+from trecsim.fusion.model import Model
+
+FULL = "the full model"
+NEVER, ALWAYS = 1e-9, 1e9  # as times, lengths, shares: so little or much that it is none or all
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One part of the model, and how it is switched off.
+
+    Attributes
+    ----------
+    name
+        Of the part.
+    instead
+        What happens without it.
+    settings
+        Settings of the fusion that switch it off.
+    model
+        What makes a `Model` without it.
+    changes
+        What is replaced in the fusion; see `harness.switching.replaced`.
+    lag_s
+        How far behind the newest image people are reported [s].
+    """
+
+    name: str
+    instead: str
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    model: Callable[[Model], Model] | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    lag_s: float = 0.0
+
+    @contextmanager
+    def off(self) -> Iterator[None]:
+        """Switch the part off while the context lasts, but for what its settings do."""
+        changes = dict(self.changes)
+        if self.model is not None:
+            changes["model.build"] = _built(self.model)
+        with replaced(self.name, changes):
+            yield
+
+
+def _built(change: Callable[[Model], Model]) -> Callable[..., Model]:
+    build = fusion_model.build
+
+    def changed(*arguments: Any) -> Model:
+        return change(build(*arguments))
+
+    return changed
+
+
+# What takes the place of a function: never true, always true, nothing done.
+
+
+def _no(*_: Any) -> bool:
+    return False
+
+
+def _yes(*_: Any) -> bool:
+    return True
+
+
+def _nothing(*_: Any) -> None:
+    pass
+
+
+def _inlier(*_: Any) -> float:
+    return 1e300  # odds
+
+
+def _hard(*arguments: Any) -> Association:
+    soft = associate(*arguments)
+    return replace(soft, responsibility=(soft.match >= 0).astype(np.float64))
+
+
+def _two_cameras(people: Any, *_: Any) -> Any:
+    return np.full(len(people), 2, np.int64)
+
+
+def _confirmed_by_time(people: Any, model: Model, _t_s: float) -> None:
+    people.confirmed |= people.together_s >= model.settings.confirm_s - 1e-9
+
+
+def _nobody_is_lonely(tracker: Any, images: Any, association: Association) -> Any:
+    owner = np.full(len(images.xy_px), -1, np.int64)  # free
+    owner[association.match[association.match >= 0]] = -2  # taken
+    return owner
+
+
+def _at_one_time(tracker: Any, images: Any) -> Any:
+    return np.full(len(images), tracker._knots.place(tracker._t_s))
+
+
+def _same_noise(model: Model) -> Model:
+    mean_m = np.full_like(model.noise.sigma_m, model.noise.sigma_m.mean())
+    return replace(model, noise=model.noise._replace(sigma_m=mean_m))
+
+
+def _no_limbs(model: Model) -> Model:
+    slack_m2 = np.full_like(model.limbs.slack_m2, ALWAYS)
+    return replace(model, limbs=Limbs(model.limbs.joints, slack_m2))
+
+
+def _no_bones(model: Model) -> Model:
+    return replace(model, bones=model.bones[:0].copy(), bone_m=model.bone_m[:0].copy())
+
+
+PARTS: dict[str, tuple[Part, ...]] = {
+    "key points and detections": (
+        Part("outliers, everywhere",
+             "every key point shows its joint; errors are Gaussian",
+             {"outlier_share": 1e-100, "tail_freedom": 1e6}),
+        Part("outliers among a person's key points",
+             "every key point of a detection that is the person's shows its joint",
+             changes={"kernels.locating.inlier_odds": _inlier}),
+        Part("heavy tails", "errors of inliers are Gaussian", {"tail_freedom": 1e6}),
+        Part("scores as noise", "a low score means nothing", {"good_score": NEVER}),
+        Part("least score", "no key point is left out for its score", {"min_score": NEVER}),
+        Part("persistence of errors", "every image tells something new",
+             {"error_memory_s": NEVER}),
+        Part("noise by joint", "a hip is as easy to find as an elbow", model=_same_noise),
+        Part("both readings of left and right", "no detection is ever read exchanged",
+             {"flip_share": 1e-300}),
+        Part("mirrored people turned round", "who began mirrored stays mirrored",
+             changes={"lifecycle.mend_mirrored": _nothing}),
+        Part("soft responsibilities of people", "a detection is wholly the person's it goes to",
+             changes={"association.associate": _hard}),
+        Part("tempered responsibilities", "17 key points are worth 17 independent ones",
+             changes={"kernels.matching.TEMPER": 1.0}),
+        Part("EM steps", "one step instead of three, or six",
+             changes={"kernels.locating.STEPS": np.array([1, 1])}),
+    ),
+    "motion": (
+        Part("sharp turns", "a joint that has left its curve is not sought elsewhere",
+             changes={"kernels.locating.turned": _no}),
+        Part("sharp turns only where the body agrees", "whatever the lengths of the limbs say",
+             changes={"kernels.fitting.fits_body": _yes}),
+        Part("stiffness by joint", "head, torso, arms and legs bend alike",
+             dict.fromkeys(("accel_torso", "accel_head", "accel_arm", "accel_leg"), 4.0)),
+        Part("velocity of the body", "a joint keeps its own velocity for ever",
+             {"velocity_memory_s": ALWAYS}),
+        Part("drag-along", "so does a joint that nobody sees", {"drag_memory_s": ALWAYS}),
+        Part("each image at its own time", "all images of a set are taken as its newest",
+             changes={"tracker.Tracker._places": _at_one_time}),
+        Part("knots every 0.1 s", "every 0.2 s", {"knot_s": 0.2}),
+        Part("live part of 0.5 s", "of 0.2 s: what is older is marginalised", {"window_s": 0.2}),
+    ),
+    "the body": (
+        Part("lengths of limbs", "nothing holds a body together", model=_no_limbs),
+        Part("lengths hold joints that cameras see", "only those that fewer than two see",
+             changes={"kernels.fitting.hold": _nothing}),
+        Part("lengths hold joints that few cameras see", "only those that two or more see",
+             changes={"kernels.anatomy.relax_body": _nothing}),
+        Part("lengths learnt per person", "everybody is of usual size",
+             changes={"kernels.lengths.learn": _nothing}),
+    ),
+    "coming and going": (
+        Part("anatomy of newcomers", "rays that meet are enough", model=_no_bones),
+        Part("other cameras join newcomers", "a person begins with two cameras",
+             changes={"birth._absorb": _nothing}),
+        Part("confirmation", "everybody is reported at once", {"confirm_s": NEVER}),
+        Part("three cameras at once", "they too must agree for `confirm_s`",
+             changes={"lifecycle.confirm": _confirmed_by_time}),
+        Part("two cameras sure at once", "they too must agree for `confirm_s`",
+             changes={"birth._SURE_SCORE": ALWAYS}),
+        Part("expected visibility", "it never matters how many cameras should see somebody",
+             changes={"lifecycle.expected_cameras": _two_cameras}),
+        Part("doubt", "one of many cameras keeps somebody alive", {"doubt_s": ALWAYS}),
+        Part("lonely people looked at again", "whom one camera sees stays where it is",
+             changes={"tracker.Tracker._owners": _nobody_is_lonely}),
+        Part("recall", "nobody gets an old identity back", {"recall_s": NEVER}),
+        Part("duplicates", "two tracks of one person both stay", {"duplicate_m": NEVER}),
+    ),
+    "a lag, which the full model does without": (
+        Part("0.1 s lag", "people as they were 0.1 s ago", lag_s=0.1),
+        Part("0.2 s lag", "people as they were 0.2 s ago", lag_s=0.2),
+    ),
+}  # fmt: skip
+"""All parts, in groups."""
+
+
+def by_name() -> dict[str, Part]:
+    """Return the full model and all parts by name."""
+    parts = (Part(FULL, ""), *(part for group in PARTS.values() for part in group))
+    return {part.name: part for part in parts}

@@ -1,0 +1,125 @@
+"""Parts of the fusion can be switched off from outside, and everything is put back."""
+
+import sys
+
+import pytest
+
+import ablation
+import ablation_tables
+from harness.figures import Figures, once, over_seeds, summed
+from harness.switching import NoSuchPart, replaced
+from made_results import result, runs
+from parts import FULL, PARTS, Part, by_name
+from trecsim.fusion import FusionSettings, kernels
+
+PREFILTER = kernels.prefilter
+
+
+def everything() -> dict[tuple[str, str], int]:
+    """Return what every name in every module of the fusion stands for."""
+    return {
+        (module, name): id(thing)
+        for module in sorted(sys.modules)
+        if module.startswith("trecsim.fusion")
+        for name, thing in vars(sys.modules[module]).items()
+    }
+
+
+@pytest.mark.parametrize("part", by_name().values(), ids=lambda part: part.name)
+def test_every_part_can_be_switched_off_and_on_again(part: Part) -> None:
+    before = everything()
+    FusionSettings(**part.settings)
+    with part.off():
+        assert (everything() != before) == bool(part.model or part.changes) or any(
+            ".Tracker." in path for path in part.changes
+        )
+    assert everything() == before
+
+
+def test_every_part_switches_something_off_and_says_what_happens_instead() -> None:
+    for part in by_name().values():
+        something = part.settings or part.model or part.changes or part.lag_s
+        assert bool(something) == bool(part.instead) == (part.name != FULL)
+    assert len(by_name()) == 1 + sum(map(len, PARTS.values()))
+
+
+def test_a_constant_of_a_kernel_counts_in_all_that_call_it_and_only_for_as_long() -> None:
+    module = sys.modules["trecsim.fusion.kernels.prefilter"]
+    usual = module.score_to_factor(0.5, 1.0)
+    with replaced("steep", {"kernels.prefilter.SCORE_POWER": 0.0}):
+        assert module.score_to_factor(0.5, 1.0) == 1.0
+        assert kernels.prefilter is module.prefilter
+        assert kernels.prefilter is not PREFILTER
+    assert module.score_to_factor(0.5, 1.0) == usual > 1.0
+    assert kernels.prefilter is PREFILTER
+
+
+@pytest.mark.parametrize("path", ["kernels.locating.gone", "gone.turned", "tracker.Tracker.gone"])
+def test_what_is_no_longer_there_is_named(path: str) -> None:
+    with pytest.raises(NoSuchPart, match=path), replaced("gone", {path: 1.0}):
+        pass
+
+
+def row(error: float, switches: float) -> Figures:
+    values = [error - 0.01, error, error + 0.01]
+    return {
+        "4 cameras": {
+            "mean error": over_seeds(runs(*values), "cm"),
+            "IDF1": once(99.0, "%", "higher"),
+            "switches": summed(runs(switches, 0.0)),
+        }
+    }
+
+
+def stored(**rows: tuple[Figures, str]):
+    """Return a result of rows, each with its figures and the version of the code."""
+    named = {name.replace("_", " "): made for name, made in rows.items()}
+    return result(
+        {name: figures for name, (figures, _) in named.items()},
+        "ablation",
+        rows={name: {"code": code, "commit": "abc"} for name, (_, code) in named.items()},
+        parts={name: {"group": "some", "instead": "nothing"} for name in named},
+    )
+
+
+def test_rows_show_only_what_differs_beyond_noise_and_bold_what_is_worse() -> None:
+    made = stored(
+        the_full_model=(row(2.0, 0.0), "now"),
+        worse=(row(3.0, 9.0), "now"),
+        same=(row(2.0, 0.0), "now"),
+        better=(row(1.5, 0.0), "now"),
+    )
+    lines = ablation_tables.ablation({"ablation": made}).splitlines()[2:]
+    cells = {line.split(" | ")[0].strip("| "): line.split(" | ")[1:] for line in lines}
+    assert cells[FULL][:3] == ["2.00", "–", "99.00"]
+    assert cells["worse"][:3] == ["**+1.00**", "–", "·"]
+    assert cells["worse"][-1] == "**+9** |"
+    assert cells["better"][0] == "−0.50"
+    assert set(cells["same"][:3]) == {"·", "–"}
+
+
+def test_parts_without_which_nothing_is_worse_are_listed() -> None:
+    made = stored(
+        the_full_model=(row(2.0, 0.0), "now"),
+        worse=(row(3.0, 0.0), "now"),
+        same=(row(2.0, 0.0), "now"),
+        better=(row(1.5, 0.0), "now"),
+        older=(row(2.0, 0.0), "then"),
+    )
+    told = ablation_tables.idle({"ablation": made})
+    assert told.splitlines() == [
+        "- **same**: not one figure differs.",
+        "- **better**: better without it: 4 cameras, mean error −0.50 cm.",
+    ]
+    assert "older (an older version)" in ablation_tables.ablation({"ablation": made})
+
+
+def test_rows_of_another_version_of_the_code_are_done_anew_and_new_rows_join_in_order() -> None:
+    names = list(by_name())
+    about = {"code": "now", "commit": "abc", "date": "today"}
+    before = ablation.merged(None, {names[2]: row(2.0, 0.0)}, about)
+    after = ablation.merged(before, {FULL: row(1.0, 0.0)}, {**about, "code": "later"})
+    assert list(after.figures) == [FULL, names[2]]
+    assert ablation.outdated(after, names[:3], "later") == names[1:3]
+    assert ablation.outdated(None, names[:3], "now") == names[:3]
+    assert after.about["parts"][names[2]]["instead"] == by_name()[names[2]].instead
