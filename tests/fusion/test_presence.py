@@ -89,17 +89,3 @@ def test_a_body_that_is_not_finite_dies():
         0.25, alive,
     )  # fmt: skip
     assert not alive[0]
-
-
-@given(SEEDS)
-def test_prefilter_blots_out_what_cannot_be_used(seed):
-    rng = np.random.default_rng(seed)
-    xy, score = rng.normal(0, 100, (3, 17, 2)), rng.uniform(0, 1, (3, 17))
-    xy[rng.random((3, 17)) < 0.2, 1] = np.inf
-    score[rng.random((3, 17)) < 0.2] = np.nan
-    expected, trust = reference.prefilter(xy, score, 0.15, 0.85)
-    factor = np.empty(score.shape)
-    fewest = kernels.prefilter(xy, score, 0.15, 0.85, factor)
-    np.testing.assert_array_equal(xy, expected)
-    np.testing.assert_allclose(factor, trust)
-    assert fewest == np.isfinite(expected[..., 0]).sum(axis=1).min()

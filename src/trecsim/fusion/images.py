@@ -1,11 +1,14 @@
 """A frame set as arrays: what the kernels read."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.errors import InputError
 from trecsim.fusion import kernels
 from trecsim.fusion.model import Model
 from trecsim.types import Poses2D
@@ -91,37 +94,55 @@ class Detections:
         return Images(self.cam, self.t_s, np.arange(len(self) + 1), self.xy_px, self.factor)
 
 
+def cameras(views: Sequence[Poses2D], model: Model) -> list[int]:
+    """Return the camera of each view (index in the rig).
+
+    Raises
+    ------
+    InputError
+        A view has other joints than the model, or no time.
+    CalibrationError
+        There is no such camera.
+    """
+    n_joint = len(model.skeleton.joints)
+    for view in views:
+        if view.xy_px.shape[1:] != (n_joint, 2) or not math.isfinite(view.t_s):
+            raise InputError(
+                f"camera {view.camera!r}: expected poses of {n_joint} joints at a finite time, "
+                f"found {view.xy_px.shape[1]} joints at t_s = {view.t_s}"
+            )
+        if view.score.shape != view.xy_px.shape[:2]:
+            raise InputError(
+                f"camera {view.camera!r}: expected a score for each of {view.xy_px.shape[:2]} "
+                f"people and key points, found {view.score.shape}"
+            )
+    index = model.cam_of
+    return [
+        index[view.camera] if view.camera in index else model.rig.index(view.camera)
+        for view in views
+    ]
+
+
 def prepare(views: Sequence[Poses2D], model: Model) -> Images:
-    """Undistort the detections of `views`, leave out what cannot be used, and stack them.
+    """Stack the detections of `views`, undistort them, and leave out what cannot be used.
 
     Parameters
     ----------
     views
-        Images of known cameras.
+        At least one image of a known camera.
     model
-        Constants of the run, among them the thresholds.
+        Constants of the run, among them lenses and thresholds.
     """
     s = model.settings
-    cam = [model.cam_of[view.camera] for view in views]
-    xy_px = np.concatenate(
-        [_undistorted(view, c, model) for view, c in zip(views, cam, strict=True)]
-    )
-    score = np.concatenate([view.score for view in views]).astype(np.float64, copy=False)
-    offset = np.zeros(len(views) + 1, np.int64)
-    np.cumsum([len(view.xy_px) for view in views], out=offset[1:])
-    factor = np.empty(score.shape)
-    fewest = kernels.prefilter(xy_px, score, s.min_score, s.good_score, factor)
-    if fewest < s.min_joints:
-        enough = np.isfinite(xy_px[..., 0]).sum(axis=1) >= s.min_joints
-        kept = np.concatenate([[0], np.cumsum(enough)])
-        offset, xy_px, factor = kept[offset], xy_px[enough], factor[enough]
-    return Images(
-        np.array(cam, np.int64), np.array([view.t_s for view in views]), offset, xy_px, factor
-    )
-
-
-def _undistorted(view: Poses2D, cam: int, model: Model) -> Float64[np.ndarray, "person joint 2"]:
-    xy_px = np.asarray(view.xy_px, np.float64)
-    if not model.distorted[cam] or not len(xy_px):
-        return xy_px
-    return model.rig.cameras[cam].undistort(xy_px)
+    cam = np.array([model.cam_of[view.camera] for view in views], np.int64)
+    t_s = np.array([view.t_s for view in views], np.float64)
+    offset = np.array([0, *accumulate(len(view.xy_px) for view in views)], np.int64)
+    xy_px = np.concatenate([view.xy_px for view in views], dtype=np.float64)
+    score = np.concatenate([view.score for view in views], dtype=np.float64)
+    factor, kept = np.empty(score.shape), np.empty_like(offset)
+    kernels.prefilter(
+        xy_px, score, cam, offset, model.lenses, s.min_score, s.good_score, s.min_joints,
+        factor, kept,
+    )  # fmt: skip
+    n = kept[-1]
+    return Images(cam, t_s, kept, xy_px[:n], factor[:n])

@@ -17,7 +17,7 @@ SAME_S = 1e-6
 def snapshot_of(
     there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, n_joint: int
 ) -> Snapshot:
-    """Return everybody who had begun at `t_s`.
+    """Return everybody who is confirmed and had begun at `t_s`.
 
     Parameters
     ----------
@@ -30,11 +30,7 @@ def snapshot_of(
     n_joint
         Number of joints of the skeleton.
     """
-    parts = []
-    for grid, people in there:
-        known = people.keep(people.born_s <= t_s + SAME_S)
-        if len(known):
-            parts.append(_part(known, grid, t_s, now_s))
+    parts = [_part(people, grid, t_s, now_s) for grid, people in there]
     if not parts:
         return nobody_at(t_s, n_joint)
     if len(parts) == 1:
@@ -49,12 +45,13 @@ def snapshot_of(
 
 
 def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float) -> Snapshot:
+    who = np.flatnonzero(people.confirmed & (people.born_s <= t_s + SAME_S))
+    xyz_m, cov_m2 = people.x_m, people.cov_m2
+    if t_s != now_s:
+        xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
+        kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
     count = lifecycle.support(people, t_s)
-    if t_s == now_s:
-        return Snapshot(t_s, people.id.copy(), people.x_m.copy(), people.cov_m2.copy(), count)
-    cov_m2 = np.empty(people.cov_m2.shape)
-    kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
-    return Snapshot(t_s, people.id.copy(), evaluated(people.c, grid, [t_s])[0], cov_m2, count)
+    return Snapshot(t_s, people.id[who], xyz_m[who], cov_m2[who], count[who])
 
 
 def evaluated(

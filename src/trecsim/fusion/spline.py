@@ -5,9 +5,11 @@ and knot ``i + 1``, the curve is a blend of the four control points ``i .. i + 3
 are in `trecsim.fusion.kernels.curve`.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float64
 
 ORDER = 4
 
@@ -55,7 +57,7 @@ class KnotGrid:
     def steps_to(self, t_s: float) -> int:
         """Return how many control points must be appended to reach `t_s` (0 if none)."""
         last_span = self.first + self.live - ORDER
-        return max(0, int(np.floor((t_s - self.origin_s) / self.knot_s)) - last_span)
+        return max(0, math.floor((t_s - self.origin_s) / self.knot_s) - last_span)
 
     def moved_to(self, t_s: float) -> "KnotGrid":
         """Return the grid moved on just far enough to reach `t_s`."""
@@ -65,3 +67,7 @@ class KnotGrid:
     def place(self, t_s: float) -> float:
         """Return `t_s` in knots since the oldest live one, as the kernels want it."""
         return (t_s - self.origin_s) / self.knot_s - self.first
+
+    def places(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
+        """Return `place` of several times."""
+        return np.asarray((t_s - self.origin_s) / self.knot_s - self.first)

@@ -55,6 +55,17 @@ class NoDistortion:
 class Brown:
     """Radial (polynomial or rational) and tangential distortion.
 
+    Attributes
+    ----------
+    k1, k2, p1, p2, k3, k4, k5, k6
+        Coefficients.
+    radius_max
+        Radius of ideal points up to which the model holds.
+    table
+        Increasing distorted radii, and the ideal radii that belong to them: starts for the inverse.
+    reach
+        No point is imaged further from the axis than this.
+
     Notes
     -----
     ``x_d = x f(r^2) + 2 p1 x y + p2 (r^2 + 2 x^2)`` and alike for y (thesis eq. 21), with
@@ -70,16 +81,16 @@ class Brown:
     k5: float = 0.0
     k6: float = 0.0
     radius_max: float = field(init=False)
-    _table: tuple[Array, Array] = field(init=False, repr=False)
-    _reach: float = field(init=False, repr=False)
+    table: tuple[Array, Array] = field(init=False, repr=False)
+    reach: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius_max", self._monotone_radius())
         radius = np.tan(np.linspace(0.0, np.arctan(self.radius_max), TABLE_LENGTH))
         bent = radius * self._radial(radius**2)[0]
-        object.__setattr__(self, "_table", (bent, radius))
+        object.__setattr__(self, "table", (bent, radius))
         tangential = 3 * (abs(self.p1) + abs(self.p2)) * self.radius_max**2  # at the most
-        object.__setattr__(self, "_reach", float(bent[-1]) + tangential)
+        object.__setattr__(self, "reach", float(bent[-1]) + tangential)
 
     def distort(self, xy: Points) -> Points:
         """Return where the lens images ideal points; NaN beyond `radius_max`."""
@@ -105,8 +116,8 @@ class Brown:
         x_d, y_d = xy[..., 0].copy(), xy[..., 1].copy()
         with np.errstate(all="ignore"):
             radius = np.hypot(x_d, y_d)
-            scale = np.where(radius > 0, np.interp(radius, *self._table) / radius, 1.0)
-            scale = np.where(radius > self._reach, np.nan, scale)
+            scale = np.where(radius > 0, np.interp(radius, *self.table) / radius, 1.0)
+            scale = np.where(radius > self.reach, np.nan, scale)
             return self._newton(x_d, y_d, x_d * scale, y_d * scale)
 
     def _newton(self, x_d: Array, y_d: Array, x: Array, y: Array) -> Points:
@@ -114,9 +125,7 @@ class Brown:
             s = x * x + y * y
             bent_x, bent_y, xx, xy, yy = self._bend(x, y, s)
             dx, dy = x_d - bent_x, y_d - bent_y
-            # A point that has no inverse wanders off; it must not keep the others waiting.
-            missed = (np.abs(dx) + np.abs(dy) > TOLERANCE * (1 + s)) & (s <= self.radius_max**2)
-            if not missed.any():
+            if not (np.abs(dx) + np.abs(dy) > TOLERANCE * (1 + s)).any():
                 break
             det = xx * yy - xy * xy
             x, y = x + (yy * dx - xy * dy) / det, y + (xx * dy - xy * dx) / det
@@ -161,6 +170,17 @@ class Brown:
 class Fisheye:
     """The angle off the axis, not its tangent, sets the image radius.
 
+    Attributes
+    ----------
+    k1, k2, k3, k4
+        Coefficients.
+    radius_max
+        Radius of ideal points up to which the model holds.
+    angle_max
+        The same as an angle off the axis [rad].
+    table
+        Increasing distorted angles, and the angles that belong to them: starts for the inverse.
+
     Notes
     -----
     ``theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)``.
@@ -171,17 +191,17 @@ class Fisheye:
     k3: float = 0.0
     k4: float = 0.0
     radius_max: float = field(init=False)
-    _angle_max: float = field(init=False, repr=False)
-    _table: tuple[Array, Array] = field(init=False, repr=False)
+    angle_max: float = field(init=False, repr=False)
+    table: tuple[Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         growth = [1, 3 * self.k1, 5 * self.k2, 7 * self.k3, 9 * self.k4]
         widest = float(np.arctan(WIDEST)) ** 2
         angle_max = float(np.sqrt(_first_root(np.polynomial.Polynomial(growth), widest)))
-        object.__setattr__(self, "_angle_max", angle_max)
+        object.__setattr__(self, "angle_max", angle_max)
         object.__setattr__(self, "radius_max", float(np.tan(angle_max)))
         angle = np.linspace(0.0, angle_max, TABLE_LENGTH)
-        object.__setattr__(self, "_table", (self._bend(angle)[0], angle))
+        object.__setattr__(self, "table", (self._bend(angle)[0], angle))
 
     def distort(self, xy: Points) -> Points:
         """Return where the lens images ideal points; NaN beyond `radius_max`."""
@@ -212,11 +232,11 @@ class Fisheye:
         """Return the ideal points that the lens images at `xy`; NaN where there are none."""
         with np.errstate(all="ignore"):
             bent = np.hypot(xy[..., 0], xy[..., 1])
-            angle = np.interp(bent, *self._table)
+            angle = np.interp(bent, *self.table)
             for _ in range(NEWTON_STEPS):
                 reached, growth = self._bend(angle)
                 step = (bent - reached) / growth
-                angle = np.clip(angle + step, 0.0, self._angle_max)
+                angle = np.clip(angle + step, 0.0, self.angle_max)
                 if not (np.abs(step) > TOLERANCE).any():
                     break
             missed = np.abs(self._bend(angle)[0] - bent) > 1e3 * TOLERANCE

@@ -17,6 +17,7 @@ from trecsim.fusion.kernels.information import (
     start_all,
 )
 from trecsim.fusion.kernels.lengths import Limbs
+from trecsim.fusion.kernels.lenses import BROWN, FISHEYE, IDEAL, Lenses, straighten
 from trecsim.fusion.kernels.locating import Observed, locate_joint, scratch, sums
 from trecsim.fusion.kernels.matching import associate_all, match_view, responsibility, score_view
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
@@ -33,6 +34,10 @@ from trecsim.fusion.kernels.presence import (
 )
 
 __all__ = [
+    "BROWN",
+    "FISHEYE",
+    "IDEAL",
+    "Lenses",
     "Limbs",
     "Noise",
     "Observed",
@@ -65,6 +70,7 @@ __all__ = [
     "score_view",
     "scratch",
     "start_all",
+    "straighten",
     "sums",
     "survive_all",
 ]

@@ -5,6 +5,8 @@ from typing import no_type_check
 
 from numba import njit
 
+from trecsim.fusion.kernels.lenses import straighten
+
 # How the noise of a key point grows as its score falls, and by how much at most.
 SCORE_POWER, LARGEST_FACTOR = 1.7, 6.0
 
@@ -26,28 +28,43 @@ def score_to_factor(score, good_score):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def prefilter(xy_px, score, min_score, good_score, factor):
-    """Blot out key points that cannot be used, in place; return the fewest a detection has left.
+def prefilter(xy_px, score, cam, offset, lenses, min_score, good_score, min_joints, factor, kept):
+    """Undistort the key points that can be used, blot out the others, drop who has too few left.
 
     Parameters
     ----------
     xy_px, score
-        Key points (person, joint, 2) and their scores (person, joint); NaN where unknown. What
-        is not to be used becomes NaN.
+        Raw key points of all images (person, joint, 2), their scores (person, joint); NaN where
+        unknown. Undistorted in place, those of the detections that are kept first; what is not to
+        be used becomes NaN.
+    cam, offset
+        Camera of each image (view,), and where its detections begin (view + 1,).
+    lenses
+        The `Lenses` of all cameras.
     min_score, good_score
         Scores below which a key point is not used, and from which on it is as good as it gets.
+    min_joints
+        Fewest key points that a detection must have left.
     factor
-        Result, (person, joint): see `score_to_factor`.
+        Result, (person, joint), in the order of `xy_px`: see `score_to_factor`.
+    kept
+        Result, (view + 1,): `offset` among the detections that are kept.
     """
-    fewest = xy_px.shape[1]
-    for d in range(xy_px.shape[0]):
-        known = 0
-        for j in range(xy_px.shape[1]):
-            factor[d, j] = LARGEST_FACTOR
-            if score[d, j] >= min_score and math.isfinite(xy_px[d, j, 0] + xy_px[d, j, 1]):
-                factor[d, j] = score_to_factor(score[d, j], good_score)
-                known += 1
-            else:
-                xy_px[d, j, 0] = xy_px[d, j, 1] = math.nan
-        fewest = min(fewest, known)
-    return fewest
+    n = 0
+    kept[0] = 0
+    for v in range(cam.shape[0]):
+        for d in range(offset[v], offset[v + 1]):
+            known = 0
+            for j in range(xy_px.shape[1]):
+                x, y, trust = math.nan, math.nan, LARGEST_FACTOR
+                if score[d, j] >= min_score:
+                    x, y = straighten(lenses, cam[v], xy_px[d, j, 0], xy_px[d, j, 1])
+                if math.isfinite(x + y):
+                    trust = score_to_factor(score[d, j], good_score)
+                    known += 1
+                else:
+                    x = y = math.nan
+                xy_px[n, j, 0], xy_px[n, j, 1], factor[n, j] = x, y, trust
+            if known >= min_joints:
+                n += 1
+        kept[v + 1] = n

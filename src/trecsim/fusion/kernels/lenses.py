@@ -1,0 +1,136 @@
+"""Key points as the ideal pinhole camera would see them; the twin is `Camera.undistort`.
+
+These functions take and return numbers instead of arrays, as those of the mixture do.
+"""
+
+import math
+from typing import NamedTuple, no_type_check
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from numba import njit
+
+from trecsim.geometry.distortion import NEWTON_STEPS, TOLERANCE
+
+IDEAL, BROWN, FISHEYE = 0, 1, 2
+# What is further from its image than this has not been found.
+MISSED = 1e3 * TOLERANCE
+
+
+class Lenses(NamedTuple):
+    """The lenses of all cameras.
+
+    Attributes
+    ----------
+    model
+        `IDEAL`, `BROWN` or `FISHEYE`.
+    pinhole
+        The entries ``fx, skew, cx, fy, cy`` of K [px].
+    coefficient
+        ``k1 k2 p1 p2 k3 k4 k5 k6`` or ``k1 k2 k3 k4``; zeros after them.
+    limit
+        Brown: the largest radius of ideal and of distorted points. Fisheye: the largest angle.
+    table
+        Increasing distorted radii or angles, and the ideal ones that belong to them.
+    """
+
+    model: Int64[np.ndarray, " cam"]
+    pinhole: Float64[np.ndarray, "cam 5"]
+    coefficient: Float64[np.ndarray, "cam 8"]
+    limit: Float64[np.ndarray, "cam 2"]
+    table: Float64[np.ndarray, "cam 2 start"]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def look_up(table, bent):
+    """Return the ideal radius or angle of a distorted one, by linear interpolation."""
+    low, high = 0, table.shape[1] - 1
+    if not bent < table[0, high]:
+        return table[1, high]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if table[0, middle] <= bent:
+            low = middle
+        else:
+            high = middle
+    slope = (table[1, high] - table[1, low]) / (table[0, high] - table[0, low])
+    return slope * (bent - table[0, low]) + table[1, low]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def straighten_brown(k, limit, table, x_d, y_d):
+    """Return the ideal point that a lens of Brown's model images at ``x_d, y_d``, or NaN.
+
+    `k`, `limit` and `table` are the camera's rows of `Lenses`.
+    """
+    radius = math.sqrt(x_d * x_d + y_d * y_d)
+    if not radius <= limit[1]:
+        return math.nan, math.nan
+    start = look_up(table, radius) / radius if radius > 0.0 else 1.0
+    x, y, s, off = x_d * start, y_d * start, 0.0, 0.0
+    k1, k2, p1, p2, k3, k4, k5, k6 = k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7]
+    for _ in range(NEWTON_STEPS):
+        s = x * x + y * y
+        low = 1.0 + s * (k4 + s * (k5 + s * k6))
+        factor = (1.0 + s * (k1 + s * (k2 + s * k3))) / low
+        slope = k1 + s * (2.0 * k2 + s * 3.0 * k3)
+        slope = (slope - factor * (k4 + s * (2.0 * k5 + s * 3.0 * k6))) / low
+        spread = factor + 2.0 * (p1 * y + p2 * x)
+        dx, dy = x_d - x * spread - p2 * s, y_d - y * spread - p1 * s
+        off = abs(dx) + abs(dy)
+        if off <= TOLERANCE * (1.0 + s):
+            break
+        xx = spread + 2.0 * x * (x * slope + 2.0 * p2)
+        xy = 2.0 * (x * y * slope + p1 * x + p2 * y)
+        yy = spread + 2.0 * y * (y * slope + 2.0 * p1)
+        det = xx * yy - xy * xy
+        x, y = x + (yy * dx - xy * dy) / det, y + (xx * dy - xy * dx) / det
+    if off <= MISSED * (1.0 + s) and s <= limit[0] * limit[0]:
+        return x, y
+    return math.nan, math.nan
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def straighten_fisheye(k, limit, table, x_d, y_d):
+    """Return the ideal point that a fisheye lens images at ``x_d, y_d``, or NaN."""
+    bent = math.sqrt(x_d * x_d + y_d * y_d)
+    angle = look_up(table, bent)
+    for _ in range(NEWTON_STEPS):
+        q = angle * angle
+        reached = angle * (1.0 + q * (k[0] + q * (k[1] + q * (k[2] + q * k[3]))))
+        growth = 1.0 + q * (3.0 * k[0] + q * (5.0 * k[1] + q * (7.0 * k[2] + q * 9.0 * k[3])))
+        step = (bent - reached) / growth
+        angle = min(max(angle + step, 0.0), limit[0])
+        if not abs(step) > TOLERANCE:
+            break
+    q = angle * angle
+    reached = angle * (1.0 + q * (k[0] + q * (k[1] + q * (k[2] + q * k[3]))))
+    if not abs(reached - bent) <= MISSED:
+        return math.nan, math.nan
+    scale = math.tan(angle) / bent if bent > 0.0 else 1.0
+    return x_d * scale, y_d * scale
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def straighten(lenses, cam, u, v):
+    """Return where the ideal pinhole camera of the same K would see the raw pixel ``u, v`` [px].
+
+    NaN where the lens has no inverse.
+    """
+    model = lenses.model[cam]
+    if model == IDEAL:
+        return u, v
+    K = lenses.pinhole[cam]
+    fx, skew, cx, fy, cy = K[0], K[1], K[2], K[3], K[4]
+    y_d = (v - cy) / fy
+    x_d = (u - cx - skew * y_d) / fx
+    k, limit, table = lenses.coefficient[cam], lenses.limit[cam], lenses.table[cam]
+    if model == BROWN:
+        x, y = straighten_brown(k, limit, table, x_d, y_d)
+    else:
+        x, y = straighten_fisheye(k, limit, table, x_d, y_d)
+    return fx * x + skew * y + cx, fy * y + cy
