@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from made_rigs import K_1080P, brown_coefficients, fisheye_coefficients, ring
 from trecsim.fusion import kernels
-from trecsim.fusion.lenses import pack
+from trecsim.fusion.undistortion import undistortion
 from trecsim.geometry import Camera, Rig
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -21,8 +21,8 @@ LENSES = st.one_of(
 
 
 def straight(camera, xy_px):
-    lenses = pack(Rig((camera,)))
-    return np.array([kernels.straighten(lenses, 0, u, v) for u, v in xy_px])
+    lenses = undistortion(Rig((camera,)))
+    return np.array([kernels.undistort(lenses, 0, u, v) for u, v in xy_px])
 
 
 @given(LENSES, st.floats(-5, 5), SEEDS)
@@ -53,7 +53,9 @@ def test_the_middle_of_the_image_stays_and_far_outside_there_is_nothing(lens):
 
 def prefiltered(xy_px, score, cam, offset, rig, min_joints=0):
     factor, kept = np.empty(score.shape), np.empty_like(offset)
-    kernels.prefilter(xy_px, score, cam, offset, pack(rig), 0.15, 0.85, min_joints, factor, kept)
+    kernels.prefilter(
+        xy_px, score, cam, offset, undistortion(rig), 0.15, 0.85, min_joints, factor, kept
+    )
     return factor, kept
 
 

@@ -141,7 +141,7 @@ def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     score = np.concatenate([view.score for view in views], dtype=np.float64)
     factor, kept = np.empty(score.shape), np.empty_like(offset)
     kernels.prefilter(
-        xy_px, score, cam, offset, model.lenses, s.min_score, s.good_score, s.min_joints,
+        xy_px, score, cam, offset, model.undistortion, s.min_score, s.good_score, s.min_joints,
         factor, kept,
     )  # fmt: skip
     n = kept[-1]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.fusion import body, lenses
+from trecsim.fusion import body, undistortion
 from trecsim.fusion.body import UsualBody
-from trecsim.fusion.kernels import Lenses, Limbs, Noise
+from trecsim.fusion.kernels import Limbs, Noise, Undistortion
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
@@ -25,7 +25,7 @@ class Model:
         What the run was started with.
     cam_of
         Index of each camera by its name.
-    lenses
+    undistortion
         What undistorts key points, per camera.
     P, focal_px
         Projections for undistorted pixels and mean focal lengths, per camera.
@@ -51,7 +51,7 @@ class Model:
     skeleton: Skeleton
     settings: FusionSettings
     cam_of: Mapping[str, int]
-    lenses: Lenses
+    undistortion: Undistortion
     P: Float64[np.ndarray, "cam 3 4"]
     ray_of: Float64[np.ndarray, "cam 3 3"]
     position_m: Float64[np.ndarray, "cam 3"]
@@ -75,7 +75,7 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         skeleton=skeleton,
         settings=settings,
         cam_of={name: i for i, name in enumerate(rig.names)},
-        lenses=lenses.pack(rig),
+        undistortion=undistortion.undistortion(rig),
         P=np.array(rig.P, np.float64),
         ray_of=np.linalg.inv(rig.P[:, :, :3]),
         position_m=np.stack([camera.position_m for camera in rig]),

@@ -17,7 +17,6 @@ from trecsim.fusion.kernels.information import (
     start_all,
 )
 from trecsim.fusion.kernels.lengths import Limbs
-from trecsim.fusion.kernels.lenses import BROWN, FISHEYE, IDEAL, Lenses, straighten
 from trecsim.fusion.kernels.locating import Observed, locate_joint, scratch, sums
 from trecsim.fusion.kernels.matching import associate_all, match_view, responsibility, score_view
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
@@ -32,15 +31,13 @@ from trecsim.fusion.kernels.presence import (
     note_support,
     survive_all,
 )
+from trecsim.fusion.kernels.undistortion import Undistortion, undistort
 
 __all__ = [
-    "BROWN",
-    "FISHEYE",
-    "IDEAL",
-    "Lenses",
     "Limbs",
     "Noise",
     "Observed",
+    "Undistortion",
     "age",
     "any_close",
     "assign",
@@ -70,7 +67,7 @@ __all__ = [
     "score_view",
     "scratch",
     "start_all",
-    "straighten",
     "sums",
     "survive_all",
+    "undistort",
 ]

@@ -5,7 +5,7 @@ from typing import no_type_check
 
 from numba import njit
 
-from trecsim.fusion.kernels.lenses import straighten
+from trecsim.fusion.kernels.undistortion import undistort
 
 # How the noise of a key point grows as its score falls, and by how much at most.
 SCORE_POWER, LARGEST_FACTOR = 1.7, 6.0
@@ -39,8 +39,8 @@ def prefilter(xy_px, score, cam, offset, lenses, min_score, good_score, min_join
         be used becomes NaN.
     cam, offset
         Camera of each image (view,), and where its detections begin (view + 1,).
-    lenses
-        The `Lenses` of all cameras.
+    undistortion
+        The `Undistortion` of all cameras.
     min_score, good_score
         Scores below which a key point is not used, and from which on it is as good as it gets.
     min_joints
@@ -58,7 +58,7 @@ def prefilter(xy_px, score, cam, offset, lenses, min_score, good_score, min_join
             for j in range(xy_px.shape[1]):
                 x, y, trust = math.nan, math.nan, LARGEST_FACTOR
                 if score[d, j] >= min_score:
-                    x, y = straighten(lenses, cam[v], xy_px[d, j, 0], xy_px[d, j, 1])
+                    x, y = undistort(lenses, cam[v], xy_px[d, j, 0], xy_px[d, j, 1])
                 if math.isfinite(x + y):
                     trust = score_to_factor(score[d, j], good_score)
                     known += 1

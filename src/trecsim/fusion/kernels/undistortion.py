@@ -17,8 +17,8 @@ IDEAL, BROWN, FISHEYE = 0, 1, 2
 MISSED = 1e3 * TOLERANCE
 
 
-class Lenses(NamedTuple):
-    """The lenses of all cameras.
+class Undistortion(NamedTuple):
+    """What inverts the lenses of all cameras.
 
     Attributes
     ----------
@@ -60,10 +60,10 @@ def look_up(table, bent):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def straighten_brown(k, limit, table, x_d, y_d):
+def invert_brown(k, limit, table, x_d, y_d):
     """Return the ideal point that a lens of Brown's model images at ``x_d, y_d``, or NaN.
 
-    `k`, `limit` and `table` are the camera's rows of `Lenses`.
+    `k`, `limit` and `table` are the camera's rows of `Undistortion`.
     """
     radius = math.sqrt(x_d * x_d + y_d * y_d)
     if not radius <= limit[1]:
@@ -94,7 +94,7 @@ def straighten_brown(k, limit, table, x_d, y_d):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def straighten_fisheye(k, limit, table, x_d, y_d):
+def invert_fisheye(k, limit, table, x_d, y_d):
     """Return the ideal point that a fisheye lens images at ``x_d, y_d``, or NaN."""
     bent = math.sqrt(x_d * x_d + y_d * y_d)
     angle = look_up(table, bent)
@@ -116,7 +116,7 @@ def straighten_fisheye(k, limit, table, x_d, y_d):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def straighten(lenses, cam, u, v):
+def undistort(lenses, cam, u, v):
     """Return where the ideal pinhole camera of the same K would see the raw pixel ``u, v`` [px].
 
     NaN where the lens has no inverse.
@@ -130,7 +130,7 @@ def straighten(lenses, cam, u, v):
     x_d = (u - cx - skew * y_d) / fx
     k, limit, table = lenses.coefficient[cam], lenses.limit[cam], lenses.table[cam]
     if model == BROWN:
-        x, y = straighten_brown(k, limit, table, x_d, y_d)
+        x, y = invert_brown(k, limit, table, x_d, y_d)
     else:
-        x, y = straighten_fisheye(k, limit, table, x_d, y_d)
+        x, y = invert_fisheye(k, limit, table, x_d, y_d)
     return fx * x + skew * y + cx, fy * y + cy

@@ -1,16 +1,16 @@
-"""The lenses of a rig as arrays: what the kernels read."""
+"""What undistorts key points, as the kernels want it."""
 
 import numpy as np
 
-from trecsim.fusion.kernels import BROWN, FISHEYE, IDEAL, Lenses
+from trecsim.fusion.kernels.undistortion import BROWN, FISHEYE, IDEAL, Undistortion
 from trecsim.geometry import Rig
 from trecsim.geometry.distortion import TABLE_LENGTH, Brown, Fisheye, lens
 
 
-def pack(rig: Rig) -> Lenses:
-    """Return the lenses of `rig`, one row per camera."""
+def undistortion(rig: Rig) -> Undistortion:
+    """Return the inverses of the lenses of `rig`, one row per camera."""
     n = len(rig)
-    packed = Lenses(
+    packed = Undistortion(
         np.full(n, IDEAL, np.int64), np.zeros((n, 5)), np.zeros((n, 8)), np.zeros((n, 2)),
         np.zeros((n, 2, TABLE_LENGTH)),
     )  # fmt: skip
