@@ -18,52 +18,53 @@ class FusionSettings:
     Attributes
     ----------
     knot_s
-        Distance between the knots of the trajectories [s] (the thesis' spline knot delta, 500 or
-        1000 there).
+        Distance between the knots of the trajectories [s] (in the thesis: spline knot delta,
+        500 or 1000).
     window_s
         How far back the live part of a trajectory reaches [s]; older control points are
-        marginalised. An image that comes later than this is left out (the thesis' buffer of
-        frames).
+        marginalised. An image that comes later than this is left out (in the
+        thesis: the buffer of frames).
     accel_torso, accel_head, accel_arm, accel_leg
         Root of the white-acceleration density that bends the trajectories [m/s^2/sqrt(Hz)]
-        (the thesis' smoothing factor lambda, with a physical unit).
+        (in the thesis: the smoothing factor lambda, which has no unit).
     velocity_memory_s
         Time after which a joint moves as the body does, if nothing is seen of it [s].
     drag_memory_s
-        The same for a joint that no camera supports (the thesis' drag-along) [s].
+        The same for a joint that no camera supports [s] (in the thesis: dragged along).
     joint_sigma_m
         Standard deviation of a good key point, seen as a length at the person's distance [m]
-        (with `floor_px` it replaces the thesis' constant variance nu, 200 or 500 there).
+        (in the thesis, with `floor_px`: the constant variance nu, 200 or 500).
     tail_freedom
         Degrees of freedom of the key points' errors (Student's t): 3 has heavy tails, 100 is a
         Gaussian.
     floor_px
-        Standard deviation that even the best key point has [px] (see `joint_sigma_m`; in the
-        thesis' nu, too).
+        Standard deviation that even the best key point has [px] (in the thesis: see
+        `joint_sigma_m`).
     good_score
         Score of a key point that is as good as the estimator gets; lower scores weigh less.
     min_score
-        Key points with a lower one are not used at all (the thesis' threshold of confidence).
+        Key points with a lower one are not used at all (in the thesis: the threshold of
+        confidence).
     error_memory_s
         Errors of a detector persist; images closer in time than this tell the same thing [s].
     outlier_share
-        Prior share of key points that have nothing to do with the joint (in place of the thesis'
-        weights pi of the people).
+        Prior share of key points that have nothing to do with the joint (in the thesis: weights
+        pi of the people in its place).
     outlier_area_m2
         Area over which such key points spread, at the person's distance [m^2].
     flip_share
         Prior share of detections with left and right exchanged.
     min_joints
-        Fewest key points that make a detection worth looking at (the thesis' least number of
-        valid key points).
+        Fewest key points that make a detection worth looking at (in the thesis: the least
+        number of valid key points).
     confirm_s
         Two cameras must support a new person for so long before it is reported; three report it
-        at once, and so do two that agree beyond doubt [s] (the thesis' births, which needed one
-        camera).
+        at once, and so do two that agree beyond doubt [s] (in the thesis: none; the most
+        detections of one camera tell how many people there are).
     death_s
         A person whom no camera supports is dropped after this time; after half of it where no
-        camera looks, 0.7 of it where three or more do [s] (the thesis' threshold of support, and
-        the look-back over which it is counted).
+        camera looks, 0.7 of it where three or more do [s] (in the thesis: the threshold of
+        support, and the look-back over which it is counted).
     doubt_s
         A person whom one camera supports, while two or more others look at the place, is dropped
         after this time [s].
