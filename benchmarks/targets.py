@@ -144,6 +144,20 @@ def _rooms() -> list[Target]:
         Target("postures", "error lying, crawling, rolling, getting up, of that walking",
                ("scenes", "postures", "*", "error / walking"), "<=", 1.5, "x"),
         Target("postures", "switches", ("scenes", "postures", "*", "switches"), "<=", 0),
+        *_recorded_motion(),
+    ]  # fmt: skip
+
+
+def _recorded_motion() -> list[Target]:
+    group, floor = "recorded motion", "on the floor"
+    return [
+        Target(group, f"error falling, lying, rolling, crawling, getting up, of that walking, "
+               f"{cameras} cameras",
+               ("movement", f"{cameras} cameras", floor, "*", "error / walking"), "<=", 1.5, "x")
+        for cameras in (4, 2)
+    ] + [
+        Target(group, "identities lost meanwhile, in any of these",
+               ("movement", "* cameras", floor, "*", "switches"), "<=", 0),
     ]  # fmt: skip
 
 
