@@ -12,7 +12,7 @@ from harness import pages
 from harness.figures import once, over_seeds
 from harness.markdown import NOTHING, table, value_of, with_spread
 from made_results import result, runs
-from targets import FUSION, OTHERS, Target
+from targets import ABOUT, FUSION, OTHERS, Target
 from trecsim.fusion import FusionSettings
 
 
@@ -117,3 +117,30 @@ def test_what_a_setting_was_in_the_thesis_is_told_apart_from_its_meaning() -> No
         "Distance of knots", "s", "knot delta",
     )  # fmt: skip
     assert settings_table.taken_apart("How long (usually): two words.")[2] == NOTHING
+
+
+def test_the_number_of_seeds_can_be_asked_for() -> None:
+    made = {"accuracy": result({"room": {"error": over_seeds(runs(1.0, 2.0, 3.0), "cm")}})}
+    target = Target("rooms", "seeds", ("accuracy", "room", "error"), ">=", 20, seeds=True)
+    assert target.reached(made) == 3
+    assert target.verdict(3).startswith("missed by 17")
+
+
+def test_on_the_terminal_what_is_missed_is_marked_and_says_by_how_much() -> None:
+    made = {
+        "thesis": result({"walk": {"error": once(1.5, "cm"), "share": once(1.0, "")}}, "thesis")
+    }
+    targets = (
+        Target("Shelf", "error", ("thesis", "walk", "error"), "<=", 1.25, "cm", "others 19"),
+        Target("Shelf", "share", ("thesis", "walk", "share"), ">=", 0.98),
+        Target("Shelf", "gone", ("speed", "walk", "gone"), ">=", 0.98),
+    )
+    about, *lines = tables.all_figures.printed(targets, made).strip().splitlines()
+    assert about == f"Shelf: {ABOUT['Shelf']}"
+    assert [line[0] for line in lines] == ["X", " ", "?"]
+    assert "1.50 cm" in lines[0]
+    assert "missed by 0.25 (20 %)   (others 19, recorded)" in lines[0]
+
+
+def test_every_group_that_is_explained_exists() -> None:
+    assert set(ABOUT) <= {target.group for target in (*FUSION, *OTHERS)}
