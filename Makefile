@@ -48,6 +48,9 @@ figures: | $(BIN)/python  ## Print every figure to reach beside the one reached.
 tables: .venv/installed-plot  ## Make the tables of README and docs anew from the stored results.
 	$(BIN)/python benchmarks/tables.py
 
+pictures: .venv/installed-plot  ## Draw the pictures of the page about the model anew.
+	$(BIN)/python benchmarks/pictures.py
+
 study: .venv/installed-test  ## Run the study of three settings that the docs show (minutes).
 	$(BIN)/trecsim study benchmarks/study_three.toml --out out/study_three
 	$(BIN)/python benchmarks/study_pages.py out/study_three

@@ -86,7 +86,8 @@ def scores(task: Task) -> dict[str, float]:
     with part.off():
         if task.kind == "shelf":
             return shelf.scores((shared_data("shelf"), task.name, part.lag_s, overrides))
-        return scoring.scores(*_made(task), part.lag_s, overrides)
+        poses, rig, truth = _made(task)
+        return scoring.scores(poses, rig, truth, part.lag_s, overrides)
 
 
 def _made(task: Task) -> Any:

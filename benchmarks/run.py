@@ -16,6 +16,8 @@ _IN_ORDER = (
     "thesis",
     "shelf",
     "scenes",
+    "movement",
+    "close",
     "detector_figures",
     "speed",
     "simulating",
@@ -28,7 +30,7 @@ _IN_ORDER = (
     "pipeline_cost",
 )
 ALL = tuple(name for name in _IN_ORDER if (running.FOLDER / f"{name}.py").exists())
-QUICK = ("accuracy", "thesis", "shelf", "scenes", "speed", "simulating", "startup")
+QUICK = ("accuracy", "thesis", "shelf", "scenes", "close", "speed", "simulating", "startup")
 
 
 def main() -> int:

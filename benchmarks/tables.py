@@ -11,6 +11,8 @@ from functools import partial
 import ablation_tables as ablation
 import exactness_tables as exact
 import figures as all_figures
+import movement_tables as moving
+import settings_table
 import speed_tables as fast
 from harness import pages
 from harness.figures import Result, leaves
@@ -42,6 +44,11 @@ def targets(results: Results) -> str:
     return all_figures.table_of(FUSION, dict(results))
 
 
+def settings(_: Results) -> str:
+    """Return all settings of the fusion, which nothing has measured."""
+    return settings_table.settings()
+
+
 def machine(results: Results) -> str:
     """Return where and when each benchmark ran."""
     return "\n".join(f"- `{name}`: {measured_on(result)}" for name, result in results.items())
@@ -54,6 +61,10 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "thesis-short": ("thesis", partial(exact.thesis, short=True)),
     "scenes": ("scenes", exact.scenes),
     "postures": ("scenes", exact.postures),
+    "movement": ("movement", moving.movement),
+    "movement-several": ("movement", moving.several),
+    "close-entry": ("close", moving.close_entry),
+    "one-camera": ("close", moving.one_camera),
     "shelf": ("shelf", partial(exact.shelf, short=False)),
     "shelf-short": ("shelf", partial(exact.shelf, short=True)),
     "shelf-fewer": ("shelf", exact.shelf_fewer),
@@ -67,6 +78,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "ablation": ("ablation", ablation.ablation),
     "ablation-instead": ("ablation", ablation.instead),
     "ablation-idle": ("ablation", ablation.idle),
+    "fusion-settings": (ANY, settings),
     "others": (ANY, others),
     "targets": (ANY, targets),
     "machine": (ANY, machine),

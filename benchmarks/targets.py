@@ -6,6 +6,7 @@ from fnmatch import fnmatchcase
 from typing import Literal
 
 from harness.figures import Path_, Result, leaves
+from recorded import AUTHORS_CROWDED, AUTHORS_SCENES
 
 TIMED = ("speed", "simulating", "evaluating", "startup", "pipeline_cost")
 
@@ -27,6 +28,8 @@ class Target:
         What is asked.
     peers
         Recorded figures of others.
+    seeds
+        Whether it is the number of seeds behind the figure that counts, not its value.
     """
 
     group: str
@@ -36,6 +39,7 @@ class Target:
     limit: float
     unit: str = ""
     peers: str = ""
+    seeds: bool = False
 
     @property
     def timed(self) -> bool:
@@ -54,7 +58,7 @@ class Target:
         if result is None:
             return math.nan
         values = [
-            figure.value
+            float(len(figure.runs)) if self.seeds else figure.value
             for path, figure in leaves(result.figures)
             if len(path) == len(self.where) - 1
             and all(map(fnmatchcase, path, self.where[1:]))
@@ -100,8 +104,9 @@ def _shelf() -> list[Target]:
                ("shelf", "2 cameras", "newest", "average PCP"), ">=", 82, "%"),
         Target(group, "2 cameras, worst subset",
                ("shelf", "2 cameras", "newest", "worst average PCP"), ">=", 65, "%"),
-        Target(group, "4 or 3 cameras, switches in all subsets together",
-               ("shelf", "[34] cameras", "newest", "switches"), "<=", 0),
+        *(Target(group, f"{n} cameras, switches in all subsets together",
+                 ("shelf", f"{n} cameras", "newest", "switches"), "<=", 0)
+          for n in (4, 3)),
         Target(group, "2 cameras, switches in all subsets together",
                ("shelf", "2 cameras", "newest", "switches"), "<=", 5),
     ]  # fmt: skip
@@ -109,41 +114,76 @@ def _shelf() -> list[Target]:
 
 def _thesis() -> list[Target]:
     group, newest = "thesis scenes", "newest"
+    found, error = "joints within 15 cm", "mean error"
+    scenes = {
+        **{f"{n} {'person' if n == 1 else 'people'}": f"walk_J{n}_C2" for n in (1, 2, 3)},
+        **{f"{n} people (made here)": f"made_J{n}_C2" for n in (4, 5, 6)},
+        "crossing, worst scene": "cross_*_C2",
+        "hiding each other": "*_occl_C2",
+        "somebody enters 1.5 m from a camera": "close_entry_*_C2",
+        "misses, outliers, false people": "hard_*_C2",
+    }
     return [
-        Target(group, "2 cameras, joints within 15 cm, worst scene",
-               ("thesis", "*_C2", newest, "joints within 15 cm"), ">=", 0.98, "",
-               "author's program 0.15"),
-        Target(group, "2 cameras, error walking, worst scene",
-               ("thesis", "walk_J?_C2", newest, "mean error"), "<=", 1.25, "cm",
-               "author's program 19"),
+        *(Target(group, f"2 cameras, joints within 15 cm: {text}", ("thesis", scene, newest, found),
+                 ">=", 0.98, "", _authors(scene))
+          for text, scene in scenes.items()),
+        Target(group, "2 cameras, error of people walking, worst of 1 to 3 people",
+               ("thesis", "walk_J?_C2", newest, error), "<=", 1.25, "cm", "author's program 19"),
+        Target(group, "the same, worst of 4 to 6 people (made here)",
+               ("thesis", "made_*_C2", newest, error), "<=", 1.25, "cm"),
         Target(group, "2 cameras, error crossing, worst scene",
-               ("thesis", "cross_*_C2", newest, "mean error"), "<=", 1.5, "cm"),
-        Target(group, "4 cameras, error", ("thesis", "*_C4", newest, "mean error"), "<=", 0.9,
-               "cm"),
-        Target(group, "switches in crossings, worst scene",
+               ("thesis", "cross_*_C2", newest, error), "<=", 1.5, "cm"),
+        Target(group, "4 cameras, error", ("thesis", "*_C4", newest, error), "<=", 0.9, "cm"),
+        Target(group, "identity switches in crossings, worst scene",
                ("thesis", "cross_*", newest, "switches"), "<=", 0, "", "author's program 8"),
-        Target(group, "people who left are gone, latest",
+        Target(group, "people who left are gone after, latest",
                ("thesis", "*", newest, "gone after, latest"), "<=", 0.5, "s"),
     ]  # fmt: skip
 
 
+def _authors(scene: str) -> str:
+    """Return the joints within 15 cm of the author's program in a scene, or in scenes like it."""
+    if scene.startswith("made_J"):
+        recall = AUTHORS_CROWDED.get(int(scene[6]))
+        return f"author's program {recall:.2f} (another scene)" if recall is not None else ""
+    some = [one.recall for name, one in AUTHORS_SCENES.items() if fnmatchcase(name, scene)]
+    return f"author's program {min(some):.2f}" if some else ""
+
+
 def _rooms() -> list[Target]:
     group, where = "simulated rooms, 4 cameras", ("accuracy", "4 cameras, *", "newest")
+    regions = "truth in 90 % regions"
     return [
+        Target(group, "seeds", (*where, "mean error"), ">=", 20, seeds=True),
         Target(group, "IDF1, up to 10 people", (*where, "IDF1"), ">=", 99.5, "%"),
-        Target(group, "switches in 10 person-minutes",
+        Target(group, "identity switches in 10 person-minutes",
                (*where, "switches in 10 person-minutes"), "<=", 1),
-        Target(group, "missed", (*where, "missed"), "<=", 0.5, "%"),
+        Target(group, "people missed", (*where, "missed"), "<=", 0.5, "%"),
         Target(group, "ghosts", (*where, "ghosts"), "<=", 1, "%"),
         Target(group, "limb lengths, standard deviation", (*where, "limb length sd"), "<=", 0.8,
                "cm"),
-        Target(group, "90 % regions contain the truth, at least",
-               (*where, "truth in 90 % regions"), ">=", 85, "%"),
-        Target(group, "90 % regions contain the truth, at most",
-               (*where, "truth in 90 % regions"), "<=", 95, "%"),
-        Target("postures", "error lying, crawling, rolling, getting up, of that walking",
+        *(Target("honest uncertainty", f"90 % regions contain the truth, {text}, {which}",
+                 ("accuracy", "4 cameras, *", lag, regions), relation, limit, "%")
+          for lag, text in (("newest", "no lag"), ("lag 0.2 s", "0.2 s lag"))
+          for which, relation, limit in (("at least", ">=", 85), ("at most", "<=", 95))),
+        *_on_the_floor(),
+    ]  # fmt: skip
+
+
+def _on_the_floor() -> list[Target]:
+    group, acts = "on the floor", ("movement", "* cameras", "on the floor")
+    movements = ("lying down", "lying", "falling", "lying after it", "rolling", "getting up",
+                 "crawling")  # fmt: skip
+    return [
+        *(Target(group, f"error {act}, of that walking, worst of 4 and 2 cameras",
+                 (*acts, act, "error / walking"), "<=", 1.5, "x")
+          for act in movements),
+        Target(group, "the same in built-in scenes, worst of all",
                ("scenes", "postures", "*", "error / walking"), "<=", 1.5, "x"),
-        Target("postures", "switches", ("scenes", "postures", "*", "switches"), "<=", 0),
+        Target(group, "identities lost meanwhile, worst of all",
+               (*acts, "*", "lost"), "<=", 0),
+        Target(group, "the same in built-in scenes",
+               ("scenes", "postures", "*", "switches"), "<=", 0),
     ]  # fmt: skip
 
 
@@ -170,6 +210,18 @@ def _speed() -> list[Target]:
                "<=", 1.1),
     ]  # fmt: skip
 
+
+ABOUT = {
+    "Shelf": "real detections, 4 people, known places; PCP: limbs that are where they should be",
+    "thesis scenes": "the thesis' room with two cameras, Gaussian noise of 3 px",
+    "simulated rooms, 4 cameras": "people come and go; errors of a real detector; worst room",
+    "honest uncertainty": "in the same rooms: how often the truth is where it should be",
+    "on the floor": "recorded motion before the same detector, against recorded walking",
+    "fusion per frame set": "from 2D key points to people in 3D, one thread, warm",
+    "real video": "the sample recording of Pose2Sim",
+    "pipeline": "videos in, people in 3D out",
+}
+"""What the groups are, in a line."""
 
 FUSION: tuple[Target, ...] = (*_shelf(), *_thesis(), *_rooms(), *_speed())
 """What the fusion is to reach."""

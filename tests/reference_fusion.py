@@ -72,16 +72,47 @@ def prefilter(xy_px, score, min_score, good_score):
     return xy_px, trust
 
 
-def expected(P, size_px, looking, torso, x_m):
-    """Count the cameras that look and have at least half of the torso in their image."""
-    count = np.zeros(len(x_m), int)
-    for k, joints in enumerate(x_m[:, torso]):
-        for p, size, looks in zip(P, size_px, looking, strict=True):
-            inside = [
-                depth(p, x) > 0.1 and (project(p, x) >= 0).all() and (project(p, x) < size).all()
-                for x in joints
-            ]
-            count[k] += looks and np.mean(inside) >= 0.5
+def in_image(camera, x):
+    """Project into the raw picture; pixel centres lie at integers."""
+    if not (camera.T_cam_world[:3] @ np.append(x, 1.0))[2] > 0.1:
+        return False
+    u, v = camera.project(x)
+    width, height = camera.size_px
+    return bool(-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5)
+
+
+def gap_m(ray, start, end, points=201):
+    """Least distance from points on one segment to the segment between the origin and `ray`."""
+    on = start + np.linspace(0, 1, points)[:, None] * (end - start)
+    share = np.clip(on @ ray / (ray @ ray), 0, 1)
+    return np.linalg.norm(on - share[:, None] * ray, axis=1).min()
+
+
+def hidden_share(eye_m, silhouette, torso, x_m, k, wider_m):
+    """Count the joints behind anybody nearer, with all bodies wider by so much."""
+    far_m = np.linalg.norm(x_m[k][torso].mean(axis=0) - eye_m)
+    hidden = np.zeros(x_m.shape[1], bool)
+    for other in np.delete(x_m, k, axis=0):
+        if np.linalg.norm(other[torso].mean(axis=0) - eye_m) > far_m - 0.2:
+            continue
+        for (a, b, c, d), radius in zip(silhouette.ends, silhouette.radius_m, strict=True):
+            start, end = (other[a] + other[b]) / 2 - eye_m, (other[c] + other[d]) / 2 - eye_m
+            hidden |= [gap_m(x - eye_m, start, end) < radius + wider_m for x in x_m[k]]
+    return hidden.mean()
+
+
+def expected(rig, silhouette, looking, torso, x_m):
+    """Count the cameras that look, have half of the torso in view and half of the joints free.
+
+    At least and at most: bodies a centimetre wider, and narrower.
+    """
+    count = np.zeros((2, len(x_m)), int)
+    for k, joints in enumerate(x_m):
+        for camera, looks in zip(rig, looking, strict=True):
+            if looks and np.mean([in_image(camera, x) for x in joints[torso]]) >= 0.5:
+                for row, wider_m in zip(count, (0.01, -0.01), strict=True):
+                    share = hidden_share(camera.position_m, silhouette, torso, x_m, k, wider_m)
+                    row[k] += share < 0.5
     return count
 
 

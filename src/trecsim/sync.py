@@ -8,21 +8,18 @@ import logging
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import islice
 from statistics import median
 
+from trecsim.camera_queue import AGREE_S, LEARN_INTERVALS, SILENT_S, CameraQueue
 from trecsim.errors import Error
 from trecsim.types import FrameSet, Poses2D
 
 logger = logging.getLogger(__name__)
 
-LEARN_INTERVALS = 16  # of the fastest camera, to know the rhythm ...
-LEARN_S = 1.0  # ... or this much time, if that comes first
-REMEMBER_INTERVALS = 64
-SILENT_S = 1.0  # after this a camera is not waited for until it delivers again
+LEARN_S = 1.0  # so long the rhythm is learnt, or for LEARN_INTERVALS, if that comes first
 WINDOW_PERIODS = 0.9  # below 1, so that an image never falls together with its successor's peers
-PAUSE_PERIODS = 1.9  # a gap of this many periods: an image is missing
 NEAREST_PERIODS = 0.55  # no further away than this is nearest; in the middle is near enough
 OTHER_RATE = 1.5  # ratio of two cameras' periods from which on they do not run in step
 FALLBACK_WINDOW_S = 0.02  # where no camera delivered twice
@@ -41,9 +38,10 @@ def frame_sets(
     The oldest image that waits opens a set, and every other camera's oldest image joins if it is
     not younger by more than the window; so a camera stands in a set at most once, cameras in step
     give one set for each instant, and a slower camera is in some of the sets. The set is closed
-    when every camera that is alive has delivered, for this set or a later one, or when time, as
-    the images tell it, has gone beyond the window and `max_delay_s`. No image is lost, doubled or
-    overtaken by a later one of its camera.
+    when every camera that is alive has delivered, for this set or a later one, or when it has
+    waited, as the images' times tell, for the window and `max_delay_s`. No image is lost, doubled
+    or overtaken by a later one of its camera. A camera whose clock jumps neither holds up the
+    others nor tears their sets: its images come in sets of their own.
 
     Before the first set, up to a second of images (and not less than `max_delay_s`) is read to
     meet the cameras and their rates.
@@ -66,7 +64,8 @@ def frame_sets(
     Yields
     ------
     FrameSet
-        Its time is that of the newest image in it, but never before that of an earlier set.
+        Its time is that of the newest image in it, but not before that of an earlier set, unless
+        clocks have jumped.
 
     Examples
     --------
@@ -100,110 +99,117 @@ def frame_sets(
         raise fault
 
 
-@dataclass(slots=True)
-class _Camera:
-    """One camera's images that wait, and what is known of its rhythm."""
-
-    images: deque[tuple[Poses2D, float]] = field(default_factory=deque)  # with the gap before
-    intervals_s: deque[float] = field(default_factory=lambda: deque(maxlen=REMEMBER_INTERVALS))
-    last_s: float = -math.inf
-    heard_s: float = -math.inf  # how late it was, as all images tell it, at its last image
-    period_s: float = math.inf
-
-    def add(self, image: Poses2D, now_s: float) -> None:
-        gap_s = image.t_s - self.last_s
-        self.images.append((image, gap_s))
-        self.last_s, self.heard_s = image.t_s, now_s
-        if 0.0 < gap_s < math.inf:
-            self.intervals_s.append(gap_s)
-            self.period_s = _mean_without_pauses(self.intervals_s)
-
-    def is_alive(self, now_s: float) -> bool:
-        patience_s = max(SILENT_S, 3.0 * self.period_s if self.intervals_s else 0.0)
-        return now_s - self.heard_s <= patience_s
-
-    @property
-    def head_s(self) -> float:
-        """Time of its oldest waiting image [s]."""
-        return self.images[0][0].t_s
-
-    @property
-    def resumes(self) -> bool:
-        """Whether its oldest waiting image is its first, or its first after a pause."""
-        gap_s = self.images[0][1]
-        return gap_s == math.inf or gap_s > PAUSE_PERIODS * self.period_s
-
-
-def _mean_without_pauses(intervals_s: Iterable[float]) -> float:
-    """Return the mean interval; of jitter, unlike of pauses, nothing is left in it."""
-    kept = list(intervals_s)
-    limit_s = 2.5 * sum(kept) / len(kept)
-    kept = [interval_s for interval_s in kept if interval_s <= limit_s]
-    return sum(kept) / len(kept)
-
-
 class _WaitingRoom:
-    """Where images wait for the others of their set."""
+    """Where images wait for the others of their set.
+
+    How much time passes is counted by each camera's own steps from image to image, of which none
+    counts for more than three of its periods. So no clock that is wrong, or jumps, makes time fly.
+    """
 
     def __init__(self, window_s: float | None, max_delay_s: float) -> None:
         self.count = 0
         self._window_s = window_s
         self._max_delay_s = max_delay_s
-        self._cameras: dict[str, _Camera] = {}
-        self._first_s = math.inf
-        self._now_s = -math.inf  # the newest time any image told
+        self._cameras: dict[str, CameraQueue] = {}
+        self._passed_s = 0.0
+        self._newest_s = math.nan  # of the image that told so
+        self._apart: deque[Poses2D] = deque()  # single images with a wrong time
         self._given_s = -math.inf
         self._learning = True
-        self._late: set[str] = set()
+        self._remarked: set[str] = set()
 
     def add(self, image: Poses2D) -> None:
         """Let one more image wait."""
         self._warn_if_late(image)
-        self._first_s = min(self._first_s, image.t_s)
-        self._now_s = max(self._now_s, image.t_s)
-        camera = self._cameras.setdefault(image.camera, _Camera())
-        camera.add(image, self._now_s)
+        camera = self._cameras.setdefault(image.camera, CameraQueue())
+        self._apart.extend(camera.wrong_before(image))
+        if math.isnan(self._newest_s):
+            self._newest_s = image.t_s
+        if camera.add(image, self._passed_s, self._newest_s):
+            self._passed_s, self._newest_s = camera.own_s, image.t_s
         self.count += 1
         if self._learning:
-            passed_s = self._now_s - self._first_s
-            rhythm_known = len(camera.intervals_s) >= LEARN_INTERVALS or passed_s >= LEARN_S
-            self._learning = not rhythm_known or passed_s < self._max_delay_s
+            rhythm_known = len(camera.intervals_s) >= LEARN_INTERVALS or self._passed_s >= LEARN_S
+            self._learning = not rhythm_known or self._passed_s < self._max_delay_s
 
     def can_close(self) -> bool:
         """Tell whether no image is missing in the oldest set, or none is worth waiting for."""
+        if self._apart:
+            return True
         if not self.count or (self._learning and self.count < MAX_WAITING):
             return False
-        if all(
-            camera.images or not camera.is_alive(self._now_s) for camera in self._cameras.values()
-        ):
+        if self.count >= MAX_WAITING or self._overdue():
             return True
-        patience_s = self._window() + self._max_delay_s
-        return self.count >= MAX_WAITING or self._now_s > self._opener().head_s + patience_s
+        oldest = self._oldest()
+        return not any(self._is_missed(camera, oldest) for camera in self._cameras.values())
 
     def take(self) -> FrameSet:
-        """Return the oldest set, complete or not."""
-        opener = self._opener()
-        end_s = opener.head_s + self._window()
+        """Return the oldest set, complete or not, or images that are far ahead of the others."""
+        if self._apart:
+            self.count -= 1
+            return FrameSet(self._apart[0].t_s, (self._apart.popleft(),))
+        window_s = self._window()
+        opener = self._far_ahead(window_s) or self._oldest()
         limit_s = NEAREST_PERIODS * self._period()
         members = [
             camera
             for camera in self._cameras.values()
             if camera is opener
-            or (camera.images and camera.head_s <= end_s and _in_phase(camera, opener, limit_s))
+            or (
+                camera.images
+                and 0.0 <= camera.head_s - opener.head_s <= window_s
+                and _in_phase(camera, opener, limit_s)
+            )
         ]
         views = sorted(
-            (camera.images.popleft()[0] for camera in members),
+            (camera.images.popleft().image for camera in members),
             key=lambda view: (view.t_s, view.camera),
         )
         self.count -= len(views)
-        self._given_s = max(self._given_s, views[-1].t_s)
-        return FrameSet(self._given_s, tuple(views))
+        if views[0].t_s - self._newest_s > AGREE_S and 2 * len(views) <= len(self._cameras):
+            self._warn_of_early(views[0])
+            return FrameSet(views[-1].t_s, tuple(views))
+        return FrameSet(self._time_of(views[-1].t_s), tuple(views))
 
-    def _opener(self) -> _Camera:
+    def _time_of(self, newest_s: float) -> float:
+        """Return a set's time: not before the last one's, unless a clock has jumped."""
+        if not 0.0 < self._given_s - newest_s <= self._patience() + SILENT_S:
+            self._given_s = newest_s
+        return self._given_s
+
+    def _oldest(self) -> CameraQueue:
         return min(
             (camera for camera in self._cameras.values() if camera.images),
             key=lambda camera: camera.head_s,
         )
+
+    def _far_ahead(self, window_s: float) -> CameraQueue | None:
+        """Return a camera whose image is later than the oldest's set, and waits in vain."""
+        cameras, end_s = self._cameras.values(), self._oldest().head_s + window_s
+        told_s = min(one.last_s for one in cameras if one.images or one.is_alive(self._passed_s))
+        late_s = max(end_s, told_s)
+        return next((camera for camera in self._overdue() if camera.head_s > late_s), None)
+
+    def _overdue(self) -> list[CameraQueue]:
+        """Return the cameras whose oldest image has waited long enough for the others."""
+        since_s = self._passed_s - self._patience()
+        return [
+            camera
+            for camera in self._cameras.values()
+            if camera.images and camera.images[0].own_s < since_s
+        ]
+
+    def _is_missed(self, camera: CameraQueue, oldest: CameraQueue) -> bool:
+        """Tell whether a camera may still deliver what belongs to the oldest image's set."""
+        if camera.images or not camera.is_alive(self._passed_s):
+            return False
+        if camera.heard_s <= oldest.images[0].heard_s:  # nothing since then
+            return True
+        return oldest.head_s - camera.last_s <= self._max_delay_s + camera.patience_s
+
+    def _patience(self) -> float:
+        """Return how long a set waits for cameras that are alive [s]."""
+        return self._window() + self._max_delay_s
 
     def _period(self) -> float:
         """Return the fastest camera's mean period [s]; infinite if no camera delivered twice."""
@@ -211,7 +217,7 @@ class _WaitingRoom:
             (
                 camera.period_s
                 for camera in self._cameras.values()
-                if camera.images or camera.is_alive(self._now_s)
+                if camera.images or camera.is_alive(self._passed_s)
             ),
             default=math.inf,
         )
@@ -224,8 +230,8 @@ class _WaitingRoom:
 
     def _warn_if_late(self, image: Poses2D) -> None:
         late_s = self._given_s - image.t_s
-        if late_s > max(SILENT_S, self._max_delay_s) and image.camera not in self._late:
-            self._late.add(image.camera)
+        if late_s > max(SILENT_S, self._max_delay_s) and image.camera not in self._remarked:
+            self._remarked.add(image.camera)
             logger.warning(
                 "camera %r delivers %.3g s late: the other cameras' images of that time are gone. "
                 "Are the cameras in time order in the file, and their time offsets right?",
@@ -233,18 +239,26 @@ class _WaitingRoom:
                 late_s,
             )
 
+    def _warn_of_early(self, image: Poses2D) -> None:
+        if image.camera not in self._remarked:
+            self._remarked.add(image.camera)
+            logger.warning(
+                "camera %r tells times %.3g s ahead of the other cameras': its images are not put "
+                "together with theirs. Are its clock and its time offset right?",
+                image.camera,
+                image.t_s - self._newest_s,
+            )
 
-def _in_phase(camera: _Camera, opener: _Camera, limit_s: float) -> bool:
+
+def _in_phase(camera: CameraQueue, opener: CameraQueue, limit_s: float) -> bool:
     """Tell whether an image within the window belongs to this set rather than to the next.
 
     Cameras that run in step do, however their clocks jitter. One that begins, resumes or has
     another rate goes where it is nearest; at the beginning, as far as one can see ahead.
     """
     lags_s = [
-        image.t_s - opening.t_s
-        for (image, _), (opening, _) in islice(
-            zip(camera.images, opener.images, strict=False), LEARN_INTERVALS
-        )
+        one.image.t_s - opening.image.t_s
+        for one, opening in islice(zip(camera.images, opener.images, strict=False), LEARN_INTERVALS)
     ]
     if not 1.0 / OTHER_RATE < camera.period_s / opener.period_s < OTHER_RATE:
         return lags_s[0] <= limit_s

@@ -1,15 +1,19 @@
 """Tables in README and documentation are those of the stored results, and none is typed."""
 
+import re
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 
+import settings_table
 import tables
 from harness import pages
 from harness.figures import once, over_seeds
 from harness.markdown import NOTHING, table, value_of, with_spread
 from made_results import result, runs
-from targets import FUSION, OTHERS, Target
+from targets import ABOUT, FUSION, OTHERS, Target
+from trecsim.fusion import FusionSettings
 
 
 @pytest.mark.parametrize("page", pages.PAGES, ids=lambda page: page.name)
@@ -90,3 +94,53 @@ def test_every_target_looks_into_a_benchmark_that_is_stored_under_this_name(
     if target.where[0] not in results:
         pytest.skip(f"{target.where[0]} has no stored result yet")
     assert target.verdict(target.reached(results)) != "not measured yet"
+
+
+def test_the_table_of_settings_has_every_setting_with_its_default_and_advice() -> None:
+    names = [field.name for field in fields(FusionSettings)]
+    rows = [line.split(" | ") for line in settings_table.settings().splitlines()[2:]]
+    assert [row[0] for row in rows] == [f"| `{name}`" for name in names]
+    for name, row in zip(names, rows, strict=True):
+        default = getattr(FusionSettings(), name)
+        low, high = (float(limit) for limit in row[4].split(" to "))
+        assert float(row[3]) == default, name
+        assert low < default < high, name
+        FusionSettings(**{name: type(default)(low)})
+        FusionSettings(**{name: type(default)(high)})
+        assert len(row[1]) > 10, name
+        assert len(row[6]) > 10, name
+        assert re.search(r"_(s|m|m2|px)$", name) is None or row[2], name
+
+
+def test_what_a_setting_was_in_the_thesis_is_told_apart_from_its_meaning() -> None:
+    assert settings_table.taken_apart("Distance of knots [s] (in the thesis: knot delta).") == (
+        "Distance of knots", "s", "knot delta",
+    )  # fmt: skip
+    assert settings_table.taken_apart("How long (usually): two words.")[2] == NOTHING
+
+
+def test_the_number_of_seeds_can_be_asked_for() -> None:
+    made = {"accuracy": result({"room": {"error": over_seeds(runs(1.0, 2.0, 3.0), "cm")}})}
+    target = Target("rooms", "seeds", ("accuracy", "room", "error"), ">=", 20, seeds=True)
+    assert target.reached(made) == 3
+    assert target.verdict(3).startswith("missed by 17")
+
+
+def test_on_the_terminal_what_is_missed_is_marked_and_says_by_how_much() -> None:
+    made = {
+        "thesis": result({"walk": {"error": once(1.5, "cm"), "share": once(1.0, "")}}, "thesis")
+    }
+    targets = (
+        Target("Shelf", "error", ("thesis", "walk", "error"), "<=", 1.25, "cm", "others 19"),
+        Target("Shelf", "share", ("thesis", "walk", "share"), ">=", 0.98),
+        Target("Shelf", "gone", ("speed", "walk", "gone"), ">=", 0.98),
+    )
+    about, *lines = tables.all_figures.printed(targets, made).strip().splitlines()
+    assert about == f"Shelf: {ABOUT['Shelf']}"
+    assert [line[0] for line in lines] == ["X", " ", "?"]
+    assert "1.50 cm" in lines[0]
+    assert "missed by 0.25 (20 %)   (others 19, recorded)" in lines[0]
+
+
+def test_every_group_that_is_explained_exists() -> None:
+    assert set(ABOUT) <= {target.group for target in (*FUSION, *OTHERS)}

@@ -6,21 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference_fusion as reference
-from fusion.somebody import MODEL, somebody
+from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-@given(SEEDS)
-def test_expected_cameras_are_those_with_half_of_the_torso_in_view(seed):
-    rng = np.random.default_rng(seed)
-    x = np.stack([somebody(rng)[0] + rng.normal(0, 2.5, 3) for _ in range(3)])
-    looking = rng.random(4) < 0.7
-    count = np.empty(3, np.int64)
-    kernels.expect_all(MODEL.P, MODEL.size_px, looking, MODEL.torso, x, count)
-    expected = reference.expected(MODEL.P, MODEL.size_px, looking, MODEL.torso, x)
-    np.testing.assert_array_equal(count, expected)
 
 
 def test_a_camera_supports_whom_it_sees_with_three_joints_and_never_backwards_in_time():
@@ -64,6 +53,7 @@ def test_people_are_close_when_the_mean_distance_of_their_torsos_is(seed, distan
         (9.4, 9.4, True, 2, False),  # not seen for longer
         (9.7, 9.7, True, 3, True),
         (9.6, 9.6, True, 3, False),  # that three cameras all miss somebody is rare
+        (9.6, 9.6, True, -1, True),  # others hide the person from all cameras
         (9.7, 9.7, True, 0, False),  # out of everybody's view for a quarter of a second
         (10.0, 8.0, True, 3, False),  # one camera against two that do not see the person
         (10.0, 8.0, True, 2, True),
@@ -75,9 +65,22 @@ def test_who_lives_on(last_s, two_s, confirmed, expected, lives):
     alive = np.empty(1, bool)
     kernels.survive_all(
         np.array([[last_s, -np.inf]]), np.array([two_s]), np.array([confirmed]),
-        np.array([expected]), np.zeros((1, 17, 3)), 10.0, 0.5, 1.5, 0.25, alive,
+        np.array([expected]), np.zeros((1, 17, 3)), 10.0, 0.5, 1.5, alive,
     )  # fmt: skip
     assert alive[0] == lives
+
+
+@pytest.mark.parametrize(
+    ("last_s", "two_s", "asked"),
+    [(10.0, 10.0, False), (9.8, 9.0, False), (9.7, 9.7, True), (10.0, 8.4, True)],
+)
+def test_where_somebody_should_be_seen_is_asked_only_of_those_whose_life_hangs_on_it(
+    last_s, two_s, asked
+):
+    out = np.empty(1, bool)
+    some = kernels.ask_all(np.array([[last_s, -np.inf]]), np.array([two_s]), 10.0, 0.5, 1.5, out)
+    assert out[0] == asked
+    assert some == asked
 
 
 def test_a_body_that_is_not_finite_dies():
@@ -86,6 +89,6 @@ def test_a_body_that_is_not_finite_dies():
     alive = np.empty(1, bool)
     kernels.survive_all(
         np.full((1, 2), 10.0), np.array([10.0]), np.array([True]), np.array([2]), x, 10.0, 0.5, 1.5,
-        0.25, alive,
+        alive,
     )  # fmt: skip
     assert not alive[0]

@@ -14,7 +14,6 @@ from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
-_TENTATIVE_S = 0.25
 # Who has been read mirrored for so long is mirrored [s].
 _MIRROR_S = 0.2
 
@@ -61,11 +60,20 @@ def confirm(people: Population, model: Model, t_s: float) -> None:
 
 
 def expected_cameras(
-    people: Population, model: Model, looking: Bool[np.ndarray, " cam"]
+    people: Population, model: Model, looking: Bool[np.ndarray, " cam"], t_s: float
 ) -> Int64[np.ndarray, " track"]:
-    """Return in how many of the cameras that are looking each person should be, by the torso."""
-    expected = np.empty(len(people), np.int64)
-    kernels.expect_all(model.P, model.size_px, looking, model.torso, people.x_m, expected)
+    """Return in how many of the cameras that are looking each person should be found.
+
+    That is where the torso is in the raw image, and no nearer person hides most of the joints. It
+    is worked out only for those whose life hangs on it; for the others it is two. It is -1 where
+    nearer people hide the person from every camera that has it in its image.
+    """
+    s, n = model.settings, len(people)
+    asked, expected = np.empty(n, bool), np.full(n, 2, np.int64)
+    if kernels.ask_all(people.camera_s, people.two_s, t_s, s.death_s, s.doubt_s, asked):
+        kernels.expect_all(
+            model.lenses, model.silhouette, looking, model.torso, people.x_m, asked, expected
+        )
     return expected
 
 
@@ -78,14 +86,14 @@ def survivors(
     -----
     A tentative person needs two cameras again within a quarter of a second. A confirmed one
     dies when no camera supports it for `death_s` (half of that where no camera looks, 0.7 of it
-    where three or more do), or when for `doubt_s` only one of three or more cameras that look at
-    the place does.
+    where three or more should find it), or when for `doubt_s` only one of three or more cameras
+    that should find it does. Whom others hide from a camera, that camera should not find.
     """
     s = model.settings
     alive = np.empty(len(people), bool)
     kernels.survive_all(
         people.camera_s, people.two_s, people.confirmed, expected, people.x_m,
-        t_s, s.death_s, s.doubt_s, _TENTATIVE_S, alive,
+        t_s, s.death_s, s.doubt_s, alive,
     )  # fmt: skip
     return alive
 

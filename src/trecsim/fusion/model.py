@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.fusion import body, undistortion
+from trecsim.fusion import body, undistortion, visibility
 from trecsim.fusion.body import UsualBody
-from trecsim.fusion.kernels import Limbs, Noise, Undistortion
+from trecsim.fusion.kernels import Lenses, Limbs, Noise, Silhouette, Undistortion
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
@@ -31,8 +31,8 @@ class Model:
         Projections for undistorted pixels and mean focal lengths, per camera.
     ray_of, position_m
         What turns a pixel into the direction of its viewing ray, and where the ray begins.
-    size_px
-        Image sizes (width, height), per camera.
+    lenses, silhouette
+        What decides which camera should see whom: its raw image, and who stands before whom.
     noise
         What the kernels assume of the detector.
     stiffness
@@ -56,7 +56,8 @@ class Model:
     ray_of: Float64[np.ndarray, "cam 3 3"]
     position_m: Float64[np.ndarray, "cam 3"]
     focal_px: Float64[np.ndarray, " cam"]
-    size_px: Float64[np.ndarray, "cam 2"]
+    lenses: Lenses
+    silhouette: Silhouette
     noise: Noise
     stiffness: Float64[np.ndarray, " joint"]
     bones: Int64[np.ndarray, "bone 2"]
@@ -80,7 +81,8 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         ray_of=np.linalg.inv(rig.P[:, :, :3]),
         position_m=np.stack([camera.position_m for camera in rig]),
         focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
-        size_px=np.array([c.size_px for c in rig], np.float64),
+        lenses=visibility.lenses(rig),
+        silhouette=visibility.silhouette(skeleton),
         noise=_noise(skeleton, settings),
         stiffness=body.stiffness(skeleton, settings),
         bones=np.ascontiguousarray(usual.joints[usual.bone]),

@@ -1,8 +1,14 @@
 """Every setting of the fusion in one table: meaning, unit, default, and what it replaces."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 from trecsim.errors import ConfigError
+
+
+def _setting(default: float, sensible: tuple[float, float], touch: str) -> Any:
+    """Return a setting, with the range to choose from and when to, for the table in the docs."""
+    return field(default=default, metadata={"sensible": sensible, "touch": touch})
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,45 +18,53 @@ class FusionSettings:
     Attributes
     ----------
     knot_s
-        Distance between the knots of the trajectories [s] (the thesis' knot delta).
+        Distance between the knots of the trajectories [s] (in the thesis: spline knot delta,
+        500 or 1000).
     window_s
         How far back the live part of a trajectory reaches [s]; older control points are
-        marginalised. An image that comes later than this is left out (the thesis' frame buffer).
+        marginalised. An image that comes later than this is left out (in the
+        thesis: the buffer of frames).
     accel_torso, accel_head, accel_arm, accel_leg
         Root of the white-acceleration density that bends the trajectories [m/s^2/sqrt(Hz)]
-        (the thesis' smoothing factor lambda, with a physical unit).
+        (in the thesis: the smoothing factor lambda, which has no unit).
     velocity_memory_s
         Time after which a joint moves as the body does, if nothing is seen of it [s].
     drag_memory_s
-        The same for a joint that no camera supports (the thesis' drag-along) [s].
+        The same for a joint that no camera supports [s] (in the thesis: dragged along).
     joint_sigma_m
         Standard deviation of a good key point, seen as a length at the person's distance [m]
-        (with `floor_px` it replaces the thesis' constant variance nu).
+        (in the thesis, with `floor_px`: the constant variance nu, 200 or 500).
     tail_freedom
         Degrees of freedom of the key points' errors (Student's t): 3 has heavy tails, 100 is a
         Gaussian.
     floor_px
-        Standard deviation that even the best key point has [px].
+        Standard deviation that even the best key point has [px] (in the thesis: see
+        `joint_sigma_m`).
     good_score
         Score of a key point that is as good as the estimator gets; lower scores weigh less.
     min_score
-        Key points below it are not used at all (the thesis' prefiltering).
+        Key points with a lower one are not used at all (in the thesis: the threshold of
+        confidence).
     error_memory_s
         Errors of a detector persist; images closer in time than this tell the same thing [s].
     outlier_share
-        Prior share of key points that have nothing to do with the joint.
+        Prior share of key points that have nothing to do with the joint (in the thesis: weights
+        pi of the people in its place).
     outlier_area_m2
         Area over which such key points spread, at the person's distance [m^2].
     flip_share
         Prior share of detections with left and right exchanged.
     min_joints
-        Fewest key points that make a detection worth looking at.
+        Fewest key points that make a detection worth looking at (in the thesis: the least
+        number of valid key points).
     confirm_s
         Two cameras must support a new person for so long before it is reported; three report it
-        at once, and so do two that agree beyond doubt [s].
+        at once, and so do two that agree beyond doubt [s] (in the thesis: none; the most
+        detections of one camera tell how many people there are).
     death_s
         A person whom no camera supports is dropped after this time; after half of it where no
-        camera looks, 0.7 of it where three or more do [s].
+        camera looks, 0.7 of it where three or more do [s] (in the thesis: the threshold of
+        support, and the look-back over which it is counted).
     doubt_s
         A person whom one camera supports, while two or more others look at the place, is dropped
         after this time [s].
@@ -61,29 +75,75 @@ class FusionSettings:
         Two people closer than this whom no camera ever sees apart are one [m].
     """
 
-    knot_s: float = 0.1
-    window_s: float = 0.5
-    accel_torso: float = 2.0
-    accel_head: float = 2.5
-    accel_arm: float = 6.0
-    accel_leg: float = 6.0
-    velocity_memory_s: float = 0.6
-    drag_memory_s: float = 0.15
-    joint_sigma_m: float = 0.02
-    tail_freedom: float = 3.0
-    floor_px: float = 1.5
-    good_score: float = 0.85
-    min_score: float = 0.15
-    error_memory_s: float = 0.1
-    outlier_share: float = 0.1
-    outlier_area_m2: float = 1.0
-    flip_share: float = 0.01
-    min_joints: int = 5
-    confirm_s: float = 0.15
-    death_s: float = 0.5
-    doubt_s: float = 1.5
-    recall_s: float = 1.5
-    duplicate_m: float = 0.25
+    knot_s: float = _setting(
+        0.1,
+        (0.05, 0.2),
+        "shorter for sport, at more time per frame set; longer where few images come",
+    )
+    window_s: float = _setting(
+        0.5, (0.3, 1.0), "longer where images come late; takes more time per frame set"
+    )
+    accel_torso: float = _setting(
+        2.0,
+        (1.0, 4.0),
+        "higher for sport and falls; lower for people who stand or sit, who get smoother",
+    )
+    accel_head: float = _setting(2.5, (1.5, 5.0), "as `accel_torso`")
+    accel_arm: float = _setting(6.0, (3.0, 12.0), "as `accel_torso`; higher for gestures")
+    accel_leg: float = _setting(6.0, (3.0, 12.0), "as `accel_torso`; higher for running")
+    velocity_memory_s: float = _setting(0.6, (0.3, 2.0), "hardly ever")
+    drag_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
+    joint_sigma_m: float = _setting(
+        0.02, (0.012, 0.04), "with the estimator: more for a fast and coarse one"
+    )
+    tail_freedom: float = _setting(3.0, (2.0, 10.0), "100 for made key points with Gaussian noise")
+    floor_px: float = _setting(
+        1.5,
+        (0.5, 4.0),
+        "with the estimator: half a cell of its grid, in pixels of the camera's image",
+    )
+    good_score: float = _setting(
+        0.85, (0.6, 0.95), "with the estimator: the score that its good key points have"
+    )
+    min_score: float = _setting(
+        0.15,
+        (0.05, 0.4),
+        "with the estimator: higher if it invents what it does not see, lower if it is modest",
+    )
+    error_memory_s: float = _setting(
+        0.1,
+        (0.03, 0.3),
+        "longer for an estimator whose errors stay, above all with many images per second",
+    )
+    outlier_share: float = _setting(
+        0.1, (0.02, 0.3), "with the estimator: higher if it often takes one limb for another"
+    )
+    outlier_area_m2: float = _setting(1.0, (0.3, 4.0), "hardly ever")
+    flip_share: float = _setting(
+        0.01, (0.001, 0.1), "higher if the estimator often exchanges left and right"
+    )
+    min_joints: int = _setting(
+        5, (4, 8), "higher against false people; lower where only parts of people are in view"
+    )
+    confirm_s: float = _setting(
+        0.15, (0.05, 0.5), "longer against ghosts; shorter where newcomers must be known at once"
+    )
+    death_s: float = _setting(
+        0.5, (0.3, 2.0), "longer where people are hidden for longer; those who left stay as long"
+    )
+    doubt_s: float = _setting(
+        1.5,
+        (0.5, 5.0),
+        "shorter against ghosts before one camera; longer where the others often miss somebody",
+    )
+    recall_s: float = _setting(
+        1.5,
+        (0.5, 5.0),
+        "longer where people pass behind things, and few are there to be confused with",
+    )
+    duplicate_m: float = _setting(
+        0.25, (0.15, 0.4), "smaller where people hold each other; larger with a poor calibration"
+    )
 
     def __post_init__(self) -> None:
         """Check every value; report all that are wrong at once."""

@@ -233,7 +233,9 @@ class Tracker:
         pairs = lifecycle.close_pairs(people, self._model, association)
         close = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
         self._close_since = {p: self._close_since.get(p, self._t_s) for p in close}
-        expected = lifecycle.expected_cameras(people, self._model, self._clocks.looking())
+        expected = lifecycle.expected_cameras(
+            people, self._model, self._clocks.looking(), self._t_s
+        )
         stays = lifecycle.survivors(people, self._model, expected, self._t_s)
         if not close and not replaced and stays.all():
             return

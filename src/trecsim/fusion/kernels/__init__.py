@@ -25,21 +25,25 @@ from trecsim.fusion.kernels.prefilter import prefilter
 from trecsim.fusion.kernels.presence import (
     age,
     any_close,
+    ask_all,
     confirm_all,
     count_since,
-    expect_all,
     note_support,
     survive_all,
 )
 from trecsim.fusion.kernels.undistortion import Undistortion, undistort
+from trecsim.fusion.kernels.visibility import Lenses, Silhouette, expect_all
 
 __all__ = [
+    "Lenses",
     "Limbs",
     "Noise",
     "Observed",
+    "Silhouette",
     "Undistortion",
     "age",
     "any_close",
+    "ask_all",
     "assign",
     "associate_all",
     "confirm_all",

@@ -9,13 +9,11 @@ from numba import njit
 SUPPORT_S = 0.12
 # A key point supports its joint from this responsibility on; so many of them support a person.
 INLIER, FEWEST_INLIERS = 0.5, 3
-# A camera should see somebody of whose torso at least this share is before its image.
-IN_VIEW = 0.5
-# The share of `death_s` after which somebody is given up whom no camera should see, as people have
-# left then, or whom three or more should: that all of them miss the same person is rare.
-UNSEEN_PATIENCE, CROWDED_PATIENCE = 0.5, 0.7
-# A body nearer than this to a camera's plane is not expected in the image [m].
-AHEAD_M = 0.1
+# The share of `death_s` after which somebody is given up whom no camera should find, as people have
+# left then, or whom so many as `CROWDED` should: that all of them miss the same person is rare.
+UNSEEN_PATIENCE, CROWDED_PATIENCE, CROWDED = 0.5, 0.7, 3
+# Somebody new who is not confirmed yet needs two cameras again within this time [s].
+TENTATIVE_S = 0.25
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -115,39 +113,6 @@ def confirm_all(camera_s, together_s, now_s, confirm_s, confirmed):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def expect_all(P, size_px, looking, torso, x_m, expected):
-    """Write in how many of the cameras that are looking each person should be to `expected`.
-
-    `P` is (cam, 3, 4), `size_px` (cam, 2), `looking` (cam,), `x_m` (track, joint, 3); a person is
-    where the joints `torso` are.
-    """
-    for k in range(x_m.shape[0]):
-        expected[k] = 0
-        for c in range(P.shape[0]):
-            if not looking[c]:
-                continue
-            inside = 0
-            for j in torso:
-                inside += in_view(P[c], size_px[c], x_m[k, j])
-            expected[k] += inside >= IN_VIEW * torso.shape[0]
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
-def in_view(P, size_px, x):
-    """Return whether a camera's image contains the point `x`, as if nothing stood before it."""
-    w = P[2, 0] * x[0] + P[2, 1] * x[1] + P[2, 2] * x[2] + P[2, 3]
-    if not w > AHEAD_M:
-        return False
-    for i in range(2):
-        h = (P[i, 0] * x[0] + P[i, 1] * x[1] + P[i, 2] * x[2] + P[i, 3]) / w
-        if not (0.0 <= h < size_px[i]):
-            return False
-    return True
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
 def any_close(x_m, torso, distance_m):
     """Return whether the torsos of any two people are closer than `distance_m`, on average."""
     for k in range(x_m.shape[0]):
@@ -166,20 +131,14 @@ def any_close(x_m, torso, distance_m):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def survive_all(
-    camera_s, two_s, confirmed, expected, x_m, now_s, death_s, doubt_s, tentative_s, alive
-):
+def survive_all(camera_s, two_s, confirmed, expected, x_m, now_s, death_s, doubt_s, alive):
     """Write who lives on to `alive` (track,); see `trecsim.fusion.lifecycle.survivors`."""
     for k in range(camera_s.shape[0]):
-        last_s = -math.inf
-        for c in range(camera_s.shape[1]):
-            last_s = max(last_s, camera_s[k, c])
         alone_s = now_s - two_s[k]
-        patience_s = death_s * patience(expected[k])
         alive[k] = (
-            now_s - last_s <= patience_s
-            and not (alone_s > doubt_s and expected[k] >= 3)
-            and (confirmed[k] or alone_s <= tentative_s)
+            now_s - last_seen_s(camera_s[k]) <= death_s * patience(expected[k])
+            and not (alone_s > doubt_s and expected[k] >= CROWDED)
+            and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
         )
 
@@ -187,10 +146,34 @@ def survive_all(
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def patience(expected):
-    """Return the share of `death_s` to wait for somebody whom so many cameras should see."""
+    """Return the share of `death_s` to wait for somebody whom so many cameras should find."""
     if expected == 0:
         return UNSEEN_PATIENCE
-    return CROWDED_PATIENCE if expected >= 3 else 1.0
+    return CROWDED_PATIENCE if expected >= CROWDED else 1.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def last_seen_s(camera_s):
+    """Return when any camera last supported a person [s]."""
+    last_s = -math.inf
+    for c in range(camera_s.shape[0]):
+        last_s = max(last_s, camera_s[c])
+    return last_s
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def ask_all(camera_s, two_s, now_s, death_s, doubt_s, asked):
+    """Write whose life hangs on how many cameras should find them to `asked` (track,)."""
+    any_ = False
+    for k in range(camera_s.shape[0]):
+        asked[k] = (
+            now_s - last_seen_s(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
+            or now_s - two_s[k] > doubt_s
+        )
+        any_ |= asked[k]
+    return any_
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)

@@ -1,0 +1,1 @@
+"""Pictures of the model: each made by the code itself on a simulated scene."""

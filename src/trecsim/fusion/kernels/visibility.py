@@ -1,0 +1,218 @@
+"""Whom a camera should see: what lies in its raw image, and who stands before whom."""
+
+import math
+from typing import NamedTuple, no_type_check
+
+import numpy as np
+from jaxtyping import Float64, Int64
+from numba import njit
+
+# What `Lenses.kind` says.
+PINHOLE, BROWN, FISHEYE = 0, 1, 2
+# A point nearer than this to a camera's plane is not expected in the image [m].
+AHEAD_M = 0.1
+# A camera should see somebody of whose torso at least this share is in its image: people who stand
+# half outside are found by detectors as often as not.
+IN_VIEW = 0.5
+# Somebody of whom others hide at least this share of the joints is not expected to be found.
+HIDDEN_SHARE = 0.5
+# Who hides somebody else stands before that person by at least this: the thickness of a body [m].
+BEFORE_M = 0.2
+# Nobody hides from further beside the line of sight than two people reach, as far as their joints
+# lie from the middle of their torsos [m].
+ASIDE_M = 2.0
+
+
+class Lenses(NamedTuple):
+    """How the cameras' images come about, per camera.
+
+    Attributes
+    ----------
+    T_cam_world
+        The first three rows of the world's motion into the camera's coordinates [m].
+    position_m
+        Where it stands [m].
+    K
+        Intrinsics [px].
+    size_px
+        Width and height of the raw image [px].
+    kind
+        ``PINHOLE``, ``BROWN`` or ``FISHEYE``.
+    coefficients
+        Of the distortion, as `trecsim.geometry.Camera` orders them; zeros fill them up to eight.
+    radius2_max
+        Square of the normalised radius up to which the distortion holds.
+    """
+
+    T_cam_world: Float64[np.ndarray, "cam 3 4"]
+    position_m: Float64[np.ndarray, "cam 3"]
+    K: Float64[np.ndarray, "cam 3 3"]
+    size_px: Float64[np.ndarray, "cam 2"]
+    kind: Int64[np.ndarray, " cam"]
+    coefficients: Float64[np.ndarray, "cam 8"]
+    radius2_max: Float64[np.ndarray, " cam"]
+
+
+class Silhouette(NamedTuple):
+    """What of a body blocks the view: capsules between joints.
+
+    Attributes
+    ----------
+    ends
+        Each capsule goes from the middle of the first two joints to that of the last two.
+    radius_m
+        Its radius [m].
+    """
+
+    ends: Int64[np.ndarray, "part 4"]
+    radius_m: Float64[np.ndarray, " part"]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def expect_all(lenses, silhouette, looking, torso, x_m, asked, expected):
+    """Write in how many of the cameras that are looking people should be found to `expected`.
+
+    Parameters
+    ----------
+    lenses, silhouette
+        The cameras, and what of a body blocks their view.
+    looking
+        Which cameras deliver, (cam,).
+    torso
+        The joints that stand for a person.
+    x_m
+        Everybody's joints, (track, joint, 3).
+    asked
+        For whom it matters, (track,); the others' `expected` is left as it is.
+    expected
+        Result, (track,); -1 for somebody whom cameras have in view, and others hide from all of
+        them.
+    """
+    for k in range(x_m.shape[0]):
+        if not asked[k]:
+            continue
+        before = visible = 0
+        for c in range(looking.shape[0]):
+            if looking[c] and has_in_view(lenses, c, x_m[k], torso):
+                before += 1
+                visible += hidden_share(lenses.position_m[c], silhouette, torso, x_m, k) < (
+                    HIDDEN_SHARE
+                )
+        expected[k] = visible if visible or not before else -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def has_in_view(lenses, c, x_m, torso):
+    """Return whether enough of a person's torso is in a camera's image, were nobody before it."""
+    inside = 0
+    for j in torso:
+        inside += in_image(lenses, c, x_m[j])
+    return inside >= IN_VIEW * torso.shape[0]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def in_image(lenses, c, x):
+    """Return whether the point `x` has an image in a camera's raw picture."""
+    T, K = lenses.T_cam_world[c], lenses.K[c]
+    w = T[2, 0] * x[0] + T[2, 1] * x[1] + T[2, 2] * x[2] + T[2, 3]
+    if not w > AHEAD_M:
+        return False
+    u = (T[0, 0] * x[0] + T[0, 1] * x[1] + T[0, 2] * x[2] + T[0, 3]) / w
+    v = (T[1, 0] * x[0] + T[1, 1] * x[1] + T[1, 2] * x[2] + T[1, 3]) / w
+    if lenses.kind[c] != PINHOLE:
+        if not u * u + v * v <= lenses.radius2_max[c]:
+            return False
+        u, v = bent(lenses.kind[c], lenses.coefficients[c], u, v)
+    column = K[0, 0] * u + K[0, 1] * v + K[0, 2]
+    row = K[1, 1] * v + K[1, 2]
+    return -0.5 <= column < lenses.size_px[c, 0] - 0.5 and -0.5 <= row < lenses.size_px[c, 1] - 0.5
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def bent(kind, k, x, y):
+    """Return where a lens images the normalised point (x, y); see `trecsim.geometry.distortion`."""
+    s = x * x + y * y
+    if kind == FISHEYE:
+        r = math.sqrt(s)
+        if r < 1e-9:
+            return x, y
+        angle = math.atan(r)
+        q = angle * angle
+        scale = angle * (1.0 + q * (k[0] + q * (k[1] + q * (k[2] + q * k[3])))) / r
+        return x * scale, y * scale
+    radial = (1.0 + s * (k[0] + s * (k[1] + s * k[4]))) / (1.0 + s * (k[5] + s * (k[6] + s * k[7])))
+    spread = radial + 2.0 * (k[2] * y + k[3] * x)
+    return x * spread + k[3] * s, y * spread + k[2] * s
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def hidden_share(eye_m, silhouette, torso, x_m, k):
+    """Return which share of the joints of person `k` others hide from a camera at `eye_m`."""
+    hidden = np.zeros(x_m.shape[1], np.bool_)
+    own_m, other_m = np.empty(3), np.empty(3)
+    middle_from(eye_m, x_m[k], torso, own_m)
+    far_m = math.sqrt(own_m[0] ** 2 + own_m[1] ** 2 + own_m[2] ** 2)
+    for i in range(x_m.shape[0]):
+        if i == k:
+            continue
+        middle_from(eye_m, x_m[i], torso, other_m)
+        near_m = math.sqrt(other_m[0] ** 2 + other_m[1] ** 2 + other_m[2] ** 2)
+        if near_m < far_m - BEFORE_M and gap_m2(own_m, other_m, other_m) < ASIDE_M**2:
+            hide(eye_m, silhouette, x_m[i], x_m[k], hidden)
+    return hidden.sum() / hidden.shape[0]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def middle_from(eye_m, x_m, torso, out):
+    """Write the way from `eye_m` to the middle of a torso to `out`."""
+    for a in range(3):
+        out[a] = -eye_m[a]
+        for j in torso:
+            out[a] += x_m[j, a] / torso.shape[0]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def hide(eye_m, silhouette, other_m, x_m, hidden):
+    """Mark, in place, the joints `x_m` that the body with the joints `other_m` hides."""
+    start, end, to_joint = np.empty(3), np.empty(3), np.empty(3)
+    for p in range(silhouette.radius_m.shape[0]):
+        e = silhouette.ends[p]
+        for a in range(3):
+            start[a] = 0.5 * (other_m[e[0], a] + other_m[e[1], a]) - eye_m[a]
+            end[a] = 0.5 * (other_m[e[2], a] + other_m[e[3], a]) - eye_m[a]
+        for j in range(x_m.shape[0]):
+            if hidden[j]:
+                continue
+            for a in range(3):
+                to_joint[a] = x_m[j, a] - eye_m[a]
+            hidden[j] = gap_m2(to_joint, start, end) < silhouette.radius_m[p] ** 2
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def gap_m2(ray, start, end):
+    """Return the squared distance of two segments: origin to `ray`, `start` to `end`."""
+    aa = bb = cc = d = e = 0.0
+    for i in range(3):
+        along = end[i] - start[i]
+        aa += ray[i] * ray[i]
+        bb += ray[i] * along
+        cc += along * along
+        d += ray[i] * start[i]
+        e += along * start[i]
+    # Nearest points of the two lines, then clamped one after the other.
+    between = aa * cc - bb * bb
+    s = min(max((d * cc - bb * e) / between, 0.0), 1.0) if between > 1e-12 * aa * cc else 0.0
+    t = min(max((bb * s - e) / cc, 0.0), 1.0) if cc > 0.0 else 0.0
+    s = min(max((bb * t + d) / aa, 0.0), 1.0) if aa > 0.0 else 0.0
+    total = 0.0
+    for i in range(3):
+        total += (s * ray[i] - start[i] - t * (end[i] - start[i])) ** 2
+    return total

@@ -1,0 +1,163 @@
+"""Whom a camera should see equals the twins, near the border of any lens and behind others."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import reference_fusion as reference
+from fusion.somebody import MODEL, somebody
+from trecsim.fusion import kernels, visibility
+from trecsim.fusion.kernels.visibility import gap_m2, hidden_share, in_image
+from trecsim.geometry import Camera, Rig
+from trecsim.simulation.cameras import look_at
+from trecsim.skeleton import COCO17, Skeleton
+
+SEEDS = st.integers(0, 2**32 - 1)
+LENSES = {
+    "none": ("none", []),
+    "strong barrel": ("brown", [-0.32, 0.12, 0.001, -0.002, -0.02]),
+    "pincushion": ("brown", [0.25, 0.05, 0.0, 0.0, 0.0]),
+    "rational": ("brown", [0.5, 0.1, 0.001, 0.0005, 0.01, 0.9, 0.2, 0.02]),
+    "strong fisheye": ("fisheye", [-0.03, 0.01, -0.004, 0.0005]),
+}
+FOCAL_PX = 420.0
+STANDING_M = np.array(
+    [(0, 1.6), (0.03, 1.63), (-0.03, 1.63), (0.07, 1.6), (-0.07, 1.6), (0.18, 1.4), (-0.18, 1.4),
+     (0.24, 1.15), (-0.24, 1.15), (0.25, 0.9), (-0.25, 0.9), (0.12, 0.9), (-0.12, 0.9),
+     (0.12, 0.5), (-0.12, 0.5), (0.12, 0.08), (-0.12, 0.08)]
+)  # fmt: skip
+
+
+def camera(name="none", T_cam_world=None):
+    model, coefficients = LENSES[name]
+    K = np.array([[FOCAL_PX, 0.0, 650.0], [0.0, 1.02 * FOCAL_PX, 340.0], [0.0, 0.0, 1.0]])
+    T = np.eye(4) if T_cam_world is None else T_cam_world
+    return Camera(name, (1280, 720), K, T, model, np.array(coefficients, float))
+
+
+def standing(x_m, y_m):
+    """Return somebody who faces along x."""
+    across, up = STANDING_M.T
+    return np.stack([np.full(17, float(x_m)), y_m + across, up], axis=1)
+
+
+def looking_from(*positions_m, at_m=(0.0, 0.0, 1.0)):
+    return Rig(
+        tuple(
+            Camera(f"cam{n}", (1280, 720), camera().K, look_at(np.array(p, float), np.array(at_m)))
+            for n, p in enumerate(positions_m)
+        )
+    )
+
+
+def expected(rig, *people, looking=None):
+    """Return in how many cameras each of the people should be found."""
+    x_m = np.stack(people)
+    count = np.full(len(x_m), 99, np.int64)
+    looking = np.ones(len(rig), bool) if looking is None else looking
+    kernels.expect_all(
+        visibility.lenses(rig), visibility.silhouette(COCO17), looking, MODEL.torso, x_m,
+        np.ones(len(x_m), bool), count,
+    )  # fmt: skip
+    return count.tolist()
+
+
+@pytest.mark.parametrize("name", LENSES)
+@given(seed=SEEDS)
+def test_a_point_is_in_the_image_where_the_camera_projects_it_into_the_raw_picture(name, seed):
+    rng = np.random.default_rng(seed)
+    eye = camera(name)
+    lenses = visibility.lenses(Rig((eye,)))
+    # Anywhere before or behind the camera, and close to the border of the picture.
+    border_px = rng.uniform(-20, 20, (20, 2)) + np.where(
+        rng.random((20, 2)) < 0.5, rng.uniform([0, 0], [1280, 720], (20, 2)), [1279, 719]
+    )
+    at_border = np.c_[eye.undistort(border_px), np.ones(20)] @ np.linalg.inv(eye.K).T
+    points = np.concatenate([rng.normal(0, 3, (20, 3)), at_border * rng.uniform(0.5, 9, (20, 1))])
+    for x in points[np.isfinite(points).all(axis=1)]:
+        assert in_image(lenses, 0, x) == reference.in_image(eye, x)
+
+
+@pytest.mark.parametrize(("name", "seen"), [("strong barrel", 1), ("strong fisheye", 1),
+                                            ("pincushion", 0), ("none", 0)])  # fmt: skip
+def test_a_lens_that_draws_the_border_in_sees_somebody_beyond_the_pinhole_frame(name, seen):
+    rig = Rig((camera(name, look_at(np.array([-2.0, 0.0, 1.2]), np.array([0.0, 0.0, 1.2]))),))
+    beside = standing(0.0, 3.35)
+    middle = beside[MODEL.torso].mean(axis=0)
+    pinhole = camera("none", rig.cameras[0].T_cam_world).project(middle)
+    assert pinhole[0] < 0
+    assert expected(rig, beside) == [seen]
+
+
+def test_somebody_just_within_a_pincushion_image_is_seen_and_just_outside_is_not():
+    rig = Rig((camera("pincushion", look_at(np.array([-2.0, 0.0, 1.2]), np.array([0, 0, 1.2]))),))
+    u = [rig.cameras[0].project(standing(0.0, y)[MODEL.torso].mean(axis=0))[0] for y in (1.8, 2.6)]
+    assert u[0] > 0 > u[1]
+    assert expected(rig, standing(0.0, 1.8)) == [1]
+    assert expected(rig, standing(0.0, 2.6)) == [0]
+
+
+@given(SEEDS)
+def test_the_gap_of_two_segments_equals_that_of_many_points_on_them(seed):
+    rng = np.random.default_rng(seed)
+    ray, start, end = rng.normal(0, 2, (3, 3))
+    assert np.sqrt(gap_m2(ray, start, end)) == pytest.approx(
+        reference.gap_m(ray, start, end), abs=0.01
+    )
+
+
+@settings(max_examples=30)
+@given(SEEDS)
+def test_expected_cameras_equal_the_twin_wherever_people_stand(seed):
+    rng = np.random.default_rng(seed)
+    people = [somebody(rng)[0] + [*rng.normal(0, 1.2, 2), 0] for _ in range(4)]
+    looking = rng.random(4) < 0.7
+    count = expected(MODEL.rig, *people, looking=looking)
+    lowest, highest = reference.expected(
+        MODEL.rig, MODEL.silhouette, looking, MODEL.torso, np.stack(people)
+    )
+    for n, least, most in zip(count, lowest, highest, strict=True):
+        assert n == -1 if most == 0 and n < 0 else least <= n <= most
+
+
+def test_whoever_stands_behind_somebody_is_not_expected_but_by_a_camera_from_the_side():
+    rig = looking_from((-4, 0, 1.5), (0, -4, 1.5))
+    front, behind = standing(-1.0, 0.0), standing(0.2, 0.02)
+    assert expected(rig, front, behind) == [2, 1]
+    assert expected(rig, behind) == [2]
+
+
+def test_whom_others_hide_from_every_camera_is_told_from_whom_no_camera_has_in_view():
+    rig = looking_from((-4, 0, 1.5), (-4, 0.15, 1.5))
+    hidden, gone = standing(0.2, 0.0), standing(-9.0, 0.0)
+    assert expected(rig, standing(-1.0, 0.04), hidden, gone) == [2, -1, 0]
+
+
+def test_a_bystander_to_the_side_hides_nobody():
+    rig = looking_from((-4, 0, 1.5))
+    assert expected(rig, standing(-1.0, 0.7), standing(0.2, 0.0)) == [1, 1]
+
+
+def test_whoever_hides_half_a_body_hides_about_half_of_its_joints():
+    rig = looking_from((-4, 0, 1.5))
+    # Half a shoulder's width aside: one arm and one side of the trunk stay visible.
+    x_m = np.stack([standing(-1.0, 0.14), standing(0.2, 0.0)])
+    share = hidden_share(
+        rig.cameras[0].position_m, visibility.silhouette(COCO17), MODEL.torso, x_m, 1
+    )
+    assert 0.3 < share < 0.8
+
+
+def test_only_those_who_are_asked_for_are_worked_out():
+    count = np.array([7, 7], np.int64)
+    kernels.expect_all(
+        MODEL.lenses, MODEL.silhouette, np.ones(4, bool), MODEL.torso,
+        np.stack([standing(0, 0), standing(1, 1)]), np.array([False, True]), count,
+    )  # fmt: skip
+    assert count.tolist() == [7, 4]
+
+
+def test_nobody_hides_anybody_in_a_skeleton_without_shoulders_and_hips():
+    blob = Skeleton("blob", ("top", "bottom"), ((0, 1),), (0, 1))
+    assert len(visibility.silhouette(blob).radius_m) == 0
