@@ -78,7 +78,7 @@ def draw(path: Path) -> None:
     run = made(SCENE, SECONDS)
     poses = without(run.poses, hidden)
     ways = [follow_without(run, poses, off) for _, _, off, _ in WAYS]
-    with sheet(path, 9.2, 5.6) as figure:
+    with sheet(path, 8.0, 5.4) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.1))
         above, body = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
         error = figure.add_subplot(grid[0, 1])

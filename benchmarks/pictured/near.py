@@ -85,7 +85,7 @@ def draw(path: Path) -> None:
     with by_name()["lengths of limbs"].off():
         loose = tracked(run)
     ways = [loose, tracked(run)]
-    with sheet(path, 9.2, 6.2) as figure:
+    with sheet(path, 8.0, 5.8) as figure:
         axes = figure.subplots(2, 2, height_ratios=(1.0, 1.1))
         for panel, camera, name in zip(axes[0], run.rig, "AB", strict=True):
             draw_image(panel, run, camera)
