@@ -98,7 +98,15 @@ def draw(path: Path) -> None:
         for axes in (error, sure):
             axes.axvspan(FROM_S, UNTIL_S, color="0.93", zorder=0, linewidth=0)
             axes.set(xlim=AROUND_S, ylim=(0, 120))
-        error.text(FROM_S + 0.05, 116, "no camera sees the head", color=GREY, fontsize=8, va="top")
+        error.text(
+            UNTIL_S - 0.05,
+            116,
+            "no camera sees the head",
+            color=GREY,
+            fontsize=8,
+            va="top",
+            ha="right",
+        )
         error.set(ylabel="error of the nose [cm]", xlabel="time [s]")
         figure.legend(*error.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         sure.set(ylabel="stated uncertainty [cm]", xlabel="time [s]")

@@ -75,7 +75,6 @@ def draw_errors(axes: "Axes", run: Simulation, ways: list[list[Snapshot]]) -> No
               label="seen by fewer than two cameras")  # fmt: skip
     axes.set(xlim=BETWEEN_S, ylim=(0, 160))
     axes.set(xlabel="time [s]", ylabel="error of the left ankle [cm]")
-    axes.legend(loc="upper right")
     letter(axes, "D", "Errors; shaded: 90 % are said to be less")
 
 
@@ -92,3 +91,5 @@ def draw(path: Path) -> None:
             letter(panel, name, f"{camera.name} at {AT_S:g} s: key points (+) and truth")
         draw_side(axes[1, 0], run, ways)
         draw_errors(axes[1, 1], run, ways)
+        handles, names = axes[1, 1].get_legend_handles_labels()
+        figure.legend(handles, names, loc="outside lower center", ncols=3)
