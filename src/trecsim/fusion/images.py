@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import kernels
+from trecsim.fusion.kernels.prefilter import blot_out_twins
 from trecsim.fusion.model import Model
 from trecsim.types import Poses2D
 
@@ -92,7 +93,7 @@ class Detections:
 
 
 def prepare(views: Sequence[Poses2D], model: Model) -> Images:
-    """Undistort the detections of `views`, leave out what cannot be used, and stack them.
+    """Undistort the detections of `views`, leave out what cannot be used or is there twice.
 
     Parameters
     ----------
@@ -111,7 +112,8 @@ def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     np.cumsum([len(view.xy_px) for view in views], out=offset[1:])
     factor = np.empty(score.shape)
     fewest = kernels.prefilter(xy_px, score, s.min_score, s.good_score, factor)
-    if fewest < s.min_joints:
+    left = blot_out_twins(offset, xy_px, factor)
+    if fewest < s.min_joints or left < len(xy_px):
         enough = np.isfinite(xy_px[..., 0]).sum(axis=1) >= s.min_joints
         kept = np.concatenate([[0], np.cumsum(enough)])
         offset, xy_px, factor = kept[offset], xy_px[enough], factor[enough]

@@ -3,10 +3,16 @@
 import math
 from typing import no_type_check
 
+import numpy as np
 from numba import njit
 
 # How the noise of a key point grows as its score falls, and by how much at most.
 SCORE_POWER, LARGEST_FACTOR = 1.7, 6.0
+# No image is so large that a key point of it lies here [px].
+FAR_PX = 1e5
+# Detections of an image whose key points all lie this close, as a share of the detection's size,
+# are the same person found twice.
+TWIN_SHARE = 0.03
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -44,10 +50,77 @@ def prefilter(xy_px, score, min_score, good_score, factor):
         known = 0
         for j in range(xy_px.shape[1]):
             factor[d, j] = LARGEST_FACTOR
-            if score[d, j] >= min_score and math.isfinite(xy_px[d, j, 0] + xy_px[d, j, 1]):
+            near = abs(xy_px[d, j, 0]) < FAR_PX and abs(xy_px[d, j, 1]) < FAR_PX
+            if near and score[d, j] >= min_score:
                 factor[d, j] = score_to_factor(score[d, j], good_score)
                 known += 1
             else:
                 xy_px[d, j, 0] = xy_px[d, j, 1] = math.nan
         fewest = min(fewest, known)
     return fewest
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def blot_out_twins(offset, xy_px, factor):
+    """Blot out, in place, what an estimator has found twice; return how many detections are left.
+
+    Parameters
+    ----------
+    offset
+        Image ``v`` has the detections ``offset[v] .. offset[v + 1]``.
+    xy_px, factor
+        Key points (person, joint, 2), NaN where unknown, and by how much each is less certain
+        than a good one, (person, joint). Of two twins the better one stays.
+    """
+    worth = np.zeros(xy_px.shape[0])
+    for d in range(xy_px.shape[0]):
+        for j in range(xy_px.shape[1]):
+            if not math.isnan(xy_px[d, j, 0]):
+                worth[d] += 1.0 / factor[d, j]
+    left = xy_px.shape[0]
+    for v in range(offset.shape[0] - 1):
+        for d in range(offset[v], offset[v + 1]):
+            reach_px = TWIN_SHARE * extent_px(xy_px[d])
+            for e in range(d + 1, offset[v + 1]):
+                if (
+                    worth[d] == 0.0
+                    or worth[e] == 0.0
+                    or not are_twins(xy_px[d], xy_px[e], reach_px)
+                ):
+                    continue
+                gone = d if worth[e] > worth[d] else e
+                worth[gone] = 0.0
+                left -= 1
+                for j in range(xy_px.shape[1]):
+                    xy_px[gone, j, 0] = xy_px[gone, j, 1] = math.nan
+    return left
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def extent_px(xy_px):
+    """Return the larger side of the box around the known key points of one detection."""
+    extent = 0.0
+    for a in range(2):
+        low, high = math.inf, -math.inf
+        for j in range(xy_px.shape[0]):
+            if not math.isnan(xy_px[j, a]):
+                low, high = min(low, xy_px[j, a]), max(high, xy_px[j, a])
+        extent = max(extent, high - low)
+    return extent
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def are_twins(one_px, other_px, reach_px):
+    """Return whether two detections have key points in common, and all of them in one place."""
+    common = 0
+    for j in range(one_px.shape[0]):
+        if math.isnan(one_px[j, 0]) or math.isnan(other_px[j, 0]):
+            continue
+        common += 1
+        for a in range(2):
+            if abs(one_px[j, a] - other_px[j, a]) > reach_px:
+                return False
+    return common > 0
