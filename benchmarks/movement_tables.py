@@ -15,7 +15,8 @@ def movement(results: Results) -> str:
     head = ["somebody who is"]
     for cameras in ("4", "2"):
         head += [f"{cameras} cameras: mean / p95 error [cm]", "of that walking", "missed",
-                 "switches"]  # fmt: skip
+                 "lost"]  # fmt: skip
+    head.append("acceleration of the hips [m/s²]")
     first = made["4 cameras"]
     assert isinstance(first, Mapping)
     rows = []
@@ -28,7 +29,8 @@ def movement(results: Results) -> str:
                 relative = find(made, (cameras, group, act, "error / walking"))
                 row += [f"{fixed(at('mean error'), 1)} / {fixed(at('p95 error'), 1)}",
                         with_spread(relative), f"{fixed(at('missed'), 1)} %",
-                        fixed(at("switches"), 0)]  # fmt: skip
+                        fixed(at("lost"), 0)]  # fmt: skip
+            row.append(fixed(at("acceleration of the hips"), 0))
             rows.append(row)
     return table(head, rows)
 

@@ -96,7 +96,7 @@ def draw_image(axes: "Axes", seen: Search, cam: int, names: str) -> None:
         draw_body(axes, xy_px, color=seen.colour(int(d)))
         side = np.nanmin(xy_px[:, 0]), np.nanmedian(xy_px[:, 1])
         axes.annotate(name, side, (-5, 0), textcoords="offset points", ha="right", weight="bold")
-    width, height = seen.model.size_px[cam]
+    width, height = seen.model.lenses.size_px[cam]
     axes.set(xlim=(0, width), ylim=(height, 0), aspect="equal", xlabel="column [px]")
     axes.set_ylabel("row [px]")
     axes.spines[:].set_visible(True)
@@ -122,7 +122,7 @@ def draw_scores(axes: "Axes", seen: Search) -> None:
     axes.set_yticks(range(3), list(LETTERS))
     axes.set_ylabel("detection of cam1")
     axes.grid(False)
-    letter(axes, "C", "Log likelihood ratios of pairs")
+    letter(axes, "C", "Log ratios of the pairs")
 
 
 def draw_floor(axes: "Axes", seen: Search) -> None:
@@ -189,7 +189,7 @@ def first_seen_s(snapshots: list[Snapshot]) -> dict[int, float]:
 def draw_times(axes: "Axes", seen: Search) -> None:
     """Draw when each began, and when it was reported."""
     poses = [view for view in seen.run.poses if view.t_s > FROM_S]
-    begun = first_seen_s(tracked(seen.run, replace(FusionSettings(), confirm_s=1e-6), poses=poses))
+    begun = first_seen_s(tracked(seen.run, replace(FusionSettings(), confirm_s=1e-9), poses=poses))
     told = first_seen_s(tracked(seen.run, poses=poses))
     end_s = 0.5
     for row, person in enumerate(sorted(told)):
@@ -203,7 +203,7 @@ def draw_times(axes: "Axes", seen: Search) -> None:
 def draw(path: Path) -> None:
     """Draw the picture."""
     seen = search()
-    with sheet(path, 9.2, 5.9) as figure:
+    with sheet(path, 8.2, 5.6) as figure:
         axes = figure.subplots(2, 3, width_ratios=(1.25, 1.25, 1.0))
         draw_image(axes[0, 0], seen, 0, LETTERS)
         letter(axes[0, 0], "A", "cam1: nobody is known yet")

@@ -78,7 +78,7 @@ def draw(path: Path) -> None:
     run = made(SCENE, SECONDS)
     poses = without(run.poses, hidden)
     ways = [follow_without(run, poses, off) for _, _, off, _ in WAYS]
-    with sheet(path, 9.2, 5.6) as figure:
+    with sheet(path, 8.0, 5.4) as figure:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.1))
         above, body = figure.add_subplot(grid[0, 0]), figure.add_subplot(grid[1, 0])
         error = figure.add_subplot(grid[0, 1])
@@ -98,7 +98,15 @@ def draw(path: Path) -> None:
         for axes in (error, sure):
             axes.axvspan(FROM_S, UNTIL_S, color="0.93", zorder=0, linewidth=0)
             axes.set(xlim=AROUND_S, ylim=(0, 120))
-        error.text(FROM_S + 0.05, 116, "no camera sees the head", color=GREY, fontsize=8, va="top")
+        error.text(
+            UNTIL_S - 0.05,
+            116,
+            "no camera sees the head",
+            color=GREY,
+            fontsize=8,
+            va="top",
+            ha="right",
+        )
         error.set(ylabel="error of the nose [cm]", xlabel="time [s]")
         figure.legend(*error.get_legend_handles_labels(), loc="outside lower center", ncols=3)
         sure.set(ylabel="stated uncertainty [cm]", xlabel="time [s]")

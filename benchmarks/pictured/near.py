@@ -75,7 +75,6 @@ def draw_errors(axes: "Axes", run: Simulation, ways: list[list[Snapshot]]) -> No
               label="seen by fewer than two cameras")  # fmt: skip
     axes.set(xlim=BETWEEN_S, ylim=(0, 160))
     axes.set(xlabel="time [s]", ylabel="error of the left ankle [cm]")
-    axes.legend(loc="upper right")
     letter(axes, "D", "Errors; shaded: 90 % are said to be less")
 
 
@@ -85,10 +84,12 @@ def draw(path: Path) -> None:
     with by_name()["lengths of limbs"].off():
         loose = tracked(run)
     ways = [loose, tracked(run)]
-    with sheet(path, 9.2, 6.2) as figure:
+    with sheet(path, 8.0, 5.8) as figure:
         axes = figure.subplots(2, 2, height_ratios=(1.0, 1.1))
         for panel, camera, name in zip(axes[0], run.rig, "AB", strict=True):
             draw_image(panel, run, camera)
             letter(panel, name, f"{camera.name} at {AT_S:g} s: key points (+) and truth")
         draw_side(axes[1, 0], run, ways)
         draw_errors(axes[1, 1], run, ways)
+        handles, names = axes[1, 1].get_legend_handles_labels()
+        figure.legend(handles, names, loc="outside lower center", ncols=3)

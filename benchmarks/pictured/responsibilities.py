@@ -93,8 +93,8 @@ def draw_fields(axes: "Axes", scene: Scene, people: Snapshot, title: str) -> Non
     """Draw in a part of the image which key points each right ankle would take for its own."""
     at_px = np.array([projected(scene, xyz_m)[JOINT] for xyz_m in people.xyz_m])
     middle = at_px.mean(axis=0)
-    x_px = np.arange(middle[0] - 260.0, middle[0] + 261.0, 4.0)
-    y_px = np.arange(middle[1] - 290.0, middle[1] + 131.0, 4.0)
+    x_px = np.arange(middle[0] - 260.0, middle[0] + 261.0, 5.0)
+    y_px = np.arange(middle[1] - 290.0, middle[1] + 131.0, 5.0)
     grid_px = np.stack(np.meshgrid(x_px, y_px), axis=-1)
     for k, colour in enumerate(COLOURS):
         r = inlier(scene, people, k, grid_px)[..., 0]
@@ -183,7 +183,7 @@ def draw_people(axes: "Axes", scene: Scene) -> None:
 def draw(path: Path) -> None:
     """Draw the picture."""
     scene = look()
-    with sheet(path, 9.2, 7.4) as figure:
+    with sheet(path, 8.0, 6.9) as figure:
         axes = figure.subplots(2, 2, height_ratios=(1.25, 1.0))
         draw_fields(
             axes[0, 0], scene, scene.settled, f"A Both followed for {scene.settled.t_s:.1f} s"

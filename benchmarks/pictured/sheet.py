@@ -66,13 +66,7 @@ def sheet(path: Path, width_in: float, height_in: float) -> "Iterator[Figure]":
 
 
 def rounded(svg: str) -> str:
-    """Return a drawing with its points to a hundredth: smaller, and the same on other machines.
-
-    Examples
-    --------
-    >>> rounded('<path d="M 1.23456 2 L 3.5 -4.001"/><g transform="scale(0.015625)"/>')
-    '<path d="M 1.23 2 L 3.5 -4"/><g transform="scale(0.015625)"/>'
-    """
+    """Return a drawing with its points to a hundredth: smaller, and the same on other machines."""
     return _PLACES.sub(lambda places: _NUMBER.sub(_short, places[0]), svg)
 
 

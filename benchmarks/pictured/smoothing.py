@@ -20,8 +20,8 @@ from trecsim.sync import frame_sets
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-SETTINGS_S, LAGS_S, EXIT_S = (4.0, 10.0), (12.3, 14.6), (4.4, 6.0)
-SCENE, SECONDS, GONE_S = "one-person", 16.0, 5.12
+SETTINGS_S, LAGS_S, EXIT_S = (4.0, 9.9), (3.5, 5.8), (4.4, 6.0)
+SCENE, SECONDS, GONE_S = "one-person", 10.0, 5.12
 WRIST, ANKLE = joint("left_wrist"), joint("left_ankle")
 USUAL = FusionSettings()
 FACTORS = ((4.0, GREEN), (0.2, ORANGE), (1.0, BLUE))
@@ -73,7 +73,7 @@ def draw_settings(axes: "Axes", run: Simulation) -> None:
         name = f"accel_arm = {factor * USUAL.accel_arm:g}"
         axes.plot(one.t_s, one.xyz_m[:, 2], color=colour, linewidth=1.4, label=name)
     draw_truth(axes, run, WRIST, *SETTINGS_S)
-    axes.set(xlim=SETTINGS_S, ylim=(0.8, 1.14), xlabel="time [s]", ylabel="height of a wrist [m]")
+    axes.set(xlim=SETTINGS_S, ylim=(0.82, 1.2), xlabel="time [s]", ylabel="height of a wrist [m]")
     axes.legend(loc="upper left", ncols=3, columnspacing=1.0, handlelength=1.4)
     letter(axes, "A", "Smoothing: the newest state, two cameras")
 
@@ -100,7 +100,7 @@ def draw_exit(axes: "Axes", run: Simulation) -> None:
             view, xy_px=view.xy_px[:0], score=view.score[:0], person_score=view.person_score[:0]
         )
         for view in run.poses
-        if view.t_s >= GONE_S
+        if GONE_S <= view.t_s <= EXIT_S[1]
     ]
     draw_truth(axes, run, ANKLE, EXIT_S[0], GONE_S)
     for factor, colour in FACTORS:
@@ -144,13 +144,13 @@ def draw_parabola(axes: "Axes") -> None:
         axes.plot(*parabola(accel), color=colour, linewidth=1.5, label=f"accel = {accel:g}")
     axes.set(xlim=(0.0, 1.1), xlabel="t [s]", ylabel="y [m]")
     axes.legend(loc="upper left")
-    letter(axes, "D", "The thesis' parabola: too much smoothing")
+    letter(axes, "D", "The thesis' parabola")
 
 
 def draw(path: Path) -> None:
     """Draw the picture."""
     run = made(SCENE, SECONDS)
-    with sheet(path, 9.2, 6.4) as figure:
+    with sheet(path, 8.0, 6.2) as figure:
         axes = figure.subplots(2, 2, width_ratios=(1.25, 1.0))
         draw_settings(axes[0, 0], run)
         draw_lags(axes[0, 1], run)

@@ -11,7 +11,8 @@ from trecsim.types import Poses2D
 
 def view(camera=MODEL.rig.names[2], t_s=1.0, people=2, joints=17, scores=None, dtype=np.float64):
     """Return `Poses2D` as a program may give them that does not check them."""
-    xy_px, score = np.full((people, joints, 2), 300.0), np.ones((people, joints))
+    xy_px = np.random.default_rng(0).uniform(100, 500, (people, joints, 2))
+    score = np.ones((people, joints))
     made = Poses2D(camera, t_s, xy_px, score, np.ones(people))
     object.__setattr__(made, "xy_px", xy_px.astype(dtype))
     object.__setattr__(made, "score", score[:scores].astype(dtype))

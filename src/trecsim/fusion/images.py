@@ -124,7 +124,7 @@ def cameras(views: Sequence[Poses2D], model: Model) -> list[int]:
 
 
 def prepare(views: Sequence[Poses2D], model: Model) -> Images:
-    """Stack the detections of `views`, undistort them, and leave out what cannot be used.
+    """Undistort the detections of `views`, leave out what cannot be used or is there twice.
 
     Parameters
     ----------

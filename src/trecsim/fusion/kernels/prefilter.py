@@ -3,12 +3,18 @@
 import math
 from typing import no_type_check
 
+import numpy as np
 from numba import njit
 
 from trecsim.fusion.kernels.undistortion import undistort
 
 # How the noise of a key point grows as its score falls, and by how much at most.
 SCORE_POWER, LARGEST_FACTOR = 1.7, 6.0
+# No image is so large that a key point of it lies here [px].
+FAR_PX = 1e5
+# Detections of an image whose key points all lie this close, as a share of the detection's size,
+# are the same person found twice.
+TWIN_SHARE = 0.03
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -28,15 +34,16 @@ def score_to_factor(score, good_score):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def prefilter(xy_px, score, cam, offset, lenses, min_score, good_score, min_joints, factor, kept):
-    """Undistort the key points that can be used, blot out the others, drop who has too few left.
+def prefilter(
+    xy_px, score, cam, offset, undistortion, min_score, good_score, min_joints, factor, kept
+):
+    """Undistort the key points of all images, and drop what cannot be used or is there twice.
 
     Parameters
     ----------
     xy_px, score
-        Raw key points of all images (person, joint, 2), their scores (person, joint); NaN where
-        unknown. Undistorted in place, those of the detections that are kept first; what is not to
-        be used becomes NaN.
+        Raw key points (person, joint, 2) and their scores (person, joint); NaN where unknown. In
+        place, the detections that are kept come first, undistorted, NaN where not to be used.
     cam, offset
         Camera of each image (view,), and where its detections begin (view + 1,).
     undistortion
@@ -50,21 +57,99 @@ def prefilter(xy_px, score, cam, offset, lenses, min_score, good_score, min_join
     kept
         Result, (view + 1,): `offset` among the detections that are kept.
     """
-    n = 0
-    kept[0] = 0
     for v in range(cam.shape[0]):
         for d in range(offset[v], offset[v + 1]):
-            known = 0
             for j in range(xy_px.shape[1]):
                 x, y, trust = math.nan, math.nan, LARGEST_FACTOR
                 if score[d, j] >= min_score:
-                    x, y = undistort(lenses, cam[v], xy_px[d, j, 0], xy_px[d, j, 1])
-                if math.isfinite(x + y):
-                    trust = score_to_factor(score[d, j], good_score)
-                    known += 1
-                else:
-                    x = y = math.nan
-                xy_px[n, j, 0], xy_px[n, j, 1], factor[n, j] = x, y, trust
-            if known >= min_joints:
-                n += 1
+                    x, y = undistort(undistortion, cam[v], xy_px[d, j, 0], xy_px[d, j, 1])
+                    if abs(x) < FAR_PX and abs(y) < FAR_PX:
+                        trust = score_to_factor(score[d, j], good_score)
+                    else:
+                        x = y = math.nan
+                xy_px[d, j, 0], xy_px[d, j, 1], factor[d, j] = x, y, trust
+    blot_out_twins(offset, xy_px, factor)
+    close_up(xy_px, factor, offset, min_joints, kept)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def close_up(xy_px, factor, offset, min_joints, kept):
+    """Move the detections that have so many key points to the front, in place; see `prefilter`."""
+    n = 0
+    kept[0] = 0
+    for v in range(offset.shape[0] - 1):
+        for d in range(offset[v], offset[v + 1]):
+            known = 0
+            for j in range(xy_px.shape[1]):
+                known += not math.isnan(xy_px[d, j, 0])
+                xy_px[n, j, 0], xy_px[n, j, 1] = xy_px[d, j, 0], xy_px[d, j, 1]
+                factor[n, j] = factor[d, j]
+            n += known >= min_joints
         kept[v + 1] = n
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def blot_out_twins(offset, xy_px, factor):
+    """Blot out, in place, what an estimator has found twice; return how many detections are left.
+
+    Parameters
+    ----------
+    offset
+        Image ``v`` has the detections ``offset[v] .. offset[v + 1]``.
+    xy_px, factor
+        Key points (person, joint, 2), NaN where unknown, and by how much each is less certain
+        than a good one, (person, joint). Of two twins the better one stays.
+    """
+    worth = np.zeros(xy_px.shape[0])
+    for d in range(xy_px.shape[0]):
+        for j in range(xy_px.shape[1]):
+            if not math.isnan(xy_px[d, j, 0]):
+                worth[d] += 1.0 / factor[d, j]
+    left = xy_px.shape[0]
+    for v in range(offset.shape[0] - 1):
+        for d in range(offset[v], offset[v + 1]):
+            reach_px = TWIN_SHARE * extent_px(xy_px[d])
+            for e in range(d + 1, offset[v + 1]):
+                if (
+                    worth[d] == 0.0
+                    or worth[e] == 0.0
+                    or not are_twins(xy_px[d], xy_px[e], reach_px)
+                ):
+                    continue
+                gone = d if worth[e] > worth[d] else e
+                worth[gone] = 0.0
+                left -= 1
+                for j in range(xy_px.shape[1]):
+                    xy_px[gone, j, 0] = xy_px[gone, j, 1] = math.nan
+    return left
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def extent_px(xy_px):
+    """Return the larger side of the box around the known key points of one detection."""
+    extent = 0.0
+    for a in range(2):
+        low, high = math.inf, -math.inf
+        for j in range(xy_px.shape[0]):
+            if not math.isnan(xy_px[j, a]):
+                low, high = min(low, xy_px[j, a]), max(high, xy_px[j, a])
+        extent = max(extent, high - low)
+    return extent
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def are_twins(one_px, other_px, reach_px):
+    """Return whether two detections have key points in common, and all of them in one place."""
+    common = 0
+    for j in range(one_px.shape[0]):
+        if math.isnan(one_px[j, 0]) or math.isnan(other_px[j, 0]):
+            continue
+        common += 1
+        for a in range(2):
+            if abs(one_px[j, a] - other_px[j, a]) > reach_px:
+                return False
+    return common > 0
