@@ -1,5 +1,7 @@
 """Which images' times are believed."""
 
+from itertools import compress
+
 import numpy as np
 import pytest
 
@@ -12,11 +14,10 @@ def used(clocks, images):
     """Give images, as lists of (camera, time), one set after the other; return what was used."""
     taken = []
     for one_set in images:
-        cam = np.array([c for c, _ in one_set], np.int64)
-        t_s = np.array([t for _, t in one_set], np.float64)
-        use, _ = clocks.judge(cam, t_s)
-        clocks.note(cam[use], t_s[use])
-        taken += [image for image, good in zip(one_set, use, strict=True) if good]
+        use, _ = clocks.judge([c for c, _ in one_set], [t for _, t in one_set])
+        good = list(compress(one_set, use))
+        clocks.note([c for c, _ in good], [t for _, t in good])
+        taken += good
     return taken
 
 

@@ -5,7 +5,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 

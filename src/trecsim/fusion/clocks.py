@@ -1,7 +1,12 @@
 """Which images' times are believed: a jump only when most cameras make it."""
 
+import math
+from collections.abc import Sequence
+from itertools import compress
+from statistics import median
+
 import numpy as np
-from jaxtyping import Bool, Float64, Int64
+from jaxtyping import Bool
 
 # A camera that is further from the others than this has jumped [s].
 JUMP_S = 2.0
@@ -29,29 +34,28 @@ class Clocks:
         Number of cameras.
     """
 
+    # Plain numbers: for a dozen cameras NumPy takes longer to begin than this takes to end.
     def __init__(self, n_cam: int) -> None:
-        self.now_s = -np.inf
-        self._last_s = np.full(n_cam, -np.inf)
-        self._jumped = np.zeros(n_cam, bool)
+        self.now_s = -math.inf
+        self._last_s = [-math.inf] * n_cam
+        self._jumped = [False] * n_cam
         self._told = _Told(n_cam)
 
-    def since_s(
-        self, cam: Int64[np.ndarray, " view"], t_s: Float64[np.ndarray, " view"]
-    ) -> Float64[np.ndarray, " view"]:
+    def since_s(self, cam: Sequence[int], t_s: Sequence[float]) -> list[float]:
         """Return how long before `t_s` each camera delivered what was used last [s]."""
-        return np.asarray(t_s - self._last_s[cam])
+        return [t - self._last_s[c] for c, t in zip(cam, t_s, strict=True)]
 
-    def note(self, cam: Int64[np.ndarray, " view"], t_s: Float64[np.ndarray, " view"]) -> None:
+    def note(self, cam: Sequence[int], t_s: Sequence[float]) -> None:
         """Write down which images have been used."""
-        np.maximum.at(self._last_s, cam, t_s)
+        for c, t in zip(cam, t_s, strict=True):
+            self._last_s[c] = max(self._last_s[c], t)
 
     def looking(self) -> Bool[np.ndarray, " cam"]:
         """Return which cameras have delivered lately."""
-        return np.asarray(self._last_s > self.now_s - SILENT_S)
+        since_s = self.now_s - SILENT_S
+        return np.array([last_s > since_s for last_s in self._last_s])
 
-    def judge(
-        self, cam: Int64[np.ndarray, " view"], t_s: Float64[np.ndarray, " view"]
-    ) -> tuple[Bool[np.ndarray, " view"], bool]:
+    def judge(self, cam: Sequence[int], t_s: Sequence[float]) -> tuple[list[bool], bool]:
         """Return which images to use, and whether time starts anew with them.
 
         Parameters
@@ -59,26 +63,36 @@ class Clocks:
         cam, t_s
             Camera and time of each image of a frame set.
         """
-        if not len(t_s):
-            return np.empty(0, bool), False
-        if not np.isfinite(self.now_s):
-            self.now_s = float(np.median(t_s))
-        ahead = self._told.ahead(cam.tolist(), t_s.tolist())
-        far = np.abs(t_s - self.now_s) > JUMP_S
-        self._jumped[cam] = far
-        known = (self._last_s > self.now_s - JUMP_S) | self._jumped
-        anew = bool(far.any()) and 2 * int(self._jumped.sum()) > int(known.sum())
+        if not t_s:
+            return [], False
+        if math.isinf(self.now_s):
+            self.now_s = median(t_s)
+        ahead = self._told.ahead(cam, t_s)
+        far = self._far(t_s)
+        for c, is_far in zip(cam, far, strict=True):
+            self._jumped[c] = is_far
+        anew = any(far) and self._most_have_jumped()
         if anew:
-            self.now_s = float(np.median(t_s[far]))
-            self._last_s[:] = -np.inf
-            self._jumped[:] = False
-            far = np.abs(t_s - self.now_s) > JUMP_S
-        use = ~far & (t_s != self._last_s[cam])
-        if ahead:
-            use[ahead] = False
-        if use.any():
-            self.now_s = max(self.now_s, float(t_s[use].max()))
+            self.now_s = median(compress(t_s, far))
+            self._last_s = [-math.inf] * len(self._last_s)
+            self._jumped = [False] * len(self._jumped)
+            far = self._far(t_s)
+        use = [
+            not is_far and t != self._last_s[c] for c, t, is_far in zip(cam, t_s, far, strict=True)
+        ]
+        for v in ahead:
+            use[v] = False
+        self.now_s = max([self.now_s, *compress(t_s, use)])
         return use, anew
+
+    def _far(self, t_s: Sequence[float]) -> list[bool]:
+        return [abs(t - self.now_s) > JUMP_S for t in t_s]
+
+    def _most_have_jumped(self) -> bool:
+        since_s = self.now_s - JUMP_S
+        cameras = zip(self._last_s, self._jumped, strict=True)
+        known = sum(last_s > since_s or jumped for last_s, jumped in cameras)
+        return 2 * sum(self._jumped) > known
 
 
 class _Told:
@@ -89,13 +103,13 @@ class _Told:
     """
 
     def __init__(self, n_cam: int) -> None:
-        self._told_s = [-np.inf] * n_cam
+        self._told_s = [-math.inf] * n_cam
         self._usual_s = [0.0] * n_cam
         self._own_s = [0.0] * n_cam
-        self._heard_s = [-np.inf] * n_cam
+        self._heard_s = [-math.inf] * n_cam
         self._passed_s = 0.0
 
-    def ahead(self, cam: list[int], t_s: list[float]) -> list[int]:
+    def ahead(self, cam: Sequence[int], t_s: Sequence[float]) -> list[int]:
         """Write down what the cameras tell; return which images are too far ahead of the others."""
         for c, t in zip(cam, t_s, strict=True):
             self._note(c, t)
@@ -111,7 +125,7 @@ class _Told:
 
     def _note(self, c: int, t_s: float) -> None:
         gap_s, usual_s = t_s - self._told_s[c], self._usual_s[c]
-        step_s = min(max(gap_s, 0.0), max(_STEP_S, 3.0 * usual_s)) if gap_s < np.inf else 0.0
+        step_s = min(max(gap_s, 0.0), max(_STEP_S, 3.0 * usual_s)) if gap_s < math.inf else 0.0
         if usual_s:
             self._usual_s[c] *= _FOLLOWS if usual_s < gap_s < JUMP_S else 1.0 / _FOLLOWS
         elif 0.0 < gap_s < JUMP_S:

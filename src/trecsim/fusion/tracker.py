@@ -106,14 +106,14 @@ class Tracker:
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
         """Return the views that bring something new, are not too late and whose time is right."""
         views = frame_set.views
-        cam = np.array(cameras(views, self._model), np.int64)
-        t_s = np.array([view.t_s for view in views], np.float64)
-        use, anew = self._clocks.judge(cam, t_s)
+        t_s = [float(view.t_s) for view in views]
+        use, anew = self._clocks.judge(cameras(views, self._model), t_s)
         if anew:
             self._restart()
-        if self._grid is not None:
-            use &= t_s >= self._grid.start_s
-        return [view for view, good in zip(views, use.tolist(), strict=True) if good]
+        start_s = -math.inf if self._grid is None else self._grid.start_s
+        return [
+            view for view, t, good in zip(views, t_s, use, strict=True) if good and t >= start_s
+        ]
 
     def _advance(self, t_s: float) -> None:
         """Move the knot grid on to `t_s`; every joint gets new control points as needed."""
@@ -135,15 +135,15 @@ class Tracker:
     def _update(self, images: Images, elapsed_s: float) -> Association:
         """Associate and fit everybody who is already there."""
         people, m, t_s = self._people, self._model, self._t_s
-        since_s = self._clocks.since_s(images.cam, images.t_s).tolist()
-        body_news = fitting.news(elapsed_s, m)
+        cam, taken_s = images.cam.tolist(), images.t_s.tolist()
+        since_s, body_news = self._clocks.since_s(cam, taken_s), fitting.news(elapsed_s, m)
         prediction = fitting.predict(people, images, self._knots, t_s)
         association = associate(m, images, prediction.xyz_m, prediction.cov_m2)
         found = fitting.fit(people, images, association, prediction, m, t_s, since_s, body_news)
         lifecycle.note_support(people, images, association, found.inlier, t_s, elapsed_s)
         fitting.constrain(people, found, prediction.now, m, t_s, elapsed_s, body_news)
         lifecycle.mend_mirrored(people, m)
-        self._clocks.note(images.cam, images.t_s)
+        self._clocks.note(cam, taken_s)
         return association
 
     def _begin(self, images: Images, association: Association) -> set[int]:
@@ -205,7 +205,7 @@ class Tracker:
         prediction = fitting.predict(person, images, self._knots, self._t_s)
         # Its images have just been noted, so they weigh little here: the candidate's place is
         # theirs already, and the next frame set counts in full.
-        since_s = self._clocks.since_s(images.cam, images.t_s).tolist()
+        since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
         found = fitting.fit(
             person, images, association, prediction, self._model, self._t_s, since_s, 1.0
         )
