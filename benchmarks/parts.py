@@ -125,13 +125,16 @@ def _no_bones(model: Model) -> Model:
 
 PARTS: dict[str, tuple[Part, ...]] = {
     "key points and detections": (
-        Part("outliers, everywhere",
-             "every key point shows its joint; errors are Gaussian",
-             {"outlier_share": 1e-100, "tail_freedom": 1e6}),
         Part("outliers among a person's key points",
              "every key point of a detection that is the person's shows its joint",
              changes={"kernels.locating.inlier_odds": _inlier}),
         Part("heavy tails", "errors of inliers are Gaussian", {"tail_freedom": 1e6}),
+        Part("outliers and heavy tails", "both of these",
+             {"tail_freedom": 1e6}, changes={"kernels.locating.inlier_odds": _inlier}),
+        Part("outliers in the association, too",
+             "both, and a detection is all of a person or nothing",
+             {"tail_freedom": 1e6, "outlier_share": 1e-100},
+             changes={"kernels.locating.inlier_odds": _inlier}),
         Part("scores as noise", "a low score means nothing", {"good_score": NEVER}),
         Part("least score", "no key point is left out for its score", {"min_score": NEVER}),
         Part("persistence of errors", "every image tells something new",

@@ -33,7 +33,8 @@ def replaced(name: str, changes: Mapping[str, Any]) -> Iterator[None]:
     changes
         The new values by path below `trecsim.fusion`: ``birth._SURE_SCORE``,
         ``tracker.Tracker._owners``, ``kernels.locating.turned``. In place of a kernel stands a
-        plain function, which is compiled.
+        plain function, which is compiled. Where a path leads to the module that a function is
+        from, it is replaced wherever it is used; else only in the module of the path.
 
     Raises
     ------
@@ -83,8 +84,12 @@ def _like(old: Any, value: Any) -> Any:
 
 
 def _uses(modules: list[ModuleType], old: Any, path: str) -> list[tuple[Any, str]]:
-    """Return where else the same thing was imported to, under its own name."""
-    attribute = path.rpartition(".")[2]
+    """Return where the same thing is used under its name: here, or wherever it was imported to."""
+    above, _, attribute = path.rpartition(".")
+    here = f"{PACKAGE}.{above}"
+    home = getattr(getattr(old, "py_func", old), "__module__", here)
+    if home != here:
+        return [(sys.modules[here], attribute)]
     return [(module, attribute) for module in modules if vars(module).get(attribute) is old]
 
 

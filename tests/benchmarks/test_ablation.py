@@ -54,6 +54,20 @@ def test_a_constant_of_a_kernel_counts_in_all_that_call_it_and_only_for_as_long(
     assert kernels.prefilter is PREFILTER
 
 
+def test_a_function_is_replaced_everywhere_or_only_where_the_path_says() -> None:
+    locating, matching, mixture = (
+        sys.modules[f"trecsim.fusion.kernels.{name}"]
+        for name in ("locating", "matching", "mixture")
+    )
+    usual = mixture.project
+    with replaced("here", {"kernels.locating.project": lambda *_: 0.0}):
+        assert locating.project is not usual
+        assert matching.project is mixture.project is usual
+        assert locating.locate_joint is sys.modules["trecsim.fusion.kernels"].locate_joint
+    with replaced("everywhere", {"kernels.mixture.project": lambda *_: 0.0}):
+        assert locating.project is matching.project is mixture.project is not usual
+
+
 @pytest.mark.parametrize("path", ["kernels.locating.gone", "gone.turned", "tracker.Tracker.gone"])
 def test_what_is_no_longer_there_is_named(path: str) -> None:
     with pytest.raises(NoSuchPart, match=path), replaced("gone", {path: 1.0}):
