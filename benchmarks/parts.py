@@ -14,6 +14,7 @@ import numpy as np
 from harness.switching import replaced
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.association import Association, associate
+from trecsim.fusion.images import Images, prepare
 from trecsim.fusion.kernels import Limbs
 from trecsim.fusion.model import Model
 
@@ -99,14 +100,15 @@ def _confirmed_by_time(people: Any, model: Model, _t_s: float) -> None:
     people.confirmed |= people.together_s >= model.settings.confirm_s - 1e-9
 
 
-def _nobody_is_lonely(tracker: Any, images: Any, association: Association) -> Any:
+def _nobody_is_lonely(tracker: Any, images: Images, association: Association) -> Any:
     owner = np.full(len(images.xy_px), -1, np.int64)  # free
     owner[association.match[association.match >= 0]] = -2  # taken
     return owner
 
 
-def _at_one_time(tracker: Any, images: Any) -> Any:
-    return np.full(len(images), tracker._knots.place(tracker._t_s))
+def _at_one_time(*arguments: Any) -> Images:
+    images = prepare(*arguments)
+    return replace(images, t_s=np.full(len(images), images.t_s.max(initial=-np.inf)))
 
 
 def _same_noise(model: Model) -> Model:
@@ -162,7 +164,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
              {"velocity_memory_s": ALWAYS}),
         Part("drag-along", "so does a joint that nobody sees", {"drag_memory_s": ALWAYS}),
         Part("each image at its own time", "all images of a set are taken as its newest",
-             changes={"tracker.Tracker._places": _at_one_time}),
+             changes={"images.prepare": _at_one_time}),
         Part("knots every 0.1 s", "every 0.2 s", {"knot_s": 0.2}),
         Part("live part of 0.5 s", "of 0.2 s: what is older is marginalised", {"window_s": 0.2}),
     ),
