@@ -68,7 +68,7 @@ def _built(change: Callable[[Model], Model]) -> Callable[..., Model]:
     return changed
 
 
-# What takes the place of a function: never true, always true, nothing done.
+# What takes the place of a function: never true, always true, nothing done, nothing of it.
 
 
 def _no(*_: Any) -> bool:
@@ -81,6 +81,10 @@ def _yes(*_: Any) -> bool:
 
 def _nothing(*_: Any) -> None:
     pass
+
+
+def _none(*_: Any) -> float:
+    return 0.0
 
 
 def _inlier(*_: Any) -> float:
@@ -139,6 +143,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"kernels.locating.inlier_odds": _inlier}),
         Part("scores as noise", "a low score means nothing", {"good_score": NEVER}),
         Part("least score", "no key point is left out for its score", {"min_score": NEVER}),
+        Part("people found twice in an image", "both detections stay",
+             changes={"kernels.prefilter.are_twins": _no}),
         Part("persistence of errors", "every image tells something new",
              {"error_memory_s": NEVER}),
         Part("noise by joint", "a hip is as easy to find as an elbow", model=_same_noise),
@@ -188,6 +194,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"birth._SURE_SCORE": ALWAYS}),
         Part("expected visibility", "it never matters how many cameras should see somebody",
              changes={"lifecycle.expected_cameras": _two_cameras}),
+        Part("people hidden by others", "a camera should find those, too",
+             changes={"kernels.visibility.hidden_share": _none}),
         Part("doubt", "one of many cameras keeps somebody alive", {"doubt_s": ALWAYS}),
         Part("lonely people looked at again", "whom one camera sees stays where it is",
              changes={"tracker.Tracker._owners": _nobody_is_lonely}),
