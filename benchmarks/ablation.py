@@ -227,7 +227,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     options = Options(given.quick, dict(given.set), given.jobs)
     keep = not (given.quick or given.set)
-    result = stored("ablation") if keep else None
+    result = stored("ablation", RESULTS) if keep else None
     names = list(by_name())
     if given.only:
         names = [n for n in names if n in given.only or n == FULL]
