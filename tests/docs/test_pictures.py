@@ -14,15 +14,12 @@ MODEL = (DOCS / "model.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("name", pictures.NAMES)
-def test_a_picture_is_drawn_and_shows_numbers_that_are_some(name: str, tmp_path: Path) -> None:
+def test_a_picture_is_drawn_and_its_numbers_are_some(name: str, tmp_path: Path) -> None:
     drawn = pictures.draw(name, tmp_path).read_text(encoding="utf-8")
     assert drawn.count("<path") > 100
     assert "nan" not in "".join(re.findall(r' d="[^"]*"', drawn))
-
-
-def test_the_same_picture_has_the_same_bytes(tmp_path: Path) -> None:
-    once = pictures.draw("beginning", tmp_path).read_bytes()
-    assert pictures.draw("beginning", tmp_path).read_bytes() == once
+    if name == "beginning":  # the same picture has the same bytes
+        assert pictures.draw(name, tmp_path).read_text(encoding="utf-8") == drawn
 
 
 def test_the_page_shows_every_picture_of_the_model_and_no_other() -> None:
