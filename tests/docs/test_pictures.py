@@ -1,11 +1,13 @@
 """The pictures of the model: drawn by the code, shown on the page, and with settings as stated."""
 
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import pictures
+from pictured.runs import SEED
 from pictured.sheet import rounded
 from trecsim.fusion import FusionSettings
 
@@ -26,6 +28,13 @@ def test_the_page_shows_every_picture_of_the_model_and_no_other() -> None:
     shown = re.findall(r"!\[[^\]]+\]\((pictures/[^)]+)\)", MODEL)
     assert sorted(shown) == sorted(f"pictures/model-{name}.svg" for name in pictures.NAMES)
     assert all((DOCS / path).is_file() for path in shown)
+
+
+@pytest.mark.parametrize("name", pictures.NAMES)
+def test_the_page_tells_how_to_make_the_scene_of_a_picture(name: str) -> None:
+    drawn = import_module(f"pictured.{name}")
+    command = f"trecsim simulate {drawn.SCENE} --seed {SEED} --seconds {drawn.SECONDS:g}`"
+    assert command in re.sub(r"\s+(> )?", " ", MODEL)
 
 
 def test_settings_that_the_page_states_are_the_defaults() -> None:
