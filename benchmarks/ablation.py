@@ -228,19 +228,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = Options(given.quick, dict(given.set), given.jobs)
     keep = not (given.quick or given.set)
     result = stored("ablation", RESULTS) if keep else None
-    about = _about(options)
+    about, status = _about(options), 0
     try:
         for name, figures in _run(wanted(result, given.only, about["code"]), options):
             result = merged(result, {name: figures}, {**about, "skipped": dict(options.skipped)})
             if keep:
                 store(result, RESULTS / "ablation.json")
     except KeyboardInterrupt:
-        print("interrupted; the rows that were done are kept", file=sys.stderr)
-        return 130
+        kept = "; the rows that were done are kept, and the same command goes on" if keep else ""
+        print(f"interrupted{kept}", file=sys.stderr)
+        status = 130
     if result is not None:
         print(pages.ablation({"ablation": result}))
-        print(pages.idle({"ablation": result}))
-    return 0
+        print(f"\nNothing is worse without these:\n{pages.idle({'ablation': result})}")
+    return status
 
 
 def wanted(before: Result | None, only: Sequence[str], code: str) -> list[str]:
