@@ -35,6 +35,7 @@ COLUMNS = (
     Column("on the floor, error [cm]", "on the floor", "mean error"),
     Column("close together, error [cm]", "close together", "mean error"),
     Column("coming and going, IDF1 [%]", "coming and going", "IDF1", 1),
+    Column("trouble, IDF1 [%]", "trouble", "IDF1", 1),
     Column("thesis: walking, error [cm]", "thesis, walking", "mean error"),
     Column("crossing", "thesis, crossing", "mean error"),
     Column("hard", "thesis, hard", "mean error"),

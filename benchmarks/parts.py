@@ -7,17 +7,21 @@ else change the `Model`, else replace a function or a constant (`harness/switchi
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from statistics import geometric_mean
 from typing import Any
 
 import numpy as np
 
 from harness.switching import replaced
+from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.association import Association, associate
+from trecsim.fusion.images import Images, prepare
 from trecsim.fusion.kernels import Limbs
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
+ACCELS = ("accel_torso", "accel_head", "accel_arm", "accel_leg")
 NEVER, ALWAYS = 1e-9, 1e9  # as times, lengths, shares: so little or much that it is none or all
 
 
@@ -67,7 +71,7 @@ def _built(change: Callable[[Model], Model]) -> Callable[..., Model]:
     return changed
 
 
-# What takes the place of a function: never true, always true, nothing done.
+# What takes the place of a function: never true, always true, nothing done, nothing of it.
 
 
 def _no(*_: Any) -> bool:
@@ -80,6 +84,10 @@ def _yes(*_: Any) -> bool:
 
 def _nothing(*_: Any) -> None:
     pass
+
+
+def _none(*_: Any) -> float:
+    return 0.0
 
 
 def _inlier(*_: Any) -> float:
@@ -99,14 +107,15 @@ def _confirmed_by_time(people: Any, model: Model, _t_s: float) -> None:
     people.confirmed |= people.together_s >= model.settings.confirm_s - 1e-9
 
 
-def _nobody_is_lonely(tracker: Any, images: Any, association: Association) -> Any:
+def _nobody_is_lonely(tracker: Any, images: Images, association: Association) -> Any:
     owner = np.full(len(images.xy_px), -1, np.int64)  # free
     owner[association.match[association.match >= 0]] = -2  # taken
     return owner
 
 
-def _at_one_time(tracker: Any, images: Any) -> Any:
-    return np.full(len(images), tracker._knots.place(tracker._t_s))
+def _at_one_time(*arguments: Any) -> Images:
+    images = prepare(*arguments)
+    return replace(images, t_s=np.full(len(images), images.t_s.max(initial=-np.inf)))
 
 
 def _same_noise(model: Model) -> Model:
@@ -137,6 +146,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"kernels.locating.inlier_odds": _inlier}),
         Part("scores as noise", "a low score means nothing", {"good_score": NEVER}),
         Part("least score", "no key point is left out for its score", {"min_score": NEVER}),
+        Part("people found twice in an image", "both detections stay",
+             changes={"kernels.prefilter.are_twins": _no}),
         Part("persistence of errors", "every image tells something new",
              {"error_memory_s": NEVER}),
         Part("noise by joint", "a hip is as easy to find as an elbow", model=_same_noise),
@@ -157,12 +168,12 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("sharp turns only where the body agrees", "whatever the lengths of the limbs say",
              changes={"kernels.fitting.fits_body": _yes}),
         Part("stiffness by joint", "head, torso, arms and legs bend alike",
-             dict.fromkeys(("accel_torso", "accel_head", "accel_arm", "accel_leg"), 4.0)),
+             dict.fromkeys(ACCELS, geometric_mean(getattr(FusionSettings(), a) for a in ACCELS))),
         Part("velocity of the body", "a joint keeps its own velocity for ever",
              {"velocity_memory_s": ALWAYS}),
         Part("drag-along", "so does a joint that nobody sees", {"drag_memory_s": ALWAYS}),
         Part("each image at its own time", "all images of a set are taken as its newest",
-             changes={"tracker.Tracker._places": _at_one_time}),
+             changes={"images.prepare": _at_one_time}),
         Part("knots every 0.1 s", "every 0.2 s", {"knot_s": 0.2}),
         Part("live part of 0.5 s", "of 0.2 s: what is older is marginalised", {"window_s": 0.2}),
     ),
@@ -186,6 +197,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"birth._SURE_SCORE": ALWAYS}),
         Part("expected visibility", "it never matters how many cameras should see somebody",
              changes={"lifecycle.expected_cameras": _two_cameras}),
+        Part("people hidden by others", "a camera should find those, too",
+             changes={"kernels.visibility.hidden_share": _none}),
         Part("doubt", "one of many cameras keeps somebody alive", {"doubt_s": ALWAYS}),
         Part("lonely people looked at again", "whom one camera sees stays where it is",
              changes={"tracker.Tracker._owners": _nobody_is_lonely}),

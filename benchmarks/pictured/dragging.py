@@ -100,7 +100,7 @@ def draw(path: Path) -> None:
             axes.set(xlim=AROUND_S, ylim=(0, 120))
         error.text(
             UNTIL_S - 0.05,
-            116,
+            106,
             "no camera sees the head",
             color=GREY,
             fontsize=8,

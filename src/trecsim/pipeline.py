@@ -196,7 +196,7 @@ def run(
         raise fault
     summary = watch.summary(checked.file.site.name, folder, began_s, fault)
     _write_summary(summary, checked)
-    _draw_paths(summary, checked.rig, remark)
+    _draw_paths(summary, checked.rig, checked.file.site.output.paths_s, remark)
     if fault is not None:
         raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
     return summary
@@ -350,12 +350,14 @@ def _versions() -> dict[str, str]:
     return found
 
 
-def _draw_paths(summary: RunSummary, rig: Rig, remark: Callable[[str], None]) -> None:
+def _draw_paths(
+    summary: RunSummary, rig: Rig, last_s: float, remark: Callable[[str], None]
+) -> None:
     from trecsim.plots.paths import plot_paths
 
     tracks, picture = read_tracks(summary.out), summary.out / "paths.png"
     try:
-        plot_paths(tracks, rig, picture, title=summary.site)
+        plot_paths(tracks, rig, picture, title=summary.site, last_s=last_s)
     except SetupError as error:  # the picture is an extra, the tracks are not
         remark(f"no picture of the paths: {error}")
 

@@ -88,3 +88,35 @@ def test_joints_that_are_unknown_are_left_out(tmp_path: Path) -> None:
 def test_a_name_that_is_no_picture_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"\.png"):
         plot_paths(walk(3), ring(2), tmp_path / "paths.txt")
+
+
+def test_of_a_long_recording_only_the_end_is_drawn_as_paths_and_the_title_says_so() -> None:
+    recorder = PathRecorder(keep_s=60.0)
+    for i in range(200):
+        people = [1] if i < 100 else [2]
+        recorder.add(snapshot(float(i), people))
+    figure = paths_figure(recorder, ring(2))
+    floor, _, presence = figure.axes
+    assert floor.get_title().startswith("the last 60 s: ")
+    names = {text.get_text() for text in floor.texts}
+    assert "2" in names
+    assert "1" not in names
+    assert [label.get_text() for label in presence.get_yticklabels()] == ["1", "2"]
+
+
+def test_of_a_short_recording_everything_is_drawn() -> None:
+    recorder = PathRecorder(keep_s=60.0)
+    for moment in walk(100):
+        recorder.add(moment)
+    title = paths_figure(recorder, ring(2)).axes[0].get_title()
+    assert title.startswith("paths fade with age")
+
+
+@pytest.mark.parametrize(("feet_m", "told"), [(0.08, []), (1.5, ["1.5 m"])])
+def test_how_high_somebody_stands_who_is_up_on_something_is_told(
+    feet_m: float, told: list[str]
+) -> None:
+    xyz_m = np.ones((1, 17, 3)) * np.linspace(1.7, 0.0, 17)[:, None] + [0.0, 0.0, feet_m]
+    xyz_m[:, 15:, 2] = feet_m
+    people = paths_figure(recorded([snapshot(0.0, [1], xyz_m)]), ring(3)).axes[1]
+    assert [text.get_text().strip() for text in people.texts] == told

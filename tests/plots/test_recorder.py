@@ -51,3 +51,16 @@ def test_unknown_joints_do_not_hide_where_somebody_stands() -> None:
     recorder = PathRecorder()
     recorder.add(snapshot(0.0, [1, 2], xyz_m))
     assert list(recorder.paths) == [1]
+
+
+def test_of_the_last_while_every_point_is_kept_and_of_those_who_left_before_none() -> None:
+    recorder = PathRecorder(keep_s=60.0)
+    for i in range(4600):
+        person = 0 if i < 300 else 1 if i < 4500 else 2
+        recorder.add(snapshot(i / 10, [person]))
+    assert len(recorder.paths[1].points) < 3000  # the whole path has them further apart
+    shown = recorder.shown()
+    assert list(shown) == [1, 2]
+    times_s = [point[0] for path in shown.values() for point in path.points]
+    np.testing.assert_allclose(times_s, np.arange(4000 - 1, 4600) / 10)
+    assert not recorder.paths[0].recent

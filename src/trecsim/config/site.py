@@ -159,6 +159,8 @@ class OutputTable(Table):
     """How long positions wait for later images, which makes them smoother [s]."""
     poses: bool = False
     """Whether to keep the 2D poses too, as `poses.jsonl`."""
+    paths_s: float = Field(default=60.0, gt=0.0)
+    """The picture of paths shows only where people went in so long before the end [s]."""
 
 
 def _file_table(given: Any) -> Any:

@@ -1,6 +1,6 @@
 """A picture of a recording: everybody's path over the floor, skeletons, who was there when."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -32,6 +32,7 @@ MOST_LABELS = 40
 FEWEST_ROWS, MOST_ROWS = 4, 60  # in the panel of who was there when
 LONGEST_UNLABELLED = 25  # rows; with more of them the rows get no names
 MARKS_WANTED = 8  # time marks along the longest path
+SHOWN_S = 60.0  # of the paths; those of a longer time are a tangle
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +49,13 @@ class Time:
 
 
 def plot_paths(
-    snapshots: Iterable[Snapshot], rig: Rig, out: Path, *, title: str = "", remark: str = ""
+    snapshots: Iterable[Snapshot],
+    rig: Rig,
+    out: Path,
+    *,
+    title: str = "",
+    remark: str = "",
+    last_s: float = SHOWN_S,
 ) -> None:
     """Draw a recording and write the picture.
 
@@ -64,6 +71,8 @@ def plot_paths(
         What to write over it; without it, how many people in how much time.
     remark
         One more line under the title.
+    last_s
+        Only where people went in so long before the end is drawn as paths [s].
 
     Raises
     ------
@@ -72,7 +81,7 @@ def plot_paths(
     SetupError
         Matplotlib is not installed, or the disk is full.
     """
-    recorder = PathRecorder()
+    recorder = PathRecorder(keep_s=last_s)
     for snapshot in snapshots:
         recorder.add(snapshot)
     save_figure(paths_figure(recorder, rig, title=title, remark=remark), out)
@@ -104,12 +113,13 @@ def paths_figure(
     with missing_glyphs_allowed():
         _write_title(figure, recorder, rig, title, remark)
         floor = figure.add_subplot(grid[:, 0])
-        x_m, y_m = _extent(recorder, rig)
+        shown = recorder.shown()
+        x_m, y_m = _extent(shown, rig)
         lay_floor(floor, x_m, y_m)
         _draw_views(floor, rig)
         time = _time(recorder)
         colours = _colours(recorder)
-        _draw_all_paths(floor, recorder, time, colours)
+        _draw_all_paths(floor, recorder, shown, time, colours)
         for camera in rig:
             draw_camera(floor, camera, CAMERA_COLOUR)
         people = figure.add_subplot(grid[0, 1], projection="3d")
@@ -117,8 +127,12 @@ def paths_figure(
         if recorder.fullest is not None and recorder.paths:
             at = time(recorder.fullest.t_s)
             people.set_title(f"at {at:.3g} {time.unit}", fontsize=10, color="0.25")
-        _draw_presence(figure.add_subplot(grid[1, 1]), recorder, time, colours)
-        write_labels(floor, _labels(recorder, rig, colours))
+        presence = figure.add_subplot(grid[1, 1])
+        _draw_presence(presence, recorder, time, colours)
+        if recorder.from_s > recorder.first_s:
+            shown_s = time(recorder.from_s), time(recorder.last_s)
+            presence.axvspan(*shown_s, color="0.92", zorder=0, linewidth=0)
+        write_labels(floor, _labels(shown, rig, colours))
     return figure
 
 
@@ -151,10 +165,12 @@ def _write_title(
     )
 
 
-def _extent(recorder: PathRecorder, rig: Rig) -> tuple[tuple[float, float], tuple[float, float]]:
+def _extent(
+    shown: Mapping[int, RecordedPath], rig: Rig
+) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the part of the floor to show: cameras and nearly all paths [m]."""
     corners = [camera.position_m[:2] for camera in rig]
-    xy_m = [np.array(path.points)[:, 1:] for path in recorder.paths.values() if path.points]
+    xy_m = [np.array(path.points)[:, 1:] for path in shown.values()]
     if xy_m:
         # A track gone astray for a moment must not shrink everything else.
         corners.extend(np.quantile(np.concatenate(xy_m), [0.005, 0.995], axis=0))
@@ -180,32 +196,41 @@ def _draw_views(axes: "Axes", rig: Rig) -> None:
 
 
 def _draw_all_paths(
-    axes: "Axes", recorder: PathRecorder, time: Time, colours: dict[int, str]
+    axes: "Axes",
+    recorder: PathRecorder,
+    shown: Mapping[int, RecordedPath],
+    time: Time,
+    colours: dict[int, str],
 ) -> None:
-    if not recorder.paths:
-        axes.text(
-            0.5, 0.5, "nobody was followed", transform=axes.transAxes, ha="center", color="0.4"
-        )
-        return
-    longest_s = max(path.last_s - path.first_s for path in recorder.paths.values())
+    if not shown:
+        nobody = "nobody was there in the end" if recorder.paths else "nobody was followed"
+        axes.text(0.5, 0.5, nobody, transform=axes.transAxes, ha="center", color="0.4")
+    longest_s = max((path.last_s - path.first_s for path in shown.values()), default=0.0)
     mark_s = round_step(longest_s / MARKS_WANTED / time.unit_s, 1.0) * time.unit_s
-    for person, path in recorder.paths.items():
-        _draw_path(axes, path, colours[person], recorder, mark_s)
-    axes.set_title(
-        f"paths fade with age; ○ came, ● last seen, a dot every {mark_s / time.unit_s:g} "
-        f"{time.unit}",
-        fontsize=10,
-        color="0.25",
-    )
+    for person, path in shown.items():
+        came = recorder.paths[person].first_s >= recorder.from_s
+        _draw_path(axes, path, colours[person], recorder, mark_s, came=came)
+    if recorder.paths:
+        last = recorder.last_s - recorder.from_s
+        what = f"the last {last:g} s: " if recorder.from_s > recorder.first_s else ""
+        marks = f"a dot every {mark_s / time.unit_s:g} {time.unit}"
+        about = f"{what}paths fade with age; ○ came, ● last seen, {marks}"
+        axes.set_title(about, fontsize=10, color="0.25")
 
 
 def _draw_path(
-    axes: "Axes", path: RecordedPath, colour: str, recorder: PathRecorder, mark_s: float
+    axes: "Axes",
+    path: RecordedPath,
+    colour: str,
+    recorder: PathRecorder,
+    mark_s: float,
+    *,
+    came: bool,
 ) -> None:
     from matplotlib.collections import LineCollection
     from matplotlib.colors import to_rgba
 
-    length_s = max(recorder.last_s - recorder.first_s, 1e-9)
+    length_s = max(recorder.last_s - recorder.from_s, 1e-9)
     for piece in path.pieces():
         lines = np.stack((piece[:-1, 1:], piece[1:, 1:]), axis=1)
         age = (recorder.last_s - piece[1:, 0]) / length_s
@@ -219,14 +244,15 @@ def _draw_path(
     marks_s = recorder.first_s + marks_s[marks_s <= path.last_s - recorder.first_s]
     at = np.minimum(np.searchsorted(points[:, 0], marks_s), len(points) - 1)
     axes.plot(*points[at, 1:].T, "o", color="white", mec=colour, ms=3.5, mew=1.0, zorder=5)
-    axes.plot(*points[0, 1:], "o", color="white", mec=colour, ms=7, mew=1.6, zorder=5)
+    if came:
+        axes.plot(*points[0, 1:], "o", color="white", mec=colour, ms=7, mew=1.6, zorder=5)
     axes.plot(*points[-1, 1:], "o", color=colour, mec="white", ms=10, mew=1.2, zorder=6)
 
 
-def _labels(recorder: PathRecorder, rig: Rig, colours: dict[int, str]) -> list[Label]:
+def _labels(shown: Mapping[int, RecordedPath], rig: Rig, colours: dict[int, str]) -> list[Label]:
     """Return names of cameras and identities of people, of those who stayed longest if many."""
     labels = [Label(camera.name, _pair(camera.position_m[:2]), CAMERA_COLOUR) for camera in rig]
-    longest = sorted(recorder.paths.items(), key=lambda one: one[1].first_s - one[1].last_s)
+    longest = sorted(shown.items(), key=lambda one: one[1].first_s - one[1].last_s)
     labels += [
         Label(str(person), _pair(np.array(path.points[-1][1:])), colours[person])
         for person, path in longest[:MOST_LABELS]

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 CEILING_M = 2.2
 NEITHER = "0.5"
+ABOVE_M = 0.3  # feet higher than this are up on something; ankles are about 0.1 m over the floor
 Span = tuple[float, float]
 
 
@@ -87,6 +88,15 @@ def _draw_person(axes: "Axes3D", xyz_m: np.ndarray, colour: str) -> None:
     if len(feet):  # where somebody stands is hard to see without a mark on the floor
         x, y, _ = feet.mean(axis=0)
         axes.plot([x], [y], [0.0], "o", color=colour, alpha=0.25, markersize=9)
+        _draw_height(axes, x, y, float(feet[:, 2].min()), colour)
+
+
+def _draw_height(axes: "Axes3D", x_m: float, y_m: float, z_m: float, colour: str) -> None:
+    """Draw how high the feet of somebody are who stands up on something."""
+    if z_m < ABOVE_M:
+        return
+    axes.plot([x_m, x_m], [y_m, y_m], [0.0, z_m], color=colour, linewidth=0.9, linestyle=":")
+    axes.text(x_m, y_m, z_m / 2, f"  {z_m:.1f} m", color=colour, fontsize=8, va="center")
 
 
 def _within(x: float, y: float, floor_m: tuple[Span, Span]) -> bool:
