@@ -101,7 +101,7 @@ def draw(path: Path) -> None:
         error.text(
             UNTIL_S - 0.05,
             106,
-            "no camera sees the head",
+            "head unseen",
             color=GREY,
             fontsize=8,
             va="top",
