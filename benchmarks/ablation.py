@@ -7,6 +7,7 @@ Run: ``python benchmarks/ablation.py``; ``--only "sharp turns" --quick`` while w
 """
 
 import argparse
+import hashlib
 import os
 import pickle
 import sys
@@ -21,7 +22,7 @@ import ablation_tables as pages
 from harness import machine, scoring
 from harness.command import ONE_THREAD, add_options, fail
 from harness.figures import RESULTS, Figures, Result, Skipped, once, store, stored
-from harness.options import Options, shared_data
+from harness.options import REPORTING_SEEDS, Options, shared_data
 
 # Columns of the table: of what kind their scenes are, and which.
 GROUPS: dict[str, tuple[str, tuple[Any, ...]]] = {
@@ -217,8 +218,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Switch off what is asked for; return the exit status."""
     given = _parser().parse_args(arguments)
     os.environ.update(ONE_THREAD)
-    from parts import FULL, by_name
-    from trecsim.study.code import code_digest
+    from parts import by_name
 
     if unknown := sorted(set(given.only) - set(by_name())):
         return fail(f"no part is called {', '.join(unknown)}; see --list")
@@ -227,25 +227,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     options = Options(given.quick, dict(given.set), given.jobs)
     keep = not (given.quick or given.set)
-    result = stored("ablation") if keep else None
-    names = list(by_name())
-    if given.only:
-        names = [n for n in names if n in given.only or n == FULL]
-    todo = outdated(result, names, code_digest())
-    if given.only:
-        todo = [n for n in names if n in todo or n in given.only]
+    result = stored("ablation", RESULTS) if keep else None
+    about, status = _about(options), 0
     try:
-        for name, figures in _run(todo, options):
-            result = merged(result, {name: figures}, _about(options, code_digest()))
+        for name, figures in _run(wanted(result, given.only, about["code"]), options):
+            result = merged(result, {name: figures}, {**about, "skipped": dict(options.skipped)})
             if keep:
                 store(result, RESULTS / "ablation.json")
     except KeyboardInterrupt:
-        print("interrupted; the rows that were done are kept", file=sys.stderr)
-        return 130
+        kept = "; the rows that were done are kept, and the same command goes on" if keep else ""
+        print(f"interrupted{kept}", file=sys.stderr)
+        status = 130
     if result is not None:
         print(pages.ablation({"ablation": result}))
-        print(pages.idle({"ablation": result}))
-    return 0
+        print(f"\nNothing is worse without these:\n{pages.idle({'ablation': result})}")
+    return status
+
+
+def wanted(before: Result | None, only: Sequence[str], code: str) -> list[str]:
+    """Return which rows are to be done: what is asked for, and what is missing or outdated."""
+    from parts import FULL, by_name
+
+    todo = outdated(before, by_name(), code)
+    if only:
+        return [n for n in by_name() if n in only or (n == FULL and n in todo)]
+    return todo
 
 
 def _run(names: list[str], options: Options) -> Iterator[tuple[str, Figures]]:
@@ -259,14 +265,16 @@ def _run(names: list[str], options: Options) -> Iterator[tuple[str, Figures]]:
         yield from measure(names, options, Path(cache))
 
 
-def _about(options: Options, code: str) -> dict[str, Any]:
+def _about(options: Options) -> dict[str, Any]:
+    from trecsim.study.code import code_digest
+
+    measured = repr((GROUPS, SEEDS, SECONDS, KEPT)).encode()
     return {
         **machine.describe(),
-        "code": code,
+        "code": f"{code_digest()} {hashlib.sha256(measured).hexdigest()[:6]}",
         "quick": options.quick,
-        "input": {"seeds_from": 1000, "seeds": dict(SEEDS), "seconds": SECONDS},
+        "input": {"seeds_from": REPORTING_SEEDS[0], "seeds": SEEDS, "seconds": SECONDS},
         "settings": dict(options.overrides),
-        "skipped": dict(options.skipped),
     }
 
 

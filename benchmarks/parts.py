@@ -7,11 +7,13 @@ else change the `Model`, else replace a function or a constant (`harness/switchi
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from statistics import geometric_mean
 from typing import Any
 
 import numpy as np
 
 from harness.switching import replaced
+from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.images import Images, prepare
@@ -19,6 +21,7 @@ from trecsim.fusion.kernels import Limbs
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
+ACCELS = ("accel_torso", "accel_head", "accel_arm", "accel_leg")
 NEVER, ALWAYS = 1e-9, 1e9  # as times, lengths, shares: so little or much that it is none or all
 
 
@@ -163,7 +166,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("leeway for turns", "key points are judged by the prediction's own variance",
              changes={"kernels.mixture.LEEWAY": 0.0}),
         Part("stiffness by joint", "head, torso, arms and legs bend alike",
-             dict.fromkeys(("accel_torso", "accel_head", "accel_arm", "accel_leg"), 2.0)),
+             dict.fromkeys(ACCELS, geometric_mean(getattr(FusionSettings(), a) for a in ACCELS))),
         Part("velocity of the body", "a joint keeps its own velocity for ever",
              {"velocity_memory_s": ALWAYS}),
         Part("drag-along", "so does a joint that nobody sees", {"drag_memory_s": ALWAYS}),

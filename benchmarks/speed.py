@@ -3,7 +3,8 @@
 A frame set is one image of each camera. Timed is the whole call of `Tracker.step`, association and
 fit, in one thread, after everything is compiled and everybody has come in, which takes a bit more
 than a third of a scene. Rooms grow with the people, so that they do not stand closer than in the
-smaller ones.
+smaller ones. Cameras are ideal ones without distortion; for some sites the same is timed through
+lenses, whose distortion costs time for every key point.
 
 Run: ``python benchmarks/speed.py``
 """
@@ -22,12 +23,14 @@ if TYPE_CHECKING:
     import numpy as np
 
     from trecsim.fusion import FusionSettings
-    from trecsim.simulation.scene import Simulation
+    from trecsim.simulation.scene import Scene, Simulation
 
 PEOPLE = (1, 2, 3, 4, 6, 10, 20, 50)
 CAMERAS = (2, 4, 8, 12)
 FEW_VIEWS = 10  # more people than this with two cameras is no sensible site
 QUICK_CELLS = ((2, 3), (4, 4), (4, 10), (12, 10))
+LENSED_CELLS = ((2, 3), (4, 4))
+LENSED = "per frame set, through lenses"
 SECONDS, WARM_S = 6.0, 2.4  # until then the last ones come in, and their tracks begin
 FPS = 25.0
 ROUNDS = 5
@@ -53,16 +56,28 @@ def room_size_m(people: int) -> tuple[float, float]:
     return round(8.0 * grown, 1), round(6.0 * grown, 1)
 
 
-def cell(cameras: int, people: int, options: Options) -> dict[str, Figure]:
-    """Return the figures of one number of cameras and people."""
-    import numpy as np
-
-    from trecsim.simulation.scene import room_scene, simulate
+def room(cameras: int, people: int, *, lensed: bool = False) -> "Scene":
+    """Return a room with so many cameras and people, `lensed` where the cameras have lenses."""
+    from trecsim.simulation.cameras import Make
+    from trecsim.simulation.room import Floor, pattern_rig
+    from trecsim.simulation.scene import room_scene
 
     width_m, depth_m = room_size_m(people)
     scene = room_scene(
         people=people, cameras=cameras, seconds=SECONDS, width_m=width_m, depth_m=depth_m, fps=FPS
     )
+    if not lensed:
+        return scene
+    floor = Floor(width_m, depth_m, scene.rig.cameras[0].position_m[2])
+    return replace(scene, rig=pattern_rig("corners", floor, cameras, Make(lens="brown")))
+
+
+def cell(scene: "Scene", options: Options) -> dict[str, Figure]:
+    """Return the figures of one scene."""
+    import numpy as np
+
+    from trecsim.simulation.scene import simulate
+
     made = [simulate(scene, seed) for seed in SEEDS]
     settings = options.settings()
     calibrated_ms = calibration_ms()
@@ -151,13 +166,15 @@ def measure(options: Options) -> Figures:
     )  # fmt: skip
     warm_up()
     times: dict[str, dict[str, Figure]] = {}
-    for number, (cameras, people) in enumerate(counts, start=1):
-        times[cell_name(cameras, people)] = found = cell(cameras, people, options)
-        options.tell(
-            f"{number} of {len(counts)}: {cell_name(cameras, people)}: "
-            f"median {found['median'].value:.2f} ms"
-        )
-    figures: dict[str, Figures] = {"per frame set": times}
+    lensed: dict[str, dict[str, Figure]] = {}
+    for cameras, people in counts:
+        name = cell_name(cameras, people)
+        times[name] = cell(room(cameras, people), options)
+        options.tell(f"{name}: median {times[name]['median'].value:.2f} ms")
+        if (cameras, people) in LENSED_CELLS:
+            lensed[name] = cell(room(cameras, people, lensed=True), options)
+            options.tell(f"{name}, lenses: median {lensed[name]['median'].value:.2f} ms")
+    figures: dict[str, Figures] = {"per frame set": times, LENSED: lensed}
     if not options.quick:
         figures["growth"] = growth(times, counts)
     return figures

@@ -8,6 +8,7 @@ from harness.figures import Result
 from harness.machine import busy_with
 from harness.markdown import NOTHING, fixed, number, table, value_of
 from recorded import AUTHORS_FIT_MS, THESIS_FIT_MS, THESIS_INFERENCE_MS
+from speed import LENSED, cell_name
 
 Results = Mapping[str, Result]
 
@@ -25,11 +26,19 @@ def speed(results: Results) -> str:
 def speed_short(results: Results) -> str:
     """Return the medians of a few sites [ms]."""
     _, _, at = grid(results)
+    lensed = partial(value_of, results["speed"].figures, LENSED)
     sites = ((2, 3), (4, 4), (4, 10), (12, 10), (12, 50))
     rows = [
         ["fusion per frame set, median [ms]", *(number(at(c, p, "median")) for c, p in sites)],
         ["95th percentile [ms]", *(number(at(c, p, "p95")) for c, p in sites)],
     ]
+    if LENSED in results["speed"].figures:
+        rows.append(
+            [
+                "median, cameras with lenses that distort [ms]",
+                *(number(lensed(cell_name(c, p), "median")) for c, p in sites),
+            ]
+        )
     made = table(["cameras x people", *(f"{c} x {p}" for c, p in sites)], rows)
     return made + busy(results["speed"])
 
@@ -118,6 +127,6 @@ def grid(results: Results) -> tuple[list[int], list[int], Callable[[int, int, st
     counts = [tuple(int(word) for word in name.split() if word.isdigit()) for name in cells]
 
     def at(cameras: int, people: int, name: str) -> float:
-        return value_of(cells, f"{cameras} cameras, {people} people", name)
+        return value_of(cells, cell_name(cameras, people), name)
 
     return sorted({c for c, _ in counts}), sorted({p for _, p in counts}), at

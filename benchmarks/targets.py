@@ -153,6 +153,10 @@ def _authors(scene: str) -> str:
 def _rooms() -> list[Target]:
     group, where = "simulated rooms, 4 cameras", ("accuracy", "4 cameras, *", "newest")
     regions = "truth in 90 % regions"
+    within: tuple[tuple[str, Relation, float], ...] = (
+        ("at least", ">=", 85),
+        ("at most", "<=", 95),
+    )
     return [
         Target(group, "seeds", (*where, "mean error"), ">=", 20, seeds=True),
         Target(group, "IDF1, up to 10 people", (*where, "IDF1"), ">=", 99.5, "%"),
@@ -165,7 +169,7 @@ def _rooms() -> list[Target]:
         *(Target("honest uncertainty", f"90 % regions contain the truth, {text}, {which}",
                  ("accuracy", "4 cameras, *", lag, regions), relation, limit, "%")
           for lag, text in (("newest", "no lag"), ("lag 0.2 s", "0.2 s lag"))
-          for which, relation, limit in (("at least", ">=", 85), ("at most", "<=", 95))),
+          for which, relation, limit in within),
         *_on_the_floor(),
     ]  # fmt: skip
 

@@ -100,8 +100,8 @@ def draw(path: Path) -> None:
             axes.set(xlim=AROUND_S, ylim=(0, 120))
         error.text(
             UNTIL_S - 0.05,
-            116,
-            "no camera sees the head",
+            106,
+            "head unseen",
             color=GREY,
             fontsize=8,
             va="top",

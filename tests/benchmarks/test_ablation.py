@@ -1,11 +1,14 @@
 """Parts of the fusion can be switched off from outside, and everything is put back."""
 
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 import ablation
 import ablation_tables
+from harness import figures
 from harness.figures import Figures, once, over_seeds, summed
 from harness.switching import NoSuchPart, replaced
 from made_results import result, runs
@@ -126,6 +129,31 @@ def test_parts_without_which_nothing_is_worse_are_listed() -> None:
         "- **better**: better without it: 4 cameras, mean error −0.50 cm.",
     ]
     assert "older (an older version)" in ablation_tables.ablation({"ablation": made})
+
+
+def test_after_an_interrupt_the_rows_that_are_done_are_kept_and_not_done_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[list[str]] = []
+
+    def interrupted(names: list[str], _: object) -> Iterator[tuple[str, Figures]]:
+        asked.append(names)
+        yield from ((name, row(2.0, 0.0)) for name in names[:2])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ablation, "RESULTS", tmp_path)
+    monkeypatch.setattr(ablation, "_run", interrupted)
+    assert [ablation.main([]), ablation.main([])] == [130, 130]
+    assert asked == [list(by_name()), list(by_name())[2:]]
+    kept = figures.stored("ablation", tmp_path)
+    assert kept is not None
+    assert list(kept.figures) == list(by_name())[:4]
+    assert ablation.main(["--only", "recall", "--quick"]) == 130
+    assert asked[-1] == [FULL, "recall"]
+    assert figures.stored("ablation", tmp_path) == kept
+    capsys.readouterr()
+    assert ablation.main(["--only", "wings"]) == 2
+    assert "no part is called wings" in capsys.readouterr().err
 
 
 def test_rows_of_another_version_of_the_code_are_done_anew_and_new_rows_join_in_order() -> None:

@@ -43,6 +43,15 @@ def test_fifty_people_have_the_room_of_ten_each() -> None:
     assert wide_m * deep_m / 50 == pytest.approx(width_m * depth_m / 10, rel=0.01)
 
 
+def test_lenses_are_all_that_differs_between_the_two_rooms() -> None:
+    plain, lensed = speed.room(4, 4), speed.room(4, 4, lensed=True)
+    assert {camera.distortion_model for camera in plain.rig} == {"none"}
+    assert {camera.distortion_model for camera in lensed.rig} == {"brown"}
+    assert plain.cast == lensed.cast
+    for one, other in zip(plain.rig, lensed.rig, strict=True):
+        np.testing.assert_allclose(one.T_cam_world, other.T_cam_world)
+
+
 @pytest.mark.parametrize("seed", speed.SEEDS)
 def test_everybody_is_there_while_times_are_taken(seed: int) -> None:
     scene = room_scene(people=50, cameras=2, seconds=speed.SECONDS, fps=1.0)

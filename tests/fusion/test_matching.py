@@ -131,3 +131,12 @@ def test_a_frame_set_is_associated_image_by_image(seed):
         assert flip[k, 0] == mirrored[k, best[k]]
         assert sure[k, 0] == pytest.approx(share[k, best[k]])
     assert (sure[best < 0, 0] == 0).all()
+
+
+def test_detections_are_free_taken_or_of_a_track_that_one_camera_alone_supports():
+    match = np.array([[0, -1, 5], [1, 3, -1], [-1, -1, -1]])
+    owner = np.empty(6, np.int64)
+    open_ = kernels.owners(match, np.array([9.9, 8.0, 7.0]), 10.0, 0.12, owner)
+    free, taken = kernels.FREE, kernels.TAKEN
+    assert owner.tolist() == [taken, 1, free, 1, free, taken]
+    assert open_ == 4

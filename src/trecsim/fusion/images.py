@@ -80,6 +80,12 @@ class Detections:
         """Return the detections `which`."""
         return Detections(self.cam[which], self.t_s[which], self.xy_px[which], self.factor[which])
 
+    def still_open(self, cam: Int64[np.ndarray, " view"], since_s: float) -> "Detections":
+        """Return those taken since then by cameras other than `cam`, which have looked again."""
+        again = set(cam.tolist())
+        other = [c not in again for c in self.cam.tolist()]
+        return self.take(np.array(other, bool) & (self.t_s >= since_s))
+
     def joined(self, other: "Detections") -> "Detections":
         """Return these detections and then those of `other`."""
         return Detections(

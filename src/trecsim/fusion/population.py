@@ -82,7 +82,7 @@ class Population:
 
     def keep(self, which: Bool[np.ndarray, " track"]) -> "Population":
         """Return only the tracks that `which` marks."""
-        if which.all():
+        if np.count_nonzero(which) == len(which):
             return self
         return Population(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
 

@@ -47,17 +47,20 @@ def snapshot_of(
 
 
 def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model) -> Snapshot:
-    who = np.flatnonzero(people.confirmed & (people.born_s <= t_s + SAME_S))
+    who = (people.confirmed & (people.born_s <= t_s + SAME_S)).nonzero()[0]
     xyz_m, cov_m2 = people.x_m, people.cov_m2
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
         kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
-    xyz_m, cov_m2 = xyz_m[who], cov_m2[who]
+    # NumPy takes rows by `take` in a third of the time that an index needs.
+    xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
     kernels.state_all(
-        model.P, model.focal_px, model.noise, people.joint_s[who], t_s - SUPPORT_S,
-        model.limbs, people.limb_m[who], people.limb_m2[who], xyz_m, cov_m2,
+        model.P, model.focal_px, model.noise, people.joint_s.take(who, axis=0), t_s - SUPPORT_S,
+        model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
+        xyz_m, cov_m2,
     )  # fmt: skip
-    return Snapshot(t_s, people.id[who], xyz_m, cov_m2, lifecycle.support(people, t_s)[who])
+    count = lifecycle.support(people, t_s).take(who, axis=0)
+    return Snapshot(t_s, people.id.take(who), xyz_m, cov_m2, count)
 
 
 def evaluated(

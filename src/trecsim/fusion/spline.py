@@ -70,4 +70,4 @@ class KnotGrid:
 
     def places(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
         """Return `place` of several times."""
-        return np.asarray((t_s - self.origin_s) / self.knot_s - self.first)
+        return np.array([self.place(one_s) for one_s in t_s.tolist()], np.float64)

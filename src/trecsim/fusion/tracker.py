@@ -23,7 +23,6 @@ from trecsim.types import FrameSet, Poses2D, Snapshot
 # Leftover detections of different cameras this close in time may begin a person together [s].
 _PAIR_S = 0.1
 _CLOSE_S = 0.25
-_FREE, _TAKEN = -1, -2
 
 
 class Tracker:
@@ -153,18 +152,17 @@ class Tracker:
         those detections are looked at again, together with what the other cameras cannot explain.
         """
         replaced: set[int] = set()
-        owner = self._owners(images, association)
+        owner, n_open = self._owners(images, association)
         old = self._leftover
         if len(old):
-            again = np.isin(old.cam, images.cam)
-            old = old.take(~again & (self._t_s - old.t_s <= _PAIR_S))
-        open_ = owner != _TAKEN
-        if not len(old) and not open_.any():
+            old = old.still_open(images.cam, self._t_s - _PAIR_S)
+        if not len(old) and not n_open:
             self._leftover = old
             return replaced
+        open_ = owner != kernels.TAKEN
         pool = old.joined(images.detections(open_))
-        owner = np.concatenate([np.full(len(old), _FREE), owner[open_]])
-        free = owner == _FREE
+        owner = np.concatenate([np.full(len(old), kernels.FREE), owner[open_]])
+        free = owner == kernels.FREE
         for candidate in birth.candidates(self._model, pool):
             owners = np.unique(owner[candidate.member])
             owners = owners[owners >= 0]
@@ -182,12 +180,13 @@ class Tracker:
         self._leftover = pool.take(free)
         return replaced
 
-    def _owners(self, images: Images, association: Association) -> Int64[np.ndarray, " person"]:
-        """Return for each detection its lonely track, or whether it is free or taken."""
-        owner = np.full(len(images.xy_px) + 1, _FREE)  # the last one is nobody's, for match -1
-        lonely = self._t_s - self._people.two_s > SUPPORT_S
-        owner[association.match] = np.where(lonely, np.arange(len(lonely)), _TAKEN)[:, None]
-        return owner[:-1]
+    def _owners(
+        self, images: Images, association: Association
+    ) -> tuple[Int64[np.ndarray, " person"], int]:
+        """Return for each detection its lonely track, FREE or TAKEN, and how many are not taken."""
+        owner = np.empty(len(images.xy_px), np.int64)
+        n_open = kernels.owners(association.match, self._people.two_s, self._t_s, SUPPORT_S, owner)
+        return owner, n_open
 
     def _add(
         self,
@@ -235,7 +234,7 @@ class Tracker:
             people, self._model, self._clocks.looking(), self._t_s
         )
         stays = lifecycle.survivors(people, self._model, expected, self._t_s)
-        if not close and not replaced and stays.all():
+        if not close and not replaced and np.count_nonzero(stays) == len(stays):
             return
         alive = np.ones(len(people), bool)
         alive[list(replaced)] = False

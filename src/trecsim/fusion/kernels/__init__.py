@@ -18,7 +18,15 @@ from trecsim.fusion.kernels.information import (
 )
 from trecsim.fusion.kernels.lengths import Limbs
 from trecsim.fusion.kernels.locating import Observed, locate_joint, scratch, sums
-from trecsim.fusion.kernels.matching import associate_all, match_view, responsibility, score_view
+from trecsim.fusion.kernels.matching import (
+    FREE,
+    TAKEN,
+    associate_all,
+    match_view,
+    owners,
+    responsibility,
+    score_view,
+)
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
 from trecsim.fusion.kernels.pairing import pair_scores, ray_midpoint
 from trecsim.fusion.kernels.prefilter import prefilter
@@ -36,6 +44,8 @@ from trecsim.fusion.kernels.undistortion import Undistortion, undistort
 from trecsim.fusion.kernels.visibility import Lenses, Silhouette, expect_all
 
 __all__ = [
+    "FREE",
+    "TAKEN",
     "Lenses",
     "Limbs",
     "Noise",
@@ -64,6 +74,7 @@ __all__ = [
     "locate_joint",
     "match_view",
     "note_support",
+    "owners",
     "pair_scores",
     "prefilter",
     "project",

@@ -9,6 +9,8 @@ from numba import njit
 from trecsim.fusion.kernels.assignment import assign
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
+# A detection that belongs to nobody, and one whose track two cameras support.
+FREE, TAKEN = -1, -2
 # Errors of a detection's key points hang together, so 17 of them are worth about a third.
 TEMPER = 3.0
 
@@ -257,3 +259,30 @@ def associate_all(
                 match[k, v] = first + best[k]
                 flip[k, v] = mirrored[k, best[k]]
                 sure[k, v] = responsibility(ratio, k, best[k], TEMPER)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def owners(match, two_s, now_s, lately_s, owner):
+    """Write to whom each detection belongs, if anybody; return how many may begin somebody new.
+
+    Parameters
+    ----------
+    match
+        Detection of each track in each image or -1, (track, view).
+    two_s, now_s, lately_s
+        When two cameras last supported each track (track,), the time now, and what is lately [s].
+    owner
+        Result, (person,): the track where two cameras have not supported it lately, `TAKEN` where
+        they have, `FREE` for a detection that is nobody's.
+    """
+    for d in range(owner.shape[0]):
+        owner[d] = FREE
+    free = owner.shape[0]
+    for k in range(match.shape[0]):
+        lonely = now_s - two_s[k] > lately_s
+        for v in range(match.shape[1]):
+            if match[k, v] >= 0:
+                owner[match[k, v]] = k if lonely else TAKEN
+                free -= not lonely
+    return free

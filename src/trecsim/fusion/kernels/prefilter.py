@@ -58,16 +58,15 @@ def prefilter(
         Result, (view + 1,): `offset` among the detections that are kept.
     """
     for v in range(cam.shape[0]):
+        undistort(undistortion, cam[v], xy_px[offset[v] : offset[v + 1]])
         for d in range(offset[v], offset[v + 1]):
             for j in range(xy_px.shape[1]):
-                x, y, trust = math.nan, math.nan, LARGEST_FACTOR
-                if score[d, j] >= min_score:
-                    x, y = undistort(undistortion, cam[v], xy_px[d, j, 0], xy_px[d, j, 1])
-                    if abs(x) < FAR_PX and abs(y) < FAR_PX:
-                        trust = score_to_factor(score[d, j], good_score)
-                    else:
-                        x = y = math.nan
-                xy_px[d, j, 0], xy_px[d, j, 1], factor[d, j] = x, y, trust
+                factor[d, j] = LARGEST_FACTOR
+                near = abs(xy_px[d, j, 0]) < FAR_PX and abs(xy_px[d, j, 1]) < FAR_PX
+                if near and score[d, j] >= min_score:
+                    factor[d, j] = score_to_factor(score[d, j], good_score)
+                else:
+                    xy_px[d, j, 0] = xy_px[d, j, 1] = math.nan
     blot_out_twins(offset, xy_px, factor)
     close_up(xy_px, factor, offset, min_joints, kept)
 

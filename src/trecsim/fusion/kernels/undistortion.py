@@ -1,6 +1,6 @@
 """Key points as the ideal pinhole camera would see them; the twin is `Camera.undistort`.
 
-These functions take and return numbers instead of arrays, as those of the mixture do.
+The inner functions take and return numbers instead of arrays, as those of the mixture do.
 """
 
 import math
@@ -73,10 +73,10 @@ def invert_brown(k, limit, table, x_d, y_d):
     k1, k2, p1, p2, k3, k4, k5, k6 = k[0], k[1], k[2], k[3], k[4], k[5], k[6], k[7]
     for _ in range(NEWTON_STEPS):
         s = x * x + y * y
-        low = 1.0 + s * (k4 + s * (k5 + s * k6))
-        factor = (1.0 + s * (k1 + s * (k2 + s * k3))) / low
+        high = 1.0 / (1.0 + s * (k4 + s * (k5 + s * k6)))
+        factor = (1.0 + s * (k1 + s * (k2 + s * k3))) * high
         slope = k1 + s * (2.0 * k2 + s * 3.0 * k3)
-        slope = (slope - factor * (k4 + s * (2.0 * k5 + s * 3.0 * k6))) / low
+        slope = (slope - factor * (k4 + s * (2.0 * k5 + s * 3.0 * k6))) * high
         spread = factor + 2.0 * (p1 * y + p2 * x)
         dx, dy = x_d - x * spread - p2 * s, y_d - y * spread - p1 * s
         off = abs(dx) + abs(dy)
@@ -85,8 +85,8 @@ def invert_brown(k, limit, table, x_d, y_d):
         xx = spread + 2.0 * x * (x * slope + 2.0 * p2)
         xy = 2.0 * (x * y * slope + p1 * x + p2 * y)
         yy = spread + 2.0 * y * (y * slope + 2.0 * p1)
-        det = xx * yy - xy * xy
-        x, y = x + (yy * dx - xy * dy) / det, y + (xx * dy - xy * dx) / det
+        by_det = 1.0 / (xx * yy - xy * xy)
+        x, y = x + (yy * dx - xy * dy) * by_det, y + (xx * dy - xy * dx) * by_det
     if off <= MISSED * (1.0 + s) and s <= limit[0] * limit[0]:
         return x, y
     return math.nan, math.nan
@@ -116,21 +116,30 @@ def invert_fisheye(k, limit, table, x_d, y_d):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def undistort(lenses, cam, u, v):
-    """Return where the ideal pinhole camera of the same K would see the raw pixel ``u, v`` [px].
+def undistort(lenses, cam, xy_px):
+    """Turn raw pixels into those that the ideal pinhole camera of the same K would see, in place.
 
-    NaN where the lens has no inverse.
+    Parameters
+    ----------
+    lenses
+        The `Undistortion` of all cameras.
+    cam
+        The one that took the image.
+    xy_px
+        Key points (person, joint, 2); they become NaN where the lens has no inverse [px].
     """
     model = lenses.model[cam]
     if model == IDEAL:
-        return u, v
+        return
     K = lenses.pinhole[cam]
     fx, skew, cx, fy, cy = K[0], K[1], K[2], K[3], K[4]
-    y_d = (v - cy) / fy
-    x_d = (u - cx - skew * y_d) / fx
     k, limit, table = lenses.coefficient[cam], lenses.limit[cam], lenses.table[cam]
-    if model == BROWN:
-        x, y = invert_brown(k, limit, table, x_d, y_d)
-    else:
-        x, y = invert_fisheye(k, limit, table, x_d, y_d)
-    return fx * x + skew * y + cx, fy * y + cy
+    for d in range(xy_px.shape[0]):
+        for j in range(xy_px.shape[1]):
+            y = (xy_px[d, j, 1] - cy) / fy
+            x = (xy_px[d, j, 0] - cx - skew * y) / fx
+            if model == BROWN:
+                x, y = invert_brown(k, limit, table, x, y)
+            else:
+                x, y = invert_fisheye(k, limit, table, x, y)
+            xy_px[d, j, 0], xy_px[d, j, 1] = fx * x + skew * y + cx, fy * y + cy
