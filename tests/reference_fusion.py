@@ -169,3 +169,57 @@ def lasting_m2(model, j, x, seeing, most_m=0.1):
         J = jacobian(model.P[c], x)
         info += J.T @ J / (model.noise.lasting * (sigma_px**2 + model.noise.floor_px**2))
     return np.linalg.inv(info)
+
+
+def spread_over(span, weights, n):
+    """Return the rows that pick one point of a curve out of its `n` control values, (3, n)."""
+    B = np.zeros((3, n))
+    for m in range(4):
+        B[:, 3 * (span + m) : 3 * (span + m) + 3] = weights[m] * np.eye(3)
+    return B
+
+
+def banded(rng, n=24):
+    """Draw a square-root information as the kernels keep it: upper triangular, four points wide."""
+    R = np.triu(rng.normal(0, 0.2, (n, n)))  # small beside the diagonal: it can be inverted
+    for i in range(n):
+        R[i, (i // 3) * 3 + 12 :] = 0.0
+    R[np.diag_indices(n)] = rng.uniform(0.5, 2.0, n)
+    return R
+
+
+def marginalised(information, vector, first):
+    """Take the first unknowns out of a Gaussian in information form (Schur complement)."""
+    a, b = slice(first), slice(first, None)
+    gain = information[b, a] @ np.linalg.inv(information[a, a])
+    return information[b, b] - gain @ information[a, b], vector[b] - gain @ vector[a]
+
+
+def motion_rows(n, stiffness, memory, drift_m):
+    """Return rows and right-hand sides that tie the newest of the control points to two before."""
+    rows = np.zeros((3, n))
+    for a in range(3):
+        rows[a, n - 9 + a] = memory * stiffness
+        rows[a, n - 6 + a] = -(1.0 + memory) * stiffness
+        rows[a, n - 3 + a] = stiffness
+    return rows, (1.0 - memory) * stiffness * np.asarray(drift_m)
+
+
+def learnt(length_m, length_m2, measured_m, measured_m2, share):
+    """Combine a length with a measurement of it as two Gaussians, by precision."""
+    precision = 1.0 / length_m2 + share / measured_m2
+    mean = (length_m / length_m2 + share * measured_m / measured_m2) / precision
+    return mean, max(1.0 / precision, 0.005**2)
+
+
+def log_mixture(P, focal_px, seen, noise, prior_m2, shift_m):
+    """Return the log density of a joint's key points under the mixture, and of its shift."""
+    total = -0.5 * shift_m @ np.linalg.solve(prior_m2, shift_m)
+    for v, cam in enumerate(seen.cam):
+        x = seen.xyz_m[v] + shift_m
+        m_per_px = depth(P[cam], x) / focal_px[cam]
+        e = seen.xy_px[v] - project(P[cam], x)
+        var = (seen.sigma_m[v] / m_per_px) ** 2 + noise.floor_px**2
+        student = (1.0 + e @ e / var / noise.tail) ** (-(noise.tail + 2.0) / 2.0)
+        total += seen.worth[v] * np.log1p(noise.odds_m2 / (m_per_px**2 * var) * student)
+    return total

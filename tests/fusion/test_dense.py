@@ -1,0 +1,245 @@
+"""Kernels that keep a root, a band or a sum, against the same with dense matrices; their laws."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import reference_fusion as reference
+from fusion.somebody import MODEL
+from trecsim.fusion import kernels
+from trecsim.fusion.kernels import information, lengths, locating
+from trecsim.fusion.kernels.fitting import fold_moments
+from trecsim.fusion.kernels.locating import newton_step
+
+SEEDS = st.integers(0, 2**32 - 1)
+N, LIVE = 24, 8
+
+
+def positive(rng, scale=1.0):
+    A = rng.normal(0, scale, (3, 3))
+    return A @ A.T + 1e-3 * scale**2 * np.eye(3)
+
+
+def placed(place):
+    weights = np.empty(4)
+    return kernels.locate(place, LIVE, weights), weights
+
+
+@given(SEEDS, st.integers(0, 4))
+def test_folding_three_rows_at_once_is_folding_one_after_the_other(seed, first):
+    rng = np.random.default_rng(seed)
+    R, z = reference.banded(rng), rng.normal(size=N)
+    rows, y = np.zeros((3, N)), rng.normal(size=3)
+    rows[:, 3 * first : 3 * first + 12] = rng.normal(size=(3, 12)) * rng.integers(0, 2, (3, 1))
+    singly, z_singly = R.copy(), z.copy()
+    for row, value in zip(rows, y, strict=True):
+        kernels.fold_row(singly, z_singly, row.copy(), value, 3 * first)
+    information.fold_block(R, z, rows.copy(), y.copy(), 3 * first)
+    np.testing.assert_allclose(np.abs(R), np.abs(singly), atol=1e-9)
+    np.testing.assert_allclose(R.T @ z, singly.T @ z_singly, atol=1e-9)
+
+
+@given(SEEDS)
+def test_back_substitution_solves_the_banded_equations(seed):
+    rng = np.random.default_rng(seed)
+    R, z, c = reference.banded(rng), rng.normal(size=N), np.empty(N)
+    kernels.control_points(R, z, c)
+    np.testing.assert_allclose(R @ c, z, atol=1e-6 * (1 + np.abs(c).max()))
+
+
+@given(SEEDS, st.floats(0, 5))
+def test_the_covariance_of_a_point_is_that_of_the_dense_inverse(seed, place):
+    rng = np.random.default_rng(seed)
+    R = reference.banded(rng)
+    B = reference.spread_over(*placed(place), N)
+    got = np.empty((1, 1, 3, 3))
+    kernels.covariance_all(R[None, None], place, got)
+    expected = B @ np.linalg.inv(R.T @ R) @ B.T
+    np.testing.assert_allclose(got[0, 0], expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
+
+
+@given(SEEDS, st.floats(0.0, 1.0), st.floats(0.1, 100.0))
+def test_moving_on_takes_out_the_oldest_point_and_ties_the_newest(seed, memory, stiffness):
+    rng = np.random.default_rng(seed)
+    R, z, c = reference.banded(rng), rng.normal(size=N), np.empty(N)
+    drift_m = rng.normal(0, 0.1, 3)
+    kernels.control_points(R, z, c)
+    past, vector = reference.marginalised(R.T @ R, R.T @ z, 3)
+    rows, right = reference.motion_rows(N, stiffness, memory, drift_m)
+    expected = np.pad(past, (0, 3)) + rows.T @ rows
+    expected_vector = np.pad(vector, (0, 3)) + rows.T @ right
+    information.extend(R, z, c, stiffness, memory, drift_m, np.empty(N))
+    scale = np.abs(expected).max()
+    np.testing.assert_allclose(R.T @ R, expected, atol=1e-9 * scale)
+    np.testing.assert_allclose(R.T @ z, expected_vector, atol=1e-8 * scale * (1 + np.abs(c).max()))
+    np.testing.assert_allclose(R @ c, z, atol=1e-8 * scale * (1 + np.abs(c).max()))
+
+
+@given(SEEDS)
+def test_a_step_to_the_best_shift_is_that_of_least_squares(seed):
+    rng = np.random.default_rng(seed)
+    prior, before = positive(rng, 0.1), rng.normal(0, 0.1, 3)
+    total = kernels.sums(2, 3)
+    locating.clear(total, 1)
+    A, b = [np.linalg.cholesky(np.linalg.inv(prior)).T], [np.zeros(3)]
+    for m in range(3):
+        rows, right = rng.normal(0, 30, (2, 3)), rng.normal(0, 3, 2)
+        total.info[1, m], total.rhs[1, m] = rows.T @ rows, rows.T @ right
+        A.append(rows)
+        b.append(right)
+    shift, cov = before.copy(), np.empty((3, 3))
+    moved = newton_step(total, 1, prior, shift, cov, kernels.scratch(N))
+    stacked = np.vstack(A)
+    expected = np.linalg.lstsq(stacked, np.concatenate(b), rcond=None)[0]
+    np.testing.assert_allclose(shift, expected, atol=1e-8)
+    np.testing.assert_allclose(cov, np.linalg.inv(stacked.T @ stacked), rtol=1e-6, atol=1e-12)
+    assert moved == pytest.approx(((expected - before) ** 2).sum(), abs=1e-9)
+
+
+@given(SEEDS, st.integers(1, 3))
+def test_every_moment_enters_the_curve_at_its_mean_time(seed, moments):
+    rng = np.random.default_rng(seed)
+    R, z, c = reference.banded(rng), rng.normal(size=N), np.empty(N)
+    kernels.control_points(R, z, c)
+    expected, vector = R.T @ R, R.T @ z
+    total = kernels.sums(1, moments + 1)  # the last one is empty
+    locating.clear(total, 0)
+    for m in range(moments):
+        place, weight = rng.uniform(0, 5), rng.uniform(0.5, 9.0)
+        info, shift = positive(rng, 3.0), rng.normal(0, 0.1, 3)
+        total.info[0, m], total.rhs[0, m] = info, info @ shift
+        total.place[0, m], total.weight[0, m] = place * weight, weight
+        B = reference.spread_over(*placed(place), N)
+        expected = expected + B.T @ info @ B
+        vector = vector + B.T @ info @ (B @ c + shift)
+    fold_moments(R, z, c, total, 0, kernels.scratch(N))
+    np.testing.assert_allclose(R.T @ R, expected, atol=1e-7)
+    np.testing.assert_allclose(
+        c, np.linalg.solve(expected, vector), atol=1e-6 * (1 + np.abs(c).max())
+    )
+
+
+def test_a_trajectory_stays_sound_through_thousands_of_frames():
+    """Information from none to that of a micrometre, in any direction, at any time, for an hour."""
+    rng = np.random.default_rng(12)
+    R, z, c = np.zeros((1, 1, N, N)), np.zeros((1, 1, N)), np.zeros((1, 1, N))
+    kernels.start_all(R[0], z[0], c[0], np.ones((1, 3)), np.array([0.4]), 0.15, np.array([15.0]))
+    cov = np.empty((1, 1, 3, 3))
+    for step in range(3000):
+        if step % 3 == 0:
+            information.extend(R[0, 0], z[0, 0], c[0, 0], 15.0, 0.85, np.zeros(3), np.empty(N))
+        direction = rng.normal(size=(rng.integers(0, 4), 3)) * 10 ** rng.uniform(-3, 6)
+        info = direction.T @ direction
+        span, weights = placed(rng.uniform(0, 5))
+        kernels.fold_gaussian(
+            R[0, 0], z[0, 0], info.copy(), info @ rng.normal(0, 0.01, 3),
+            1e-6 * np.trace(info), np.ones(3), span, weights, np.empty((3, N)), np.empty(3),
+        )  # fmt: skip
+        assert (np.diag(R[0, 0]) > 0).all()
+        assert not np.tril(R[0, 0], -1).any()
+    kernels.control_points(R[0, 0], z[0, 0], c[0, 0])
+    for place in np.linspace(0, 5, 11):
+        kernels.covariance_all(R, place, cov)
+        np.testing.assert_allclose(cov[0, 0], cov[0, 0].T, rtol=1e-9, atol=0)
+        assert (np.linalg.eigvalsh(cov[0, 0]) > 0).all()
+    assert np.abs(c - 1.0).max() < 1.0
+
+
+def key_points(rng, cameras=4, spread_px=4.0):
+    joint = rng.normal([0, 0, 1.1], 0.4)
+    xy = np.array([reference.project(P, joint) for P in MODEL.P[:cameras]])
+    xy += rng.normal(0, spread_px, (cameras, 2))
+    if rng.random() < 0.5:  # one shows something else
+        xy[rng.integers(cameras)] += rng.normal(0, 100, 2)
+    return kernels.Observed(
+        np.arange(cameras), np.full(cameras, 1.5), np.zeros(cameras, np.int64),
+        np.tile(joint + rng.normal(0, 0.05, 3), (cameras, 1)), xy, np.full(cameras, 0.02),
+        np.ones(cameras),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_em_climbs_the_mixtures_log_density(seed):
+    """It may lose a little on the way, as its E step reckons with what is uncertain yet."""
+    rng = np.random.default_rng(seed)
+    seen, prior, n = key_points(rng), positive(rng, 0.06) + 1e-3 * np.eye(3), 4
+    shift, cov, inlier = np.zeros(3), np.empty((3, 3)), np.empty(n)
+    climbed = [reference.log_mixture(MODEL.P, MODEL.focal_px, seen, MODEL.noise, prior, shift)]
+    for steps in range(1, 7):
+        kernels.locate_joint(
+            MODEL.P, MODEL.focal_px, seen, n, prior, MODEL.noise, steps, kernels.sums(1, 1), 0,
+            shift, cov, inlier, kernels.scratch(N),
+        )  # fmt: skip
+        climbed.append(
+            reference.log_mixture(MODEL.P, MODEL.focal_px, seen, MODEL.noise, prior, shift)
+        )
+    assert np.diff(climbed).min() > -0.2
+    assert climbed[-1] >= max(climbed) - 0.2
+    assert climbed[-1] > climbed[0]
+
+
+@given(SEEDS)
+def test_an_images_equations_have_the_gradient_of_its_squared_residual(seed):
+    """Central differences of ``weight / 2 |residual|^2`` over the shift."""
+    rng = np.random.default_rng(seed)
+    cam, x, shift = int(rng.integers(4)), rng.normal([0, 0, 1], 0.4), rng.normal(0, 0.05, 3)
+    xy, weight = reference.project(MODEL.P[cam], x) + rng.normal(0, 20, 2), rng.uniform(0.1, 2)
+
+    def cost(d):
+        e = xy - reference.project(MODEL.P[cam], x + d)
+        return 0.5 * weight * e @ e
+
+    _, u, v, du, dv = kernels.project(MODEL.P, cam, *(x + shift))
+    info, rhs = np.zeros((3, 3)), np.zeros(3)
+    size = locating.add_image(info, rhs, weight, du, dv, xy[0] - u, xy[1] - v, shift)
+    step = 1e-6 * np.eye(3)
+    gradient = [(cost(shift + d) - cost(shift - d)) / 2e-6 for d in step]
+    np.testing.assert_allclose(info @ shift - rhs, gradient, rtol=1e-4, atol=1e-2)
+    assert size == pytest.approx(np.trace(info))
+
+
+LIMBS = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2))
+
+
+@given(SEEDS, st.floats(0.001, 2.0))
+def test_a_length_is_learnt_as_two_gaussians_are_combined(seed, elapsed_s):
+    rng = np.random.default_rng(seed)
+    x, cov = rng.normal(0, 0.5, (3, 3)), np.stack([positive(rng, 0.02) for _ in range(3)])
+    limb_m, limb_m2 = rng.uniform(0.2, 0.6, 2), rng.uniform(0.01, 0.1, 2) ** 2
+    before_m, before_m2 = limb_m.copy(), limb_m2.copy()
+    lengths.learn(x, cov, np.array([3, 2, 1]), LIMBS, limb_m, limb_m2, elapsed_s)
+    d = x[1] - x[0]
+    length = np.linalg.norm(d)
+    var = (d / length) @ (cov[0] + cov[1]) @ (d / length) + 0.02**2 + LIMBS.slack_m2[0]
+    expected = reference.learnt(before_m[0], before_m2[0], length, var, min(1.0, elapsed_s / 0.5))
+    np.testing.assert_allclose([limb_m[0], limb_m2[0]], expected, rtol=1e-9)
+    # One camera alone teaches nothing.
+    assert (limb_m[1], limb_m2[1]) == (before_m[1], before_m2[1])
+
+
+def test_lengths_converge_and_are_never_surer_than_they_can_be():
+    rng = np.random.default_rng(4)
+    true_m, limb_m, limb_m2 = np.array([0.3, 0.25]), np.full(2, 0.45), np.full(2, 0.07**2)
+    ends = np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.25, 0]])
+    for _ in range(4000):
+        noisy = ends + rng.normal(0, 0.01, (3, 3))
+        cov = np.tile(np.eye(3) * 0.01**2, (3, 1, 1))
+        lengths.learn(noisy, cov, np.full(3, 2), LIMBS, limb_m, limb_m2, 0.04)
+        assert (limb_m2 >= 0.005**2 - 1e-12).all()
+    np.testing.assert_allclose(limb_m, true_m, atol=0.005)
+    np.testing.assert_allclose(limb_m2, 0.005**2, rtol=0.05)
+
+
+def test_time_that_stands_still_teaches_no_length():
+    limb_m, limb_m2 = np.full(2, 0.45), np.full(2, 0.07**2)
+    x, cov = np.eye(3), np.tile(np.eye(3) * 1e-4, (3, 1, 1))
+    lengths.learn(x, cov, np.full(3, 4), LIMBS, limb_m, limb_m2, 0.0)
+    assert (limb_m.tolist(), limb_m2.tolist()) == ([0.45, 0.45], [0.07**2] * 2)
+
+
+@given(SEEDS)
+def test_the_inverse_of_three_by_three_is_the_inverse(seed):
+    A, out = positive(np.random.default_rng(seed)), np.empty((3, 3))
+    information.invert3(A, out)
+    np.testing.assert_allclose(out @ A, np.eye(3), atol=1e-7)
