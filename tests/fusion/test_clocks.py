@@ -66,6 +66,16 @@ def test_a_camera_whose_clock_runs_fast_is_left_out_once_it_is_too_far_ahead(n_c
     assert sum(c == 1 for c, _ in taken) < 80
 
 
+@pytest.mark.parametrize("far_s", [-1e6, -5.0, 5.0, 1e6])
+def test_a_wrong_clock_that_is_heard_while_the_others_wait_makes_nobody_seem_ahead(far_s):
+    """As when images of the others wait for a camera that has just fallen silent."""
+    before = arriving(4, 1.0)
+    alone = [[(3, far_s + n / FPS)] for n in range(25)]
+    after = [[(c, 1.0 + (n + c / 4) / FPS) for c in (1, 2)] for n in range(50)]
+    taken = used(Clocks(4), before + alone + after)
+    assert [image for image in taken if image[1] >= 1.0] == [one for pair in after for one in pair]
+
+
 @pytest.mark.parametrize("pause_s", [0.5, 1.0, 1.9])
 @pytest.mark.parametrize("n_cam", [1, 2, 4])
 def test_after_a_pause_of_all_cameras_time_goes_on(pause_s, n_cam):

@@ -67,7 +67,7 @@ class Clocks:
             return [], False
         if math.isinf(self.now_s):
             self.now_s = median(t_s)
-        ahead = self._told.ahead(cam, t_s)
+        ahead = self._told.ahead(cam, t_s, self.now_s)
         far = self._far(t_s)
         for c, is_far in zip(cam, far, strict=True):
             self._jumped[c] = is_far
@@ -109,18 +109,25 @@ class _Told:
         self._heard_s = [-math.inf] * n_cam
         self._passed_s = 0.0
 
-    def ahead(self, cam: Sequence[int], t_s: Sequence[float]) -> list[int]:
-        """Write down what the cameras tell; return which images are too far ahead of the others."""
+    def ahead(self, cam: Sequence[int], t_s: Sequence[float], now_s: float) -> list[int]:
+        """Write down what the cameras tell; return which images are too far ahead of the others.
+
+        Cameras that have jumped, so far from `now_s` that their images are not used, do not count.
+        """
         for c, t in zip(cam, t_s, strict=True):
             self._note(c, t)
         since_s = self._passed_s - SILENT_S
-        alive = [t for t, heard in zip(self._told_s, self._heard_s, strict=True) if heard > since_s]
-        if max(t_s) - min(alive) <= AHEAD_S:  # nearly always
+        alive = [
+            (t, o)
+            for o, (t, heard) in enumerate(zip(self._told_s, self._heard_s, strict=True))
+            if heard > since_s and abs(t - now_s) <= JUMP_S
+        ]
+        if not alive or max(alive)[0] - min(alive)[0] <= AHEAD_S:  # nearly always
             return []
         return [
             v
             for v, (c, t) in enumerate(zip(cam, t_s, strict=True))
-            if self._is_ahead(c, t, since_s)
+            if self._is_ahead(c, t, [told for told, o in alive if o != c])
         ]
 
     def _note(self, c: int, t_s: float) -> None:
@@ -134,13 +141,9 @@ class _Told:
         self._own_s[c] = max(self._own_s[c], self._passed_s - SILENT_S) + step_s
         self._passed_s = self._heard_s[c] = max(self._passed_s, self._own_s[c])
 
-    def _is_ahead(self, c: int, t_s: float, since_s: float) -> bool:
-        others = sorted(
-            told
-            for o, (told, heard) in enumerate(zip(self._told_s, self._heard_s, strict=True))
-            if o != c and heard > since_s
-        )
-        if not others:
+    def _is_ahead(self, c: int, t_s: float, others_s: list[float]) -> bool:
+        if not others_s:
             return False
-        limit_s = AHEAD_S if len(others) > 1 else AHEAD_OF_ONE_S
-        return t_s - others[(len(others) - 1) // 2] > max(limit_s, 1.5 * self._usual_s[c])
+        limit_s = AHEAD_S if len(others_s) > 1 else AHEAD_OF_ONE_S
+        middle_s = sorted(others_s)[(len(others_s) - 1) // 2]
+        return t_s - middle_s > max(limit_s, 1.5 * self._usual_s[c])
