@@ -40,7 +40,7 @@ GROUPS: dict[str, tuple[str, tuple[Any, ...]]] = {
 }
 DATA = {"thesis": "thesis_scenes", "shelf": "shelf"}
 SECONDS = 20.0
-SEEDS = {"room": 10, "scene": 4}
+SEEDS = {"room": 8, "scene": 4}
 QUICK_SEEDS = 2
 KEPT = ("mean error", "limb length sd", "IDF1", "switches", "missed", "ghosts", "away from 90 %")
 

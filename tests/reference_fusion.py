@@ -206,3 +206,72 @@ def log_mixture(P, focal_px, seen, noise, prior_m2, shift_m):
         student = (1.0 + e @ e / var / noise.tail) ** (-(noise.tail + 2.0) / 2.0)
         total += seen.worth[v] * np.log1p(noise.odds_m2 / (m_per_px**2 * var) * student)
     return total
+
+
+def ray(camera, xy_px):
+    """Direction from a camera through a pixel of its ideal image."""
+    R = camera.T_cam_world[:3, :3]
+    direction = R.T @ np.linalg.solve(camera.K, np.append(xy_px, 1.0))
+    return direction / np.linalg.norm(direction)
+
+
+def met(eyes, xy_px):
+    """Where the rays of two cameras through one pixel each meet, and how far apart they pass."""
+    if np.isnan(xy_px).any():
+        return np.full(3, np.nan), np.nan
+    u, v = (ray(camera, xy) for camera, xy in zip(eyes, xy_px, strict=True))
+    p, q = (camera.position_m for camera in eyes)
+    point, gap = midpoint(p, u, q, v)
+    near = min((point - p) @ u, (point - q) @ v) < 0.2
+    return (point, np.nan) if near or 1 - (u @ v) ** 2 < 1e-3 else (point, gap)
+
+
+def pair_score(eyes, xy_px, trust, bones, bone_m, noise):
+    """Compare two detections of two cameras with chance: rays that meet, limbs of human length.
+
+    `xy_px` (2, joint, 2) is undistorted. Both readings of left and right are tried; at least 0.
+    """
+    best = 0.0
+    for flipped, other in enumerate((np.arange(len(noise.mirror)), noise.mirror)):
+        total, points = flipped * noise.log_flip, np.full((len(other), 3), np.nan)
+        for j, m in enumerate(other):
+            point, gap = met(eyes, (xy_px[0, j], xy_px[1, m]))
+            if np.isnan(gap):
+                continue
+            sigma = noise.sigma_m[j] * np.hypot(trust[0, j], trust[1, m])
+            inlier = multivariate_normal(0, sigma**2).pdf(gap)
+            total += np.log((1 - noise.outlier_share) * inlier + noise.outlier_share)
+            if gap < 3 * sigma:
+                points[j] = point
+        for (a, b), usual in zip(bones, bone_m, strict=True):
+            length = np.linalg.norm(points[a] - points[b])
+            if np.isfinite(length):
+                total += max(1.3 - 4 * np.log(length / usual) ** 2, -4.0)
+        if np.isfinite(points[:, 0]).sum() >= 4:
+            best = max(best, total)
+    return best
+
+
+def exchange_gains(match, view_of, score, clear):
+    """Try every other pair of detections for every track that has exactly two, one by one.
+
+    `score(i, k)` says how well two detections fit each other.
+    """
+    gains = np.full(len(match), -np.inf)
+    pairs = [tuple(row[row >= 0]) for row in match]
+    held = {d for pair in pairs for d in pair}
+    for k, own in enumerate(pairs):
+        if len(own) != 2 or score(*own) >= clear:
+            continue
+        views = [view_of[d] for d in own]
+        for n, other in enumerate(pairs):
+            if n != k and len(other) == 2 and [view_of[d] for d in other] == views:
+                both = score(own[0], other[1]) + score(other[0], own[1])
+                gain = both - score(*own) - score(*other)
+                gains[[k, n]] = np.maximum(gains[[k, n]], gain)
+        for d in set(range(len(view_of))) - held:
+            if view_of[d] == views[0]:
+                gains[k] = max(gains[k], score(d, own[1]) - score(*own))
+            if view_of[d] == views[1]:
+                gains[k] = max(gains[k], score(own[0], d) - score(*own))
+    return gains

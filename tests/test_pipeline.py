@@ -125,6 +125,42 @@ def test_a_run_that_is_stopped_keeps_what_it_has(checked: CheckedSite, tmp_path:
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["ended"] == "stopped"
 
 
+def test_a_run_that_is_interrupted_says_what_it_keeps(checked: CheckedSite, tmp_path: Path) -> None:
+    def interrupt(done: int, total: int | None) -> None:
+        if done == 100:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match=r"after \d+ frame sets; .* kept in .*out"):
+        run(checked, tmp_path / "out", progress=interrupt)
+    assert len(list(read_tracks(tmp_path / "out"))) > 20
+
+
+def test_a_run_that_is_interrupted_before_its_first_frame_set_leaves_nothing(
+    checked: CheckedSite, tmp_path: Path
+) -> None:
+    def interrupt(done: int, total: int | None) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="nothing is kept"):
+        run(checked, tmp_path / "out", progress=interrupt)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_tells_now_and_then_how_far_it_is(
+    checked: CheckedSite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[int] = []
+    monkeypatch.setattr(pipeline, "TELL_EVERY_S", 0.0)
+    run(checked, tmp_path / "out", tell=lambda tally: told.append(tally.frame_sets))
+    assert len(told) == 120
+    assert told == sorted(told)
+    assert told[-1] >= 39
+    told.clear()
+    monkeypatch.setattr(pipeline, "TELL_EVERY_S", 1e9)
+    run(checked, tmp_path / "again", tell=lambda tally: told.append(tally.frame_sets))
+    assert told == []
+
+
 def test_a_recording_that_breaks_off_is_told_and_what_came_before_kept(
     tmp_path: Path,
 ) -> None:

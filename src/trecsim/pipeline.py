@@ -41,6 +41,7 @@ from trecsim.tracking import Tally, follow
 from trecsim.types import Poses2D
 
 Progress = Callable[[int, int | None], None]
+TELL_EVERY_S = 60.0
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
 Ended = Literal["complete", "stopped", "failed"]
 
@@ -160,6 +161,7 @@ def run(
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
     remark: Callable[[str], None] = lambda text: None,
+    tell: Callable[[Tally], None] = lambda tally: None,
 ) -> RunSummary:
     """Run a site on its recordings; keep tracks, rig, timings, a summary and a picture.
 
@@ -175,6 +177,8 @@ def run(
         Asked after each image; True ends the run as if the recordings ended there.
     remark
         Is called with what is worth knowing without being wrong.
+    tell
+        Is called once a minute with how far the fusion is.
 
     Raises
     ------
@@ -182,21 +186,25 @@ def run(
         When a recording turns out wrong; what was finished before is kept.
     SetupError
         When the machine lacks something, or the disk has no room; what was recorded is kept.
+    KeyboardInterrupt
+        When it is interrupted, other than by `stop`; its text says what is kept.
     """
     folder = _new_folder(out, checked)
     began_s = time.monotonic()
-    watch = _Watch(progress, stop, _image_count(checked))
+    watch = _Watch(progress, stop, tell, _image_count(checked))
     try:
         fault = _record(checked, folder, watch)
+        if fault is not None and watch.tally.frame_sets == 0:
+            _discard(folder)
+            raise fault
+        summary = watch.summary(checked.file.site.name, folder, began_s, fault)
+        _write_summary(summary, checked)
+        _draw_paths(summary, checked.rig, checked.file.site.output.paths_s, remark)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
     finally:
         with suppress(OSError):  # there is something in it, and that is kept
             folder.rmdir()
-    if fault is not None and watch.tally.frame_sets == 0:
-        _discard(folder)
-        raise fault
-    summary = watch.summary(checked.file.site.name, folder, began_s, fault)
-    _write_summary(summary, checked)
-    _draw_paths(summary, checked.rig, checked.file.site.output.paths_s, remark)
     if fault is not None:
         raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
     return summary
@@ -254,12 +262,14 @@ class _Watch:
 
     progress: Progress | None
     stop: Callable[[], bool]
+    tell: Callable[[Tally], None]
     image_count: int | None
     tally: Tally = field(default_factory=Tally)
     stopped: bool = False
     done: int = 0
     first_s: float | None = None
     last_s: float | None = None
+    told_s: float = field(default_factory=time.monotonic)
 
     def images(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
         for one in poses:
@@ -267,6 +277,9 @@ class _Watch:
             self.done += 1
             if self.progress is not None:
                 self.progress(self.done, self.image_count)
+            if time.monotonic() - self.told_s >= TELL_EVERY_S:
+                self.told_s = time.monotonic()
+                self.tell(self.tally)
             if self.stop():
                 self.stopped = True
                 return
@@ -325,7 +338,22 @@ def _discard(folder: Path) -> None:
     """Remove what a run that did not get to its first frame set has made."""
     for name in ("tracks.parquet", POSES, TIMING, RIG):
         (folder / name).unlink(missing_ok=True)
+        partial_path(folder / name).unlink(missing_ok=True)
     folder.rmdir()
+
+
+def _interrupted(folder: Path, tally: Tally) -> str:
+    """Say what an interruption leaves; remove what holds nothing."""
+    if tally.frame_sets == 0:
+        with suppress(OSError):
+            _discard(folder)
+        return "stopped by Ctrl-C before the first frame set; nothing is kept"
+    ended = (folder / "summary.json").exists()
+    missing = "a picture" if ended else "a summary"
+    return (
+        f"stopped at once by Ctrl-C after {tally.frame_sets} frame sets; what was finished before "
+        f"is kept in {folder}, without {missing}"
+    )
 
 
 def _write_summary(summary: RunSummary, checked: CheckedSite) -> None:

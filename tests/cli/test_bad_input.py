@@ -182,3 +182,35 @@ def test_ctrl_c_ends_a_run_in_order(folder: Path) -> None:
     assert re.search(r"trecsim: stopped by Ctrl-C; out: 1 person in \d+ frame sets", err), err
     assert (folder / "out" / "summary.json").exists()
     assert 10 < len(list(read_tracks(folder / "out"))) < 400
+
+
+@pytest.mark.parametrize("where", ["_write_summary", "_draw_paths"])
+def test_a_second_ctrl_c_ends_a_run_at_once_and_says_what_is_kept(folder: Path, where: str) -> None:
+    """The first ends the recording; writing the summary, or drawing the picture, then hangs."""
+    make_site(folder, moments=400)
+    hang = SLOW + f"pipeline.{where} = lambda *given: time.sleep(60)\n"
+    running = subprocess.Popen(
+        command("run", "site.toml", "--out", "out", before=hang),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    parts = folder / "out" / "tracks.parquet.parts"
+    while running.poll() is None and not list(parts.glob("*.parquet")):
+        time.sleep(0.05)
+    running.send_signal(signal.SIGINT)
+    while running.poll() is None and not (folder / "out" / "tracks.parquet").is_file():
+        time.sleep(0.05)
+    time.sleep(0.2)
+    running.send_signal(signal.SIGINT)
+    out, err = running.communicate(timeout=30)
+    assert running.returncode == 1
+    assert out == ""
+    assert "Traceback" not in err
+    missing = "a summary" if where == "_write_summary" else "a picture"
+    assert re.search(
+        rf"trecsim: stopped at once by Ctrl-C after \d+ frame sets; what was finished before is "
+        rf"kept in out, without {missing}",
+        err,
+    ), err
+    assert 10 < len(list(read_tracks(folder / "out"))) < 400

@@ -243,3 +243,51 @@ def test_the_inverse_of_three_by_three_is_the_inverse(seed):
     A, out = positive(np.random.default_rng(seed)), np.empty((3, 3))
     information.invert3(A, out)
     np.testing.assert_allclose(out @ A, np.eye(3), atol=1e-7)
+
+
+def tightened(x, cov, limbs, limb_m, limb_m2):
+    """Take one limb after the other for a measurement of two joints' distance, the obvious way."""
+    x, cov = x.copy(), cov.copy()
+    for sweep in range(lengths._SWEEPS):
+        for (a, b), slack_m2, length_m, length_m2 in zip(*limbs, limb_m, limb_m2, strict=True):
+            u = (x[b] - x[a]) / np.linalg.norm(x[b] - x[a])
+            rest = length_m - np.linalg.norm(x[b] - x[a])
+            var = u @ (cov[a] + cov[b]) @ u + length_m2 + slack_m2 + lengths.TIE_M2
+            if rest**2 > lengths.GATE**2 * var:
+                continue
+            for j, sign in ((a, -1.0), (b, 1.0)):
+                gain = cov[j] @ u / var
+                x[j] = x[j] + sign * gain * rest
+                if sweep == 0:
+                    cov[j] = cov[j] - var * np.outer(gain, gain)
+    return x, cov
+
+
+@given(SEEDS)
+def test_limbs_tighten_a_body_as_the_twin_says(seed):
+    rng = np.random.default_rng(seed)
+    x, cov = rng.normal(0, 0.4, (4, 3)), np.stack([positive(rng, 0.05) for _ in range(4)])
+    limbs = kernels.Limbs(np.array([[0, 1], [1, 2], [2, 3], [0, 3]]), np.full(4, 0.01**2))
+    apart_m = np.linalg.norm(np.diff(x[limbs.joints], axis=1)[:, 0], axis=1)
+    limb_m, limb_m2 = apart_m * rng.uniform(0.7, 1.3, 4), rng.uniform(0.005, 0.05, 4) ** 2
+    expected, expected_m2 = tightened(x, cov, limbs, limb_m, limb_m2)
+    before_m2 = cov.copy()
+    lengths.tighten(x, cov, limbs, limb_m, limb_m2)
+    np.testing.assert_allclose(x, expected, atol=1e-9)
+    np.testing.assert_allclose(cov, expected_m2, atol=1e-12)
+    # A length never makes a joint less sure, nor surer than anything can be.
+    assert (np.linalg.eigvalsh(before_m2 - cov) > -1e-12).all()
+    assert (np.linalg.eigvalsh(cov) > 0).all()
+
+
+@given(SEEDS)
+def test_limbs_tighten_a_turned_body_as_they_do_the_body(seed):
+    rng = np.random.default_rng(seed)
+    x, cov = rng.normal(0, 0.4, (3, 3)), np.stack([positive(rng, 0.05) for _ in range(3)])
+    limb_m, limb_m2 = rng.uniform(0.2, 0.6, 2), rng.uniform(0.01, 0.1, 2) ** 2
+    Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]  # a turn, or a turn and a mirror
+    turned, turned_m2 = x @ Q.T + 5.0, Q @ cov @ Q.T
+    lengths.tighten(x, cov, LIMBS, limb_m, limb_m2)
+    lengths.tighten(turned, turned_m2, LIMBS, limb_m, limb_m2)
+    np.testing.assert_allclose(turned, x @ Q.T + 5.0, atol=1e-9)
+    np.testing.assert_allclose(turned_m2, Q @ cov @ Q.T, atol=1e-12)

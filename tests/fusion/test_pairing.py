@@ -1,12 +1,15 @@
-"""Rays of two cameras meet where least squares says."""
+"""Rays of two cameras meet where least squares says; wrong pairs of detections are found out."""
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference_fusion as reference
+from fusion.made import made, path
+from fusion.somebody import MODEL
 from trecsim.fusion import kernels
+from trecsim.simulation.detector import PERFECT
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -33,3 +36,55 @@ def test_rays_that_meet_behind_a_camera_do_not_meet():
     beside = np.array([1.0, 0.0, 0.0])
     away = np.array([0.6, 0.0, 0.8])
     assert np.isnan(kernels.ray_midpoint(origin, ahead, beside, away, np.empty(3)))
+
+
+def drawn(rng):
+    """Draw two images of three people, tracks that hold some of the detections, and factors."""
+    standing = made([path((0, 0, 0), (1, 0, 0))], detector=PERFECT, seconds=1.0).truth_xyz_m[0, 0]
+    people = standing + np.c_[rng.uniform(-1, 1, (3, 2)), np.zeros(3)][:, None]
+    eyes = MODEL.rig.cameras[:2]
+    xy_px = np.concatenate([camera.project(people) for camera in eyes])
+    xy_px += rng.normal(0, 8, xy_px.shape)
+    xy_px[rng.random(xy_px.shape[:2]) < 0.2] = np.nan
+    match = np.stack([rng.permutation(3), 3 + rng.permutation(3)], axis=1)
+    match[rng.random((3, 2)) < 0.2] = -1
+    return eyes, xy_px, rng.uniform(1, 4, xy_px.shape[:2]), match
+
+
+@settings(max_examples=10, deadline=None)
+@given(SEEDS)
+def test_evidence_for_other_pairs_grows_as_the_twin_says(seed):
+    rng = np.random.default_rng(seed)
+    eyes, xy_px, factor, match = drawn(rng)
+    before = rng.uniform(0, 30, 3)
+    evidence = before.copy()
+    kernels.note_exchanges(
+        np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor, match, MODEL.ray_of,
+        MODEL.position_m, MODEL.bones, MODEL.bone_m, MODEL.noise, 25.0, 20.0, evidence,
+    )  # fmt: skip
+
+    def score(i, k):
+        return reference.pair_score(
+            eyes, xy_px[[i, k]], factor[[i, k]], MODEL.bones, MODEL.bone_m, MODEL.noise
+        )
+
+    gains = reference.exchange_gains(match, np.array([0, 0, 0, 1, 1, 1]), score, 25.0)
+    expected = np.maximum(before + np.clip(gains, -20, 20), 0)
+    np.testing.assert_allclose(evidence, expected, atol=1e-6)
+
+
+def test_two_people_made_of_the_wrong_halves_are_found_out():
+    """Each is seen by one camera only at first, so that one body is made of both of them."""
+    rng = np.random.default_rng(0)
+    _, xy_px, factor, _ = drawn(rng)
+    evidence = np.zeros(3)
+    for match, crossed in (([0, 4], True), ([0, 3], False)):
+        evidence[:] = 0.0
+        rows = np.array([match, [match[0] + 1, 7 - match[1]], [-1, -1]])
+        for _ in range(3):
+            kernels.note_exchanges(
+                np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor, rows, MODEL.ray_of,
+                MODEL.position_m, MODEL.bones, MODEL.bone_m, MODEL.noise, 25.0, 20.0, evidence,
+            )  # fmt: skip
+        assert (evidence[:2] > 20).all() == crossed
+        assert evidence[2] == 0

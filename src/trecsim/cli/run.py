@@ -1,6 +1,7 @@
 """The command `trecsim run`."""
 
 import signal
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,6 +13,7 @@ from trecsim.cli.terminal import counted_people, finish, note, progress_bar
 
 if TYPE_CHECKING:
     from trecsim.pipeline import RunSummary
+    from trecsim.tracking import Tally
 
 
 def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
@@ -21,7 +23,8 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     frame set cost (`timing.csv`), a summary with all settings (`summary.json`), a picture of
     everybody's paths (`paths.png`) and, if the site file asks for them, the 2D poses
     (`poses.jsonl`): all that `trecsim report` shows. Whatever ends it, what was finished is kept;
-    after a crash or power failure the tracks too, but for the last two seconds.
+    after a crash or power failure the tracks too, but for the last two seconds. Without a terminal
+    it says once a minute how far it is.
 
     Parameters
     ----------
@@ -41,11 +44,28 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
         note(remark)
     if checked.videos:
         fetch_first(checked.file.site.estimator.name, quiet=json)
+    told = json or sys.stderr.isatty()  # there, a bar tells it, or nobody wants to know
     with progress_bar("images", quiet=json) as bar, _ctrl_c() as stop:
-        summary = run_site(checked, out, progress=bar, stop=stop, remark=note)
+        summary = run_site(
+            checked, out, progress=bar, stop=stop, remark=note,
+            tell=_tell_nothing if told else _tell_how_far,
+        )  # fmt: skip
     if summary.ended == "stopped":
         raise KeyboardInterrupt(f"stopped by Ctrl-C; {_told(summary)}")
     finish(_facts(summary), json, _told(summary))
+
+
+def _tell_nothing(tally: "Tally") -> None:
+    pass
+
+
+def _tell_how_far(tally: "Tally") -> None:
+    """Write a line for a log, where no bar shows how far things are."""
+    ms = tally.fusion_ms()
+    note(
+        f"{tally.frame_sets} frame sets, {counted_people(len(tally.people))} so far; fusion "
+        f"{ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
+    )
 
 
 def _facts(summary: "RunSummary") -> dict[str, object]:

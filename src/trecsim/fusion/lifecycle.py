@@ -14,6 +14,10 @@ from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
+# Detections of two cameras are given up as a pair for others from this evidence on; one look adds
+# no more than `_MOST`. From `_CLEAR` on, which half of all good pairs reach, a pair is looked at
+# only as the partner of others [log likelihood ratios to chance].
+_CROSSED, _MOST, _CLEAR = 10.0, 20.0, 25.0
 # Who has been read mirrored for so long is mirrored [s].
 _MIRROR_S = 0.2
 
@@ -34,6 +38,24 @@ def note_support(
         people.camera_s, association.match, association.flip, t_s, elapsed_s,
         people.two_s, people.together_s, people.mirrored_s,
     )  # fmt: skip
+
+
+def note_crossed(
+    people: Population, images: Images, association: Association, model: Model
+) -> None:
+    """Gather evidence, in place, that people are two people: one in each of two images.
+
+    To be called once in `error_memory_s`, as the errors of a detector persist.
+    """
+    kernels.note_exchanges(
+        images.cam, images.offset, images.xy_px, images.factor, association.match, model.ray_of,
+        model.position_m, model.bones, model.bone_m, model.noise, _CLEAR, _MOST, people.crossed,
+    )  # fmt: skip
+
+
+def trusted_s(people: Population) -> Float64[np.ndarray, " track"]:
+    """Return when two cameras last supported people; never, if they rather show two people [s]."""
+    return np.where(people.crossed > _CROSSED, -np.inf, people.two_s)
 
 
 def mend_mirrored(people: Population, model: Model) -> None:

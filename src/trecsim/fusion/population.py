@@ -34,6 +34,8 @@ class Population:
         When each camera last supported each joint [s].
     mirrored_s
         For how long most cameras have read the person with left and right exchanged [s].
+    crossed
+        Evidence that its detections of two cameras are of two people, as log likelihood ratio.
     limb_m, limb_m2
         Distances that the body keeps, as learnt so far, and their variances [m, m^2].
     """
@@ -51,6 +53,7 @@ class Population:
     camera_s: Float64[np.ndarray, "track cam"]
     joint_s: Float64[np.ndarray, "track joint cam"]
     mirrored_s: Float64[np.ndarray, " track"]
+    crossed: Float64[np.ndarray, " track"]
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
 
@@ -72,6 +75,7 @@ class Population:
             camera_s=np.empty((0, n_cam)),
             joint_s=np.empty((0, n_joint, n_cam)),
             mirrored_s=np.empty(0),
+            crossed=np.empty(0),
             limb_m=np.empty((0, n_limb)),
             limb_m2=np.empty((0, n_limb)),
         )

@@ -97,6 +97,7 @@ class Tracker:
         n_joint = len(m.skeleton.joints)
         self._people = Population.nobody(n_joint, self._live, len(m.rig), len(m.body.joints))
         self._leftover = Detections.nothing(n_joint)
+        self._compared_s = -math.inf
         self._grid: KnotGrid | None = None
         self._lost: list[Lost] = []
         self._departed: list[tuple[float, KnotGrid, Population]] = []
@@ -140,6 +141,9 @@ class Tracker:
         association = associate(m, images, prediction.xyz_m, prediction.cov_m2)
         found = fitting.fit(people, images, association, prediction, m, t_s, since_s, body_news)
         lifecycle.note_support(people, images, association, found.inlier, t_s, elapsed_s)
+        if t_s - self._compared_s >= m.settings.error_memory_s:
+            self._compared_s = t_s
+            lifecycle.note_crossed(people, images, association, m)
         fitting.constrain(people, found, prediction.now, m, t_s, elapsed_s, body_news)
         lifecycle.mend_mirrored(people, m)
         self._clocks.note(cam, taken_s)
@@ -148,7 +152,7 @@ class Tracker:
     def _begin(self, images: Images, association: Association) -> set[int]:
         """Let people begin where detections of two or more cameras meet; return who is replaced.
 
-        Whom one camera alone sees now may have drifted, or may never have been right:
+        Whom one camera alone sees now may have drifted, and whom two see may be two people:
         those detections are looked at again, together with what the other cameras cannot explain.
         """
         replaced: set[int] = set()
@@ -163,10 +167,12 @@ class Tracker:
         pool = old.joined(images.detections(open_))
         owner = np.concatenate([np.full(len(old), kernels.FREE), owner[open_]])
         free = owner == kernels.FREE
+        named: set[int] = set()
         for candidate in birth.candidates(self._model, pool):
             owners = np.unique(owner[candidate.member])
             owners = owners[owners >= 0]
-            if not replaced.isdisjoint(owners.tolist()):  # each is replaced once
+            unnamed = owners[~np.isin(self._people.id[owners], list(named))]
+            if len(owners) and not len(unnamed):  # each identity is given once
                 continue
             free[candidate.member] = False
             torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso]
@@ -175,7 +181,7 @@ class Tracker:
                 self._people, torso, eyes, association, self._model
             ):
                 continue
-            self._add(candidate, pool, owners)
+            named.add(self._add(candidate, pool, unnamed))
             replaced.update(owners.tolist())
         self._leftover = pool.take(free)
         return replaced
@@ -183,9 +189,10 @@ class Tracker:
     def _owners(
         self, images: Images, association: Association
     ) -> tuple[Int64[np.ndarray, " person"], int]:
-        """Return for each detection its lonely track, FREE or TAKEN, and how many are not taken."""
+        """Return for each detection its doubted track, FREE or TAKEN; how many are not taken."""
         owner = np.empty(len(images.xy_px), np.int64)
-        n_open = kernels.owners(association.match, self._people.two_s, self._t_s, SUPPORT_S, owner)
+        two_s = lifecycle.trusted_s(self._people)
+        n_open = kernels.owners(association.match, two_s, self._t_s, SUPPORT_S, owner)
         return owner, n_open
 
     def _add(
@@ -193,8 +200,11 @@ class Tracker:
         candidate: birth.Candidate,
         pool: Detections,
         owners: Int64[np.ndarray, " owner"],
-    ) -> None:
-        """Add somebody new, somebody who is back, or a better place for the tracks `owners`."""
+    ) -> int:
+        """Add somebody new, somebody who is back, or a better place for the tracks `owners`.
+
+        Returns the identity.
+        """
         identity, known = self._identify(candidate, owners)
         person = birth.newborn(candidate, identity, self._t_s, self._live, self._model)
         person.confirmed[:] = known or candidate.sure
@@ -210,6 +220,7 @@ class Tracker:
         )
         lifecycle.note_support(person, images, association, found.inlier, self._t_s, 0.0)
         self._people = self._people.joined(person)
+        return identity
 
     def _identify(
         self, candidate: birth.Candidate, owners: Int64[np.ndarray, " owner"]

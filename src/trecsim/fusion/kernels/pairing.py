@@ -6,11 +6,19 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+# Rays whose angle has a smaller squared sine than this (below 2 degrees) do not meet anywhere.
 _PARALLEL = 1e-3
+# Nobody is met nearer to a camera than this [m].
 _TOO_CLOSE_M = 0.2
+# So many joints at least must meet; of three, any two strangers have as many by chance.
 _FEWEST = 4
-# Log likelihood ratio of a limb's length: a body's spread against any length at all.
+# Rays that pass further from each other than so many standard deviations show different points.
+_GATE = 3.0
+# Log likelihood ratio of a limb's length: a body's spread, of about a third, against any length at
+# all; whatever the length, it weighs no more than an outlier.
 _LIMB_BEST, _LIMB_CURVE, _LIMB_WORST = 1.3, 4.0, -4.0
+_SHORTEST_M = 1e-3
+_SQRT_2_PI = math.sqrt(2.0 * math.pi)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -58,9 +66,9 @@ def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
             x[j, 0] = math.nan
             continue
         sigma = noise.sigma_m[j] * math.sqrt(factor[i, j] ** 2 + factor[k, m] ** 2)
-        gauss = math.exp(-0.5 * (gap / sigma) ** 2) / (sigma * 2.5066282746310002)
+        gauss = math.exp(-0.5 * (gap / sigma) ** 2) / (sigma * _SQRT_2_PI)
         total += math.log((1.0 - noise.outlier_share) * gauss + noise.outlier_share)
-        if gap < 3.0 * sigma:
+        if gap < _GATE * sigma:
             close += 1
         else:
             x[j, 0] = math.nan
@@ -77,7 +85,7 @@ def limb_score(x, limbs, limb_m):
         if math.isnan(p[0]) or math.isnan(q[0]):
             continue
         length = math.sqrt((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2)
-        ratio = math.log(max(length, 1e-3) / limb_m[b])
+        ratio = math.log(max(length, _SHORTEST_M) / limb_m[b])
         total += max(_LIMB_BEST - _LIMB_CURVE * ratio * ratio, _LIMB_WORST)
     return total
 
@@ -124,3 +132,138 @@ def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
                 if total > out[i, k]:
                     out[i, k] = total
                     flip[i, k] = f
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def note_exchanges(
+    cam, offset, xy_px, factor, match, ray_of, position_m, limbs, limb_m, noise, clear, most,
+    evidence,
+):  # fmt: skip
+    """Gather evidence that people are two people: another one in each of two images.
+
+    Parameters
+    ----------
+    cam, offset
+        Camera of each image, and where its detections begin.
+    xy_px, factor
+        Undistorted key points of all detections and their factors of uncertainty.
+    match
+        Detection of each track in each image or -1, (track, view). Only tracks with exactly two
+        are looked at: a third camera would not agree with a wrong pair.
+    ray_of, position_m
+        Per camera, what turns a pixel into the direction of its viewing ray, and where that begins.
+    limbs, limb_m, noise
+        As for `pair_scores`.
+    clear
+        Tracks whose own pair fits so well are looked at only as partners of others.
+    most
+        One look changes the evidence by no more than this.
+    evidence
+        Per track, changed in place, at least 0: it grows by what the log ratios would gain if the
+        track gave one of its detections for a free one, or exchanged it with another track.
+
+    Notes
+    -----
+    Where two people stand on one plane with both cameras, each can be taken for the other in one
+    image. The two bodies that this makes persist, as every image shows what they predict, but rays
+    and limbs of the right ones fit better.
+    """
+    n_track, n_joint = match.shape[0], xy_px.shape[1]
+    room = (
+        np.empty((2, 3)),
+        np.empty((2, n_joint, 3)),
+        np.empty((2, n_joint)),
+        np.empty((n_joint, 3)),
+    )
+    sight = cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room
+    held = np.zeros(xy_px.shape[0], np.bool_)
+    pair, view, own = np.full((n_track, 2), -1), np.zeros((n_track, 2), np.int64), np.zeros(n_track)
+    for k in range(n_track):
+        hold(match[k], held, pair[k], view[k])
+        if pair[k, 0] >= 0:
+            own[k] = pair_score(sight, view[k], pair[k, 0], pair[k, 1])
+    gain = np.full(n_track, -most)
+    for k in range(n_track):
+        if pair[k, 0] >= 0 and own[k] < clear:
+            exchange(sight, k, pair, view, own, gain)
+            swapped = replaced(sight, offset, held, pair[k], view[k])
+            gain[k] = max(gain[k], swapped - own[k])
+    for k in range(n_track):
+        evidence[k] = max(0.0, evidence[k] + min(gain[k], most))
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def exchange(sight, i, pair, view, own, gain):
+    """Raise `gain` of track `i` and others to what is gained if they exchanged a detection."""
+    for k in range(pair.shape[0]):
+        if k != i and pair[k, 0] >= 0 and view[k, 0] == view[i, 0] and view[k, 1] == view[i, 1]:
+            one = pair_score(sight, view[i], pair[i, 0], pair[k, 1])
+            other = pair_score(sight, view[i], pair[k, 0], pair[i, 1])
+            gain[i] = max(gain[i], one + other - own[i] - own[k])
+            gain[k] = max(gain[k], one + other - own[i] - own[k])
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def replaced(sight, offset, held, pair, view):
+    """Return how well a pair fits at best if a free detection took the place of one of its own."""
+    best = -math.inf
+    for side in range(2):
+        for d in range(offset[view[side]], offset[view[side] + 1]):
+            if not held[d]:
+                first, second = (d, pair[1]) if side == 0 else (pair[0], d)
+                best = max(best, pair_score(sight, view, first, second))
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def hold(match, held, pair, view):
+    """Mark a track's detections in `held`; write them and their images down if they are two."""
+    n = 0
+    for v in range(match.shape[0]):
+        if match[v] >= 0:
+            held[match[v]] = True
+            if n < 2:
+                pair[n], view[n] = match[v], v
+            n += 1
+    if n != 2:
+        pair[0] = pair[1] = -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def pair_score(sight, view, i, k):
+    """Return how well detections of two images are one person, at least 0: as log ratio to chance.
+
+    `sight` is what `note_exchanges` knows of them, and room to work in; `view` are the images.
+    """
+    cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room = sight
+    origin_m, ray, trust, x = room
+    look(0, i, cam[view[0]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    look(1, k, cam[view[1]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    best = 0.0
+    for f in range(2):
+        total, close = meeting_score(0, 1, f, origin_m, ray, trust, noise, x)
+        if close >= _FEWEST:
+            best = max(best, total + limb_score(x, limbs, limb_m))
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
+    """Write where the rays of detection `d` of camera `c` begin and go to, and its factors."""
+    for a in range(3):
+        origin_m[row, a] = position_m[c, a]
+    for j in range(xy_px.shape[1]):
+        u, v = xy_px[d, j, 0], xy_px[d, j, 1]
+        trust[row, j] = factor[d, j]
+        length2 = 0.0
+        for a in range(3):
+            ray[row, j, a] = ray_of[c, a, 0] * u + ray_of[c, a, 1] * v + ray_of[c, a, 2]
+            length2 += ray[row, j, a] ** 2
+        for a in range(3):
+            ray[row, j, a] /= math.sqrt(length2)

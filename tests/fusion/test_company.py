@@ -1,0 +1,68 @@
+"""People among others: who begin together, are taken for each other, or hide each other."""
+
+import numpy as np
+
+from fusion.made import NOISE, frame_sets, outcome, path
+from trecsim.fusion import Tracker
+from trecsim.geometry import Rig
+from trecsim.simulation.cameras import Make, look_at
+from trecsim.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
+from trecsim.types import FrameSet, Poses2D
+
+
+def eyes(*positions_m, at_m=(0.0, 0.0, 1.0), view_deg=90.0):
+    """Return cameras at some places that look at one point."""
+    make = Make(view_deg=view_deg)
+    return Rig(
+        tuple(
+            make.camera(f"cam{n}", look_at(np.array(place, float), np.array(at_m, float)))
+            for n, place in enumerate(positions_m, start=1)
+        )
+    )
+
+
+def acted(rig, paths, seconds, seed=0, detector=NOISE):
+    """Simulate people who walk along paths before the cameras."""
+    clocks = tuple(Clock(25.0, start_s=0.37 * n % 1.0 / 25.0) for n in range(len(rig)))
+    return simulate(Scene(rig, Scripted(tuple(paths)), seconds, detector, clocks), seed)
+
+
+def standing(x_m, y_m, seconds=6.0):
+    return path((0, x_m, y_m), (seconds, x_m + 0.05, y_m))
+
+
+def follow(made: Simulation, sets: list[FrameSet] | None = None):
+    tracker = Tracker(made.rig)
+    return [tracker.step(s) for s in (frame_sets(made) if sets is None else sets)]
+
+
+def only(made: Simulation, view: Poses2D, person: int) -> Poses2D:
+    """Return an image in which only one of the people was found."""
+    n = min(int(view.t_s * 50), len(made.truth_t_s) - 1)
+    off_px = view.xy_px[:, None] - made.rig[view.camera].project(made.truth_xyz_m[:, n])
+    whose = np.nanmean(np.linalg.norm(off_px, axis=-1), axis=-1).argmin(axis=1)
+    mine = whose == person
+    return Poses2D(view.camera, view.t_s, view.xy_px[mine], view.score[mine],
+                   view.person_score[mine])  # fmt: skip
+
+
+def test_two_people_taken_for_one_are_told_apart_once_both_cameras_see_both():
+    """At first each camera sees another one of them, and their rays meet in a body."""
+    rig = eyes((-4, -1.5, 2.2), (4, -1.5, 2.2), at_m=(0, 1, 1))
+    made = acted(rig, [standing(-0.4, 1), standing(0.4, 1)], 3.0)
+    first = {"cam1": 0, "cam2": 1}
+    sets = [
+        FrameSet(
+            s.t_s,
+            tuple(only(made, v, first[v.camera]) if s.t_s < 0.6 else v for v in s.views),
+        )
+        for s in frame_sets(made)
+    ]
+    snapshots = follow(made, sets)
+    wrong = [s for s in snapshots if 0.4 < s.t_s < 0.6]
+    assert all(len(s.id) == 1 and abs(s.xyz_m[0, :, 0].mean()) < 0.3 for s in wrong)
+    right = outcome(made, [s for s in snapshots if s.t_s > 1.2])
+    assert np.isfinite(right.error_m).all()
+    assert np.nanmean(right.error_m) < 0.1
+    assert (right.count == 2).all()
+    assert right.switches == 0
