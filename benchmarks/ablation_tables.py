@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from harness.comparing import Change, compare
-from harness.figures import Figure, Figures, Result, find, leaves
+from harness.figures import Figure, Figures, Result, find, leaves, summed
 from harness.markdown import NOTHING, fixed, number, table
 
 Results = Mapping[str, Result]
@@ -103,10 +103,10 @@ def _comparable(result: Result, name: str) -> bool:
     return FULL in rows and rows[name]["code"] == rows[FULL]["code"]
 
 
-def _with_switches(figures: Figures) -> Figures:
+def _with_switches(figures: Figures) -> dict[str, Figure | Figures]:
     """Return the figures of a row and the sum of all switches in it."""
     every = [f for path, f in leaves(figures) if path[-1] == "switches"]
-    total = Figure(sum(f.value for f in every), "", "lower", "sum")
+    total = summed({"all": sum(f.value for f in every)})
     return {**figures, SWITCHES[0]: {SWITCHES[1]: total}}
 
 

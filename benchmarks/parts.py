@@ -206,7 +206,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("duplicates", "two tracks of one person both stay", {"duplicate_m": NEVER}),
     ),
     "a lag, which the full model does without": (
-        Part("0.1 s lag", "people as they were 0.1 s ago", lag_s=0.1),
+        Part("0.08 s lag", "people as they were 0.08 s ago", lag_s=0.08),
         Part("0.2 s lag", "people as they were 0.2 s ago", lag_s=0.2),
     ),
 }  # fmt: skip

@@ -101,27 +101,29 @@ def stored(**rows: tuple[Figures, str]):
 
 def test_rows_show_only_what_differs_beyond_noise_and_bold_what_is_worse() -> None:
     made = stored(
-        the_full_model=(row(2.0, 0.0), "now"),
-        worse=(row(3.0, 9.0), "now"),
-        same=(row(2.0, 0.0), "now"),
-        better=(row(1.5, 0.0), "now"),
+        the_full_model=(row(2.0, 3.0), "now"),
+        worse=(row(3.0, 15.0), "now"),
+        same=(row(2.0, 3.0), "now"),
+        better=(row(1.5, 3.0), "now"),
     )
     lines = ablation_tables.ablation({"ablation": made}).splitlines()[2:]
     cells = {line.split(" | ")[0].strip("| "): line.split(" | ")[1:] for line in lines}
     assert cells[FULL][:3] == ["2.00", "–", "99.00"]
     assert cells["worse"][:3] == ["**+1.00**", "–", "·"]
-    assert cells["worse"][-1] == "**+9** |"
+    assert cells["worse"][-1] == "**+12** |"
+    assert cells[FULL][-1] == "3 |"
+    assert cells["same"][-1] == "· |"
     assert cells["better"][0] == "−0.50"
     assert set(cells["same"][:3]) == {"·", "–"}
 
 
 def test_parts_without_which_nothing_is_worse_are_listed() -> None:
     made = stored(
-        the_full_model=(row(2.0, 0.0), "now"),
-        worse=(row(3.0, 0.0), "now"),
-        same=(row(2.0, 0.0), "now"),
-        better=(row(1.5, 0.0), "now"),
-        older=(row(2.0, 0.0), "then"),
+        the_full_model=(row(2.0, 3.0), "now"),
+        worse=(row(3.0, 3.0), "now"),
+        same=(row(2.0, 3.0), "now"),
+        better=(row(1.5, 3.0), "now"),
+        older=(row(2.0, 3.0), "then"),
     )
     told = ablation_tables.idle({"ablation": made})
     assert told.splitlines() == [
@@ -138,7 +140,7 @@ def test_after_an_interrupt_the_rows_that_are_done_are_kept_and_not_done_again(
 
     def interrupted(names: list[str], _: object) -> Iterator[tuple[str, Figures]]:
         asked.append(names)
-        yield from ((name, row(2.0, 0.0)) for name in names[:2])
+        yield from ((name, row(2.0, 3.0)) for name in names[:2])
         raise KeyboardInterrupt
 
     monkeypatch.setattr(ablation, "RESULTS", tmp_path)

@@ -20,7 +20,7 @@ COMPARE_S = 0.1
 # no more than `_MOST`. From `_CLEAR` on, which half of all good pairs reach, a pair is looked at
 # only as the partner of others [log likelihood ratios to chance].
 _CROSSED, _MOST, _CLEAR = 10.0, 20.0, 25.0
-# Who has been read mirrored for so long is mirrored [s].
+# Who has been read mirrored for so long is mirrored: longer than a detector errs at a stretch [s].
 _MIRROR_S = 0.2
 
 

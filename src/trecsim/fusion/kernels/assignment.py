@@ -50,17 +50,21 @@ def assign(gain, best):
     """
     n_row, n_column = gain.shape
     m = n_column + n_row
-    u, v = np.zeros(n_row + 1), np.zeros(m + 1)
-    owner, way = np.zeros(m + 1, np.int64), np.zeros(m + 1, np.int64)
-    low, used = np.empty(m + 1), np.empty(m + 1, np.bool_)
+    u, v, low = np.empty(m + 1), np.empty(m + 1), np.empty(m + 1)
+    owner, way = np.empty(m + 1, np.int64), np.empty(m + 1, np.int64)
+    used = np.empty(m + 1, np.int64)
+    for j in range(m + 1):  # `np.zeros` would be compiled for each type by itself
+        u[j] = v[j] = 0.0
+        owner[j] = 0
     for i in range(1, n_row + 1):
+        best[i - 1] = -1
         owner[0] = i
         column = np.int64(0)  # typed, so that `relax` is not compiled for 0 as well
         for j in range(m + 1):
             low[j] = math.inf
-            used[j] = False
+            used[j] = 0
         while owner[column] != 0:
-            used[column] = True
+            used[column] = 1
             nearest, delta = relax(gain, owner[column], column, u, v, used, low, way)
             for j in range(m + 1):
                 if used[j]:
@@ -72,8 +76,6 @@ def assign(gain, best):
         while column:
             owner[column] = owner[way[column]]
             column = way[column]
-    for i in range(n_row):
-        best[i] = -1
     for j in range(1, n_column + 1):
         if owner[j] > 0 and gain[owner[j] - 1, j - 1] > 0.0:
             best[owner[j] - 1] = j - 1

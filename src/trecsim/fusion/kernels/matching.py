@@ -155,9 +155,12 @@ def match_view(ratio, best):
     `ratio` is (track, person), `best` (track,). Only where claims meet is there anything to weigh.
     """
     n_track, n_person = ratio.shape
-    claims, claimed = np.zeros(n_track, np.int64), np.zeros(n_person, np.int64)
+    claims, claimed = np.empty(n_track, np.int64), np.empty(n_person, np.int64)
+    for d in range(n_person):
+        claimed[d] = 0
     for k in range(n_track):
         best[k] = -1
+        claims[k] = 0
         for d in range(n_person):
             if ratio[k, d] > 0.0:
                 claims[k] += 1

@@ -101,8 +101,9 @@ def blot_out_twins(offset, xy_px, factor):
         Key points (person, joint, 2), NaN where unknown, and by how much each is less certain
         than a good one, (person, joint). Of two twins the better one stays.
     """
-    worth = np.zeros(xy_px.shape[0])
+    worth = np.empty(xy_px.shape[0])
     for d in range(xy_px.shape[0]):
+        worth[d] = 0.0
         for j in range(xy_px.shape[1]):
             if not math.isnan(xy_px[d, j, 0]):
                 worth[d] += 1.0 / factor[d, j]
