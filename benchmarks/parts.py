@@ -17,7 +17,6 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.images import Images, prepare
-from trecsim.fusion.kernels import Limbs
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
@@ -82,6 +81,10 @@ def _nothing(*_: Any) -> None:
     pass
 
 
+def _on_no_ground(*_: Any) -> tuple[int, float, float]:
+    return -1, 0.0, 1.0
+
+
 def _none(*_: Any) -> float:
     return 0.0
 
@@ -121,7 +124,7 @@ def _same_noise(model: Model) -> Model:
 
 def _no_limbs(model: Model) -> Model:
     slack_m2 = np.full_like(model.limbs.slack_m2, ALWAYS)
-    return replace(model, limbs=Limbs(model.limbs.joints, slack_m2))
+    return replace(model, limbs=model.limbs._replace(slack_m2=slack_m2))
 
 
 def _no_bones(model: Model) -> Model:
@@ -183,6 +186,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"kernels.anatomy.relax_body": _nothing}),
         Part("the body's opinion is not news", "all that it says is new information each time",
              changes={"kernels.anatomy._BODY_S": NEVER}),
+        Part("the ground", "what one camera sees may float or sink",
+             changes={"kernels.anatomy.resting": _on_no_ground}),
         Part("lengths learnt per person", "everybody is of usual size",
              changes={"kernels.lengths.learn": _nothing}),
     ),

@@ -87,7 +87,7 @@ def test_weak_joints_land_where_least_squares_puts_them():
     place = np.array([-1, 0, 3, 6])
     A, b = np.empty((9, 9)), np.empty(9)
     d = np.zeros((4, 3))
-    limbs = kernels.Limbs(pairs, np.full(4, 0.01**2))
+    limbs = kernels.Limbs(pairs, np.full(4, 0.01**2), np.zeros(4))
     for _ in range(60):
         anatomy.gather(A, b, x, d, cov, place, limbs, length, var)
         anatomy.factor(A)
@@ -142,7 +142,7 @@ def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
     """Two joints, one ten times as sure as the other, 10 cm too far apart."""
     x = np.array([[0.0, 0, 0], [0.5, 0, 0]])
     cov = np.stack([np.eye(3) * 1e-4, np.eye(3) * 1e-2])
-    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
+    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
     lengths.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
     first = 1e-4 + 1e-2 + lengths.TIE_M2
     after = cov[:, 0, 0].sum()  # the covariances shrink in the first of four sweeps only
@@ -180,7 +180,7 @@ def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
 def test_a_limb_that_is_far_off_has_no_say():
     x = np.array([[0.0, 0, 0], [1.5, 0, 0]])
     cov = np.tile(np.eye(3) * 1e-4, (2, 1, 1))
-    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
+    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
     lengths.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
     np.testing.assert_array_equal(x, [[0.0, 0, 0], [1.5, 0, 0]])
 

@@ -201,7 +201,7 @@ def test_an_images_equations_have_the_gradient_of_its_squared_residual(seed):
     assert size == pytest.approx(np.trace(info))
 
 
-LIMBS = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2))
+LIMBS = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2), np.zeros(3))
 
 
 @given(SEEDS, st.floats(0.001, 2.0))
@@ -269,7 +269,9 @@ def tightened(x, cov, limbs, limb_m, limb_m2):
 def test_limbs_tighten_a_body_as_the_twin_says(seed):
     rng = np.random.default_rng(seed)
     x, cov = rng.normal(0, 0.4, (4, 3)), np.stack([positive(rng, 0.05) for _ in range(4)])
-    limbs = kernels.Limbs(np.array([[0, 1], [1, 2], [2, 3], [0, 3]]), np.full(4, 0.01**2))
+    limbs = kernels.Limbs(
+        np.array([[0, 1], [1, 2], [2, 3], [0, 3]]), np.full(4, 0.01**2), np.zeros(4)
+    )
     apart_m = np.linalg.norm(np.diff(x[limbs.joints], axis=1)[:, 0], axis=1)
     limb_m, limb_m2 = apart_m * rng.uniform(0.7, 1.3, 4), rng.uniform(0.005, 0.05, 4) ** 2
     expected, expected_m2 = tightened(x, cov, limbs, limb_m, limb_m2)

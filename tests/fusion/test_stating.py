@@ -11,7 +11,7 @@ from fusion.somebody import MODEL, SETTINGS, somebody
 from trecsim.fusion import Tracker, kernels
 from trecsim.simulation.scene import room_scene, simulate
 
-NO_LIMBS = kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0))
+NO_LIMBS = kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0), np.zeros(17))
 
 
 def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None):
@@ -50,7 +50,7 @@ def test_limbs_hold_joints_by_what_lasting_errors_leave_open():
     """A joint that its trajectory calls sure is moved all the same: its key points may all err."""
     x, cov = np.tile([0.0, 0.0, 1.0], (17, 1)), np.tile(np.eye(3) * 1e-9, (17, 1, 1))
     x[1, 0] += 0.32
-    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1))
+    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
     said, _ = state(x, cov, np.full((17, 4), 2.0), limbs, np.array([0.3]))
     assert 0.3 < np.linalg.norm(said[1] - said[0]) < 0.312
 

@@ -34,6 +34,8 @@ _FEWEST = 4
 # How uncertain joints are before their own images are fitted: where rays met, and where only the
 # joints next to them are known, a limb's length away [m].
 _START_SIGMA_M, _GUESS_SIGMA_M = 0.4, 0.6
+# How far the ground on which people appear is from the world's z = 0 [m].
+_LEVEL_SIGMA_M = 0.3
 # People are as likely to stand as to walk when they begin: standard deviation per axis [m/s].
 _START_SPEED_MPS = 1.5
 
@@ -203,6 +205,7 @@ def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) 
         crossed=np.zeros(1),
         limb_m=model.body.length_m[None].copy(),
         limb_m2=model.body.spread_m[None] ** 2,
+        level=np.array([[0.0, _LEVEL_SIGMA_M**2]]),
     )
     kernels.start_all(
         person.R[0],

@@ -46,6 +46,13 @@ _RELATIVE_SIGMA = {
 }
 
 
+# How high a joint is when the body rests on it [m].
+_REST_M = {
+    "ankle": 0.08, "knee": 0.06, "hip": 0.10, "shoulder": 0.10, "elbow": 0.05, "wrist": 0.04,
+    "nose": 0.10, "eye": 0.10, "ear": 0.08,
+}  # fmt: skip
+
+
 def _part(joint: str) -> str:
     return joint.rpartition("_")[2]
 
@@ -105,6 +112,11 @@ def _usual(first: str, second: str) -> tuple[float, float] | None:
             if (*parts, where) in _USUAL_M:
                 return _USUAL_M[*parts, where]
     return None
+
+
+def rest_m(skeleton: Skeleton) -> Float64[np.ndarray, " joint"]:
+    """Return how high each joint is when the body rests on it [m]; 2 cm where it is not known."""
+    return np.array([_REST_M.get(_part(joint), 0.02) for joint in skeleton.joints])
 
 
 def key_point_sigma_m(

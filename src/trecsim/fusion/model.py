@@ -88,7 +88,7 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         bones=np.ascontiguousarray(usual.joints[usual.bone]),
         bone_m=usual.length_m[usual.bone],
         body=usual,
-        limbs=Limbs(usual.joints, usual.slack_m**2),
+        limbs=Limbs(usual.joints, usual.slack_m**2, body.rest_m(skeleton)),
         torso=np.array(torso or range(len(skeleton.joints)), np.int64),
     )
 

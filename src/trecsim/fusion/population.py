@@ -38,6 +38,8 @@ class Population:
         Evidence that its detections of two cameras are of two people, as log likelihood ratio.
     limb_m, limb_m2
         Distances that the body keeps, as learnt so far, and their variances [m, m^2].
+    level
+        Height of the ground under the person, as learnt so far, and its variance [m, m^2].
     """
 
     R: Float64[np.ndarray, "track joint n n"]
@@ -56,6 +58,7 @@ class Population:
     crossed: Float64[np.ndarray, " track"]
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
+    level: Float64[np.ndarray, "track 2"]
 
     @classmethod
     def nobody(cls, n_joint: int, live: int, n_cam: int, n_limb: int) -> "Population":
@@ -78,6 +81,7 @@ class Population:
             crossed=np.empty(0),
             limb_m=np.empty((0, n_limb)),
             limb_m2=np.empty((0, n_limb)),
+            level=np.empty((0, 2)),
         )
 
     def __len__(self) -> int:

@@ -1,4 +1,4 @@
-"""The body as a whole: joints that few cameras see are held by the lengths of the limbs."""
+"""The body as a whole: limbs and ground hold the joints that few cameras see."""
 
 import math
 from typing import NamedTuple, no_type_check
@@ -8,6 +8,7 @@ from jaxtyping import Float64
 from numba import njit
 
 from trecsim.fusion.kernels.curve import BLOCK, locate, point
+from trecsim.fusion.kernels.ground import learn_level, resting
 from trecsim.fusion.kernels.information import (
     REACH,
     clear_row,
@@ -234,7 +235,9 @@ def believe(R, z, c, x, cov_m2, info, vector, size, lasting, span, weights, tmp)
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, lasting, tmp):
+def relax_body(
+    R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, span, weights, lasting, tmp
+):
     """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
 
     Parameters
@@ -248,6 +251,8 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
         Number of cameras that support each joint now.
     limbs, limb_m, limb_m2
         `Limbs`, and this person's lengths with their variances.
+    level
+        Height and variance of the ground under the person, (2,).
     span, weights
         Place of the frame set's time on the knot grid.
     lasting
@@ -259,7 +264,8 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
     -----
     All weak joints move together: least squares over their shifts, with each joint's own
     covariance (long along the ray of the camera that sees it) and the limbs' lengths, by
-    Gauss-Newton. Where a single camera sees a whole body, this is what fixes its distance.
+    Gauss-Newton. Where a single camera sees a whole body, its size and the ground on which it
+    rests are what fixes its distance.
 
     A trajectory follows what the body says, but takes little of it as information: the joints
     would hear their own opinion again from each other, frame set after frame set, and be sure of
@@ -275,8 +281,12 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
         return
     A, b = np.empty((n, n)), np.empty(n)
     d = np.zeros((n_joint, 3))
+    rests, rise_m, rise_m2 = resting(x, cov_m2, limbs.rest_m, level)
     for _ in range(_STEPS):
         gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2)
+        if rests >= 0 and place[rests] >= 0:
+            A[place[rests] + 2, place[rests] + 2] += 1.0 / rise_m2
+            b[place[rests] + 2] += rise_m / rise_m2
         factor(A)
         solve_factored(A, b)
         for j in range(n_joint):
@@ -294,8 +304,8 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elapsed_s):
-    """Learn everybody's limb lengths, and hold by them what few cameras see, in place.
+def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, now, elapsed_s):
+    """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 
     Parameters
     ----------
@@ -308,6 +318,8 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elaps
         Cameras that support each joint now, (track, joint).
     limbs, limb_m, limb_m2
         `Limbs`; lengths and variances per track, (track, limb).
+    level
+        Height and variance of the ground under everybody, (track, 2).
     now
         Time of the frame set, in knots.
     elapsed_s
@@ -320,7 +332,8 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elaps
     lasting = min(1.0, elapsed_s / _BODY_S)
     for k in range(R.shape[0]):
         learn(x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
+        learn_level(x[k], cov_m2[k], n_seen[k], limbs.rest_m, level[k], elapsed_s)
         relax_body(
-            R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k],
+            R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], level[k],
             span, weights, lasting, tmp,
         )  # fmt: skip

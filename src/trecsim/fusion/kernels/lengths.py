@@ -31,10 +31,13 @@ class Limbs(NamedTuple):
         The two joints of each.
     slack_m2
         Variance about a person's mean length: what posture changes.
+    rest_m
+        How high each joint is when the body rests on it.
     """
 
     joints: Int64[np.ndarray, "limb 2"]
     slack_m2: Float64[np.ndarray, " limb"]
+    rest_m: Float64[np.ndarray, " joint"]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)

@@ -1,0 +1,85 @@
+"""The ground under a person: learnt where two cameras see what rests on it, used where they do not.
+
+A body rests on its lowest joint: an ankle of somebody who stands, a hip of somebody who lies.
+"""
+
+import math
+from typing import no_type_check
+
+from numba import njit
+
+# How the level of the ground is learnt: spread of one measurement, and time after which the next
+# is new [s].
+_MEASURE_M2 = 0.03**2
+_MEASURE_S = 0.5
+# How far the ground rises or falls under people who walk on [m^2/s].
+_SLOPE_M2 = 0.05**2
+# A lowest joint that is off by more standard deviations does not rest: somebody jumps.
+_GATE = 3.0
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def lowest(x, rest_m):
+    """Return the joint whose body would touch a level ground first.
+
+    `x` are joints, (joint, 3), `rest_m` (joint,) how high each is when the body rests on it.
+    """
+    best = 0
+    for j in range(1, x.shape[0]):
+        if x[j, 2] - rest_m[j] < x[best, 2] - rest_m[best]:
+            best = j
+    return best
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
+    """Update, in place, height and variance of the ground under one person.
+
+    Parameters
+    ----------
+    x, cov_m2
+        Joints and covariances, (joint, 3) and (joint, 3, 3).
+    n_seen
+        How many cameras support each joint, (joint,).
+    rest_m
+        See `lowest`.
+    level
+        Height of the ground [m] and its variance [m^2], (2,).
+    elapsed_s
+        Time since the last frame set [s].
+
+    Notes
+    -----
+    A scalar Kalman filter, as for the lengths of limbs. It learns where two cameras see the
+    lowest joint; else the ground may have risen or fallen.
+    """
+    if elapsed_s <= 0.0:
+        return
+    level[1] += _SLOPE_M2 * elapsed_s
+    j = lowest(x, rest_m)
+    if n_seen[j] < 2:
+        return
+    off = x[j, 2] - rest_m[j] - level[0]
+    var = cov_m2[j, 2, 2] + _MEASURE_M2
+    if off * off > _GATE * _GATE * (level[1] + var):
+        return
+    gain = level[1] / (level[1] + var * max(1.0, _MEASURE_S / elapsed_s))
+    level[0] += gain * off
+    level[1] *= 1.0 - gain
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def resting(x, cov_m2, rest_m, level):
+    """Return which joint rests on the ground, how far it must rise, and the variance of that.
+
+    The joint is -1 when nobody rests there. Parameters as for `learn_level`.
+    """
+    j = lowest(x, rest_m)
+    rise_m = level[0] + rest_m[j] - x[j, 2]
+    var = level[1] + _MEASURE_M2
+    if rise_m * rise_m > _GATE * _GATE * (var + cov_m2[j, 2, 2]):
+        return -1, 0.0, math.inf
+    return j, rise_m, var
