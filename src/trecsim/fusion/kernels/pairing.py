@@ -181,13 +181,16 @@ def note_exchanges(
         np.empty((n_joint, 3)),
     )
     sight = cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room
-    held = np.zeros(xy_px.shape[0], np.bool_)
-    pair, view, own = np.full((n_track, 2), -1), np.zeros((n_track, 2), np.int64), np.zeros(n_track)
+    # Filled in loops: `np.zeros` and `np.full` would be compiled for each type and shape.
+    held, own, gain = np.empty(xy_px.shape[0], np.int64), np.empty(n_track), np.empty(n_track)
+    pair, view = np.empty((n_track, 2), np.int64), np.empty((n_track, 2), np.int64)
+    for d in range(held.shape[0]):
+        held[d] = 0
     for k in range(n_track):
+        gain[k] = -most
         hold(match[k], held, pair[k], view[k])
         if pair[k, 0] >= 0:
             own[k] = pair_score(sight, view[k], pair[k, 0], pair[k, 1])
-    gain = np.full(n_track, -most)
     for k in range(n_track):
         if pair[k, 0] >= 0 and own[k] < clear:
             exchange(sight, k, pair, view, own, gain)
@@ -229,7 +232,7 @@ def hold(match, held, pair, view):
     n = 0
     for v in range(match.shape[0]):
         if match[v] >= 0:
-            held[match[v]] = True
+            held[match[v]] = 1
             if n < 2:
                 pair[n], view[n] = match[v], v
             n += 1
@@ -246,11 +249,12 @@ def pair_score(sight, view, i, k):
     """
     cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room = sight
     origin_m, ray, trust, x = room
-    look(0, i, cam[view[0]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
-    look(1, k, cam[view[1]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    one, other = np.int64(0), np.int64(1)  # typed: nothing is compiled for 0 and 1 as well
+    look(one, i, cam[view[0]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    look(other, k, cam[view[1]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
     best = 0.0
     for f in range(2):
-        total, close = meeting_score(0, 1, f, origin_m, ray, trust, noise, x)
+        total, close = meeting_score(one, other, f, origin_m, ray, trust, noise, x)
         if close >= _FEWEST:
             best = max(best, total + limb_score(x, limbs, limb_m))
     return best
