@@ -292,3 +292,25 @@ def exchange_gains(match, view_of, score, clear):
             if view_of[d] == views[1]:
                 gains[k] = max(gains[k], score(own[0], d) - score(*own))
     return gains
+
+
+def needless(P, focal_px, xyz_m, xy_px, match, confirmed):
+    """Whose detections, if exactly two, all fit somebody confirmed without one in the image."""
+    out = []
+    for row in match:
+        fits = [
+            [
+                np.nanmean(
+                    [
+                        np.linalg.norm(project(P[v], x) - m) * depth(P[v], x) / focal_px[v]
+                        for x, m in zip(xyz_m[v, i], xy_px[row[v]], strict=True)
+                    ]
+                )
+                < 0.12
+                for i in range(len(match))
+                if match[i, v] < 0 and confirmed[i]
+            ]
+            for v in np.flatnonzero(row >= 0)
+        ]
+        out.append(len(fits) == 2 and all(any(fit) for fit in fits))
+    return np.array(out)
