@@ -306,12 +306,13 @@ def note_needless(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
     for k in range(match.shape[0]):
         n = explained = 0
         for v in range(match.shape[1]):
-            if match[k, v] >= 0:
-                n += 1
+            n += match[k, v] >= 0
+        for v in range(match.shape[1]):
+            if n == 2 and match[k, v] >= 0:
                 explained += fits_another(
                     P, focal_px, cam[v], xyz_m[v], xy_px[match[k, v]], match[:, v], confirmed, k
                 )
-        looks[k] = looks[k] + 1.0 if n == 2 and explained == 2 else max(0.0, looks[k] - 1.0)
+        looks[k] = looks[k] + 1.0 if explained == 2 else max(0.0, looks[k] - 1.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
