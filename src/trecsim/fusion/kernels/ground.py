@@ -12,8 +12,10 @@ from numba import njit
 # is new [s].
 _MEASURE_M2 = 0.03**2
 _MEASURE_S = 0.5
-# How far the ground rises or falls under people who walk on [m^2/s].
-_SLOPE_M2 = 0.05**2
+# How far the ground rises or falls under people who walk on, and how far it may while two cameras
+# see them elsewhere: on stairs [m^2/s].
+_SLOPE_M2 = 0.02**2
+_STAIRS_M2 = 0.15**2
 # A lowest joint that is off by more standard deviations does not rest: somebody jumps.
 _GATE = 3.0
 
@@ -64,6 +66,7 @@ def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
     off = x[j, 2] - rest_m[j] - level[0]
     var = cov_m2[j, 2, 2] + _MEASURE_M2
     if off * off > _GATE * _GATE * (level[1] + var):
+        level[1] += _STAIRS_M2 * elapsed_s
         return
     gain = level[1] / (level[1] + var * max(1.0, _MEASURE_S / elapsed_s))
     level[0] += gain * off

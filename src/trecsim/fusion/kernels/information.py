@@ -18,6 +18,9 @@ from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
 REACH = ORDER * BLOCK
 # What the velocity of a torso's joint counts that no camera supports, next to one that some do.
 UNSEEN_WEIGHT = 0.05
+# How much of its velocity a body keeps over one knot that no two cameras see: what one of them sees
+# tells of it sideways, and along its ray nobody knows whether somebody still walks.
+KEPT = 0.8
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -206,16 +209,17 @@ def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
 def body_step(c, seen, torso, step_m):
     """Write how far the body moved between the two newest control points to `step_m` (3,)."""
     n = c.shape[1]
-    total = 0.0
+    total, most = 0.0, 0
     for a in range(BLOCK):
         step_m[a] = 0.0
     for j in torso:
         weight = 1.0 if seen[j] > 0 else UNSEEN_WEIGHT
         total += weight
+        most = max(most, seen[j])
         for a in range(BLOCK):
             step_m[a] += weight * (c[j, n - 3 + a] - c[j, n - 6 + a])
     for a in range(BLOCK):
-        step_m[a] /= total
+        step_m[a] *= KEPT / total if most < 2 else 1.0 / total
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
