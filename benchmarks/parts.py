@@ -78,10 +78,6 @@ def _no(*_: Any) -> bool:
     return False
 
 
-def _yes(*_: Any) -> bool:
-    return True
-
-
 def _nothing(*_: Any) -> None:
     pass
 
@@ -150,6 +146,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"kernels.prefilter.are_twins": _no}),
         Part("persistence of errors", "every image tells something new",
              {"error_memory_s": NEVER}),
+        Part("lasting errors in what is stated", "trajectories are as sure as they seem",
+             {"lasting_share": NEVER}),
         Part("noise by joint", "a hip is as easy to find as an elbow", model=_same_noise),
         Part("both readings of left and right", "no detection is ever read exchanged",
              {"flip_share": 1e-300}),
@@ -159,14 +157,14 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"association.associate": _hard}),
         Part("tempered responsibilities", "17 key points are worth 17 independent ones",
              changes={"kernels.matching.TEMPER": 1.0}),
-        Part("EM steps", "one step instead of three, or six",
-             changes={"kernels.locating.STEPS": np.array([1, 1])}),
+        Part("EM steps", "one step instead of three",
+             changes={"kernels.locating.STEPS": np.array([1])}),
     ),
     "motion": (
-        Part("sharp turns", "a joint that has left its curve is not sought elsewhere",
-             changes={"kernels.locating.turned": _no}),
-        Part("sharp turns only where the body agrees", "whatever the lengths of the limbs say",
-             changes={"kernels.fitting.fits_body": _yes}),
+        Part("sharp turns", "what is known of a body that turns stays as sure as it was",
+             changes={"kernels.fitting.SURPRISE": ALWAYS}),
+        Part("leeway for turns", "key points are judged by the prediction's own variance",
+             changes={"kernels.mixture.LEEWAY": 0.0}),
         Part("stiffness by joint", "head, torso, arms and legs bend alike",
              dict.fromkeys(ACCELS, geometric_mean(getattr(FusionSettings(), a) for a in ACCELS))),
         Part("velocity of the body", "a joint keeps its own velocity for ever",
@@ -180,9 +178,11 @@ PARTS: dict[str, tuple[Part, ...]] = {
     "the body": (
         Part("lengths of limbs", "nothing holds a body together", model=_no_limbs),
         Part("lengths hold joints that cameras see", "only those that fewer than two see",
-             changes={"kernels.fitting.hold": _nothing}),
+             changes={"kernels.stating.tighten": _nothing}),
         Part("lengths hold joints that few cameras see", "only those that two or more see",
              changes={"kernels.anatomy.relax_body": _nothing}),
+        Part("the body's opinion is not news", "all that it says is new information each time",
+             changes={"kernels.anatomy._BODY_S": NEVER}),
         Part("lengths learnt per person", "everybody is of usual size",
              changes={"kernels.lengths.learn": _nothing}),
     ),

@@ -32,6 +32,12 @@ def factor(score, good_score):
     return min(max(1.0, (good_score / score) ** 1.7), 6.0)
 
 
+def widened(S_px2, m_per_px, leeway=3.0, leeway_m=0.06):
+    """Widen a prediction's covariance in the image, as people may turn at once."""
+    most = 2.0 * (leeway_m / m_per_px) ** 2 / np.trace(S_px2)
+    return (1.0 + min(leeway, most)) * S_px2
+
+
 def score_pair(
     P, focal_px, xyz_m, cov_m2, xy_px, trust, noise, outlier_share, outlier_area_m2, flipped
 ):
@@ -44,7 +50,8 @@ def score_pair(
             continue
         J = jacobian(P, xyz_m[j])
         sigma = noise.sigma_m[j] * focal_px / w * trust[m]
-        C = J @ cov_m2[j] @ J.T + (sigma**2 + noise.floor_px**2) * np.eye(2)
+        C = widened(J @ cov_m2[j] @ J.T, w / focal_px)
+        C += (sigma**2 + noise.floor_px**2) * np.eye(2)
         e = xy_px[m] - project(P, xyz_m[j])
         total += log_ratio(e, C, w / focal_px, outlier_share, outlier_area_m2)[0]
     return total
@@ -152,6 +159,16 @@ def midpoint(p, u, q, v):
     (s, t), *_ = np.linalg.lstsq(np.stack([u, -v], axis=1), q - p, rcond=None)
     a, b = p + s * u, q + t * v
     return (a + b) / 2, np.linalg.norm(a - b)
+
+
+def lasting_m2(model, j, x, seeing, most_m=0.1):
+    """Covariance of a joint whose cameras' key points all err for good."""
+    info = np.eye(3) / most_m**2
+    for c in np.flatnonzero(seeing):
+        sigma_px = model.noise.sigma_m[j] * model.focal_px[c] / depth(model.P[c], x)
+        J = jacobian(model.P[c], x)
+        info += J.T @ J / (model.noise.lasting * (sigma_px**2 + model.noise.floor_px**2))
+    return np.linalg.inv(info)
 
 
 def spread_over(span, weights, n):

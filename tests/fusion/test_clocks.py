@@ -56,6 +56,20 @@ def test_a_camera_that_runs_ahead_makes_no_image_of_the_others_late(ahead_s, n_c
         assert max(t for c, t in taken if c == 1) < 1.1
 
 
+@pytest.mark.parametrize("behind_s", [0.2, 0.4, 0.6, 1.5, 1.9, 1e12])
+@pytest.mark.parametrize("n_cam", [2, 3, 4])
+def test_a_camera_whose_clock_is_set_back_holds_nobody_up(behind_s, n_cam):
+    images = [
+        [(c, t - behind_s) if c == 1 and t > 1.0 else (c, t)] for ((c, t),) in arriving(n_cam, 4.0)
+    ]
+    for sets in (images, together(images, n_cam)):
+        clocks = Clocks(n_cam)
+        taken = used(clocks, sets)
+        assert clocks.now_s > 3.9
+        for camera in {*range(n_cam)} - {1}:
+            assert sum(c == camera for c, _ in taken) == 100
+
+
 @pytest.mark.parametrize("n_cam", [3, 4])
 def test_a_camera_whose_clock_runs_fast_is_left_out_once_it_is_too_far_ahead(n_cam):
     images = [[(c, 1.2 * t if c == 1 else t)] for ((c, t),) in arriving(n_cam, 10.0)]

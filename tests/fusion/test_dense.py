@@ -89,7 +89,9 @@ def test_a_step_to_the_best_shift_is_that_of_least_squares(seed):
         A.append(rows)
         b.append(right)
     shift, cov = before.copy(), np.empty((3, 3))
-    moved = newton_step(total, 1, prior, shift, cov, kernels.scratch(N))
+    tmp = kernels.scratch(N)
+    information.invert3(prior, tmp.known)
+    moved = newton_step(total, 1, shift, cov, tmp)
     stacked = np.vstack(A)
     expected = np.linalg.lstsq(stacked, np.concatenate(b), rcond=None)[0]
     np.testing.assert_allclose(shift, expected, atol=1e-8)

@@ -8,14 +8,10 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.fitting import nowhere, settle_turned
-from trecsim.fusion.kernels.locating import FOUND, LOOSEN, TURNED, UNSEEN, moments, turned
+from trecsim.fusion.kernels.fitting import surprise
+from trecsim.fusion.kernels.locating import moments
 
 OFF_M = np.array([0.03, -0.02, 0.04])
-NO_LIMBS = (
-    np.full((1, 1), 2), kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0)), np.empty((1, 0)),
-    np.empty((1, 0)), 1.0,
-)  # fmt: skip
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -82,51 +78,54 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
     np.testing.assert_allclose(shift, least_squares(residuals, np.zeros(3)).x, atol=5e-4)
 
 
-def test_a_joint_has_turned_sharply_only_when_its_key_points_agree():
+def test_the_surprise_of_shifts_as_predicted_is_one():
+    """Shifts drawn from prior minus posterior covariance: what a fit without news would show."""
     rng = np.random.default_rng(5)
-    joint = np.array([0.0, 0.0, 1.0])
-    tight = np.eye(3) * 0.01**2
-    for agree in (True, False):
-        seen = observed(rng, joint)
-        seen.xyz_m[:] = joint + np.array([0.35, 0.0, 0.0])
-        if not agree:
-            seen.xy_px[:] += rng.normal(0, 300, (3, 2))
-        shift, cov, inlier = np.zeros(3), np.empty((3, 3)), np.zeros(3)
-        has_turned = turned(
-            MODEL.P, MODEL.focal_px, seen, 3, tight, MODEL.noise, kernels.sums(1, 1), 0,
-            shift, cov, inlier, np.empty(3), kernels.scratch(24),
-        )  # fmt: skip
-        assert has_turned == agree
-        assert (np.linalg.norm(shift) > 0.2) == agree
+    prior = np.tile(np.diag([0.03, 0.02, 0.05]) ** 2, (17, 1, 1))
+    after = 0.3 * prior
+    found = np.ones(17, bool)
+    found[3] = False
+    drawn = [
+        surprise(rng.multivariate_normal(np.zeros(3), 0.7 * prior[0], 17), after, prior, found)
+        for _ in range(400)
+    ]
+    assert abs(np.mean(drawn) - 1.0) < 0.05
+    assert surprise(np.zeros((17, 3)), after, prior, found) == 0.0
+    assert surprise(np.ones((17, 3)), after, prior, np.zeros(17, bool)) == 0.0
 
 
-@pytest.mark.parametrize("alone", [True, False])
-def test_a_turn_is_believed_when_the_body_agrees(alone):
-    """An elbow that jumps by 40 cm: by itself, or with shoulder and wrist."""
-    limbs = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2))
-    found, total = nowhere(3), kernels.sums(3, 1)
-    found.x_m[:] = [[0, 0, 1.4], [0.3, 0, 1.4], [0.55, 0, 1.4]]
-    found.shift_m[:] = 0.0
-    found.cov_m2[:] = np.eye(3) * 0.01**2
-    jumped = [1] if alone else [0, 1, 2]
-    found.x_m[jumped] += [0.0, 0.4, 0.0]
-    found.shift_m[jumped] = [0.0, 0.4, 0.0]
-    sought = np.full(3, FOUND)
-    sought[jumped] = TURNED
-    R, z, inlier = np.tile(np.eye(24), (3, 1, 1)), np.ones((3, 24)), np.ones((2, 3))
-    settle_turned(
-        R, z, found, sought, np.tile(np.eye(3), (3, 1, 1)), limbs, np.array([0.3, 0.25]),
-        np.full(2, 0.01**2), total, inlier,
+@pytest.mark.parametrize("jumps", ["the body", "a joint"])
+def test_a_body_that_jumps_is_believed_and_a_joint_that_jumps_is_not(jumps):
+    """By 25 cm: a body in all cameras has turned; a joint in one of them is something else."""
+    n_joint, place = 17, 3.6
+    rest = np.random.default_rng(1).normal([0, 0, 1.1], [0.2, 0.2, 0.4], (n_joint, 3))
+    R, z, c = np.zeros((1, 17, 24, 24)), np.zeros((1, 17, 24)), np.zeros((1, 17, 24))
+    kernels.start_all(
+        R[0], z[0], c[0], rest, np.full(n_joint, 0.01), 0.005, np.full(n_joint, 200.0)
+    )
+    prior = np.empty((1, n_joint, 3, 3))
+    kernels.covariance_all(R, place, prior)
+    there = rest + ([0.25, 0.0, 0.0] if jumps == "the body" else 0.0)
+    cam = np.array([0, 1, 2])
+    xy = np.array([[reference.project(MODEL.P[k], x) for x in there] for k in cam])
+    if jumps == "a joint":
+        xy[2, 0] = reference.project(MODEL.P[2], rest[0] + [0.25, 0.0, 0.0])
+    x, after, inlier = np.empty((1, 17, 3)), np.empty((1, 17, 3, 3)), np.empty((1, 3, 17))
+    before = R.copy()
+    kernels.fit_all(
+        R, z, c, np.tile(rest, (3, 1, 1, 1)), prior, cam, MODEL.P, MODEL.focal_px,
+        np.full(3, place), xy, np.ones((3, 17)), np.arange(3)[None], np.zeros((1, 3), np.int64),
+        np.ones((1, 3)), MODEL.noise, place, inlier, x, after,
     )  # fmt: skip
-    if alone:
-        assert sought.tolist() == [FOUND, UNSEEN, FOUND]
-        np.testing.assert_allclose(found.x_m[1], [0.3, 0, 1.4])
-        assert inlier[:, 1].tolist() == [0, 0]
-        assert R[1, 0, 0] == 1.0
-        assert total.weight[1, 0] == 0.0
+    off = np.linalg.norm(x[0] - there, axis=1)
+    assert off.max() < 0.03
+    if jumps == "the body":
+        assert (inlier > 0.5).all()
     else:
-        assert (sought == TURNED).all()
-        np.testing.assert_allclose(R[:, 0, 0], 1 / np.sqrt(LOOSEN))
+        assert inlier[0, 2, 0] < 0.01
+        assert (np.delete(inlier[0], 0, axis=1) > 0.5).all()
+        # What else was known of the body has not been loosened.
+        assert (np.abs(np.diagonal(R[0, 1])) >= np.abs(np.diagonal(before[0, 1])) - 1e-9).all()
 
 
 def test_images_close_in_time_share_a_moment_counted_back_from_the_newest():
@@ -159,17 +158,14 @@ def test_what_is_folded_is_what_was_located(seed):
     )  # fmt: skip
     shift, cov, inlier = located(seen, prior[0, 0], 3)
     x, after, got = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.empty((1, 3, 1))
-    found, found_m2 = np.empty_like(x), np.empty_like(after)
     kernels.fit_all(
         R, z, c, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior, cam, MODEL.P, MODEL.focal_px,
         np.full(3, place), xy[:, None], np.ones((3, 1)), np.arange(3)[None],
         np.zeros((1, 3), np.int64), np.full((1, 3), 0.7),
-        MODEL.noise._replace(mirror=np.zeros(1, np.int64)), place, *NO_LIMBS, got, found, found_m2,
-        x, after,
+        MODEL.noise._replace(mirror=np.zeros(1, np.int64)), place, got, x, after,
     )  # fmt: skip
     np.testing.assert_allclose(got[0, :, 0], inlier, rtol=1e-9)
-    np.testing.assert_allclose(found[0, 0], joint + OFF_M + shift, atol=1e-9)
-    np.testing.assert_allclose(x, found, atol=1e-9)
+    np.testing.assert_allclose(x[0, 0], joint + OFF_M + shift, atol=1e-9)
     np.testing.assert_allclose(after[0, 0], cov, rtol=1e-6, atol=1e-12)
     assert live * 3 == len(c[0, 0])
     # The control points are those of the changed information.
@@ -185,7 +181,7 @@ def test_somebody_whom_nobody_sees_stays_as_predicted():
         R, z, c, np.ones((1, 1, 1, 3)), np.eye(3)[None, None], np.array([0]), MODEL.P,
         MODEL.focal_px, np.array([2.0]), np.empty((0, 1, 2)), np.empty((0, 1)),
         np.full((1, 1), -1), np.zeros((1, 1), np.int64), np.ones((1, 1)), MODEL.noise, 2.0,
-        *NO_LIMBS, inlier, np.empty_like(x), np.empty_like(cov), x, cov,
+        inlier, x, cov,
     )  # fmt: skip
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(x[0, 0], 1.0)

@@ -16,17 +16,25 @@ from trecsim.fusion.images import Detections
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
+# Two detections begin a person from this log likelihood ratio to chance on: one in 20,000 pairs of
+# strangers reaches it, were their key points independent.
 _PAIR_SCORE = 10.0
 # Where no other detection fits, a pair that meets as well as this is a person beyond doubt.
 _SURE_SCORE = 25.0
+# A further camera joins from this log ratio to clutter on; little, as two have found the place.
 _ABSORB_SCORE = 3.0
+# So uncertain is the place that two cameras gave, when further cameras are compared with it [m].
 _SEED_SIGMA_M = 0.08
+# Of more detections that belong to nobody only the best are paired, as the work grows with the
+# square of their number: a crowd of twenty before three cameras.
 _MOST = 60
 # Rays that pass further from each other do not meet [m]; so many joints make a body.
 _MEET_M = 0.25
 _FEWEST = 4
-_START_SIGMA_M = 0.4
-_GUESS_SIGMA_M = 0.6
+# How uncertain joints are before their own images are fitted: where rays met, and where only the
+# joints next to them are known, a limb's length away [m].
+_START_SIGMA_M, _GUESS_SIGMA_M = 0.4, 0.6
+# People are as likely to stand as to walk when they begin: standard deviation per axis [m/s].
 _START_SPEED_MPS = 1.5
 
 

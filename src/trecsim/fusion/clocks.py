@@ -107,6 +107,8 @@ class _Told:
         self._usual_s = [0.0] * n_cam
         self._own_s = [0.0] * n_cam
         self._heard_s = [-math.inf] * n_cam
+        self._jumped = [False] * n_cam
+        self._left_out = [False] * n_cam
         self._passed_s = 0.0
 
     def ahead(self, cam: Sequence[int], t_s: Sequence[float], now_s: float) -> list[int]:
@@ -123,16 +125,17 @@ class _Told:
             if heard > since_s and abs(t - now_s) <= JUMP_S
         ]
         if not alive or max(alive)[0] - min(alive)[0] <= AHEAD_S:  # nearly always
+            for c in cam:
+                self._left_out[c] = False
             return []
-        return [
-            v
-            for v, (c, t) in enumerate(zip(cam, t_s, strict=True))
-            if self._is_ahead(c, t, [told for told, o in alive if o != c])
-        ]
+        views = enumerate(zip(cam, t_s, strict=True))
+        return [v for v, (c, t) in views if self._is_ahead(c, t, alive)]
 
     def _note(self, c: int, t_s: float) -> None:
         gap_s, usual_s = t_s - self._told_s[c], self._usual_s[c]
-        step_s = min(max(gap_s, 0.0), max(_STEP_S, 3.0 * usual_s)) if gap_s < math.inf else 0.0
+        most_s = max(_STEP_S, 3.0 * usual_s)
+        self._jumped[c] = gap_s > most_s
+        step_s = min(max(gap_s, 0.0), most_s) if gap_s < math.inf else 0.0
         if usual_s:
             self._usual_s[c] *= _FOLLOWS if usual_s < gap_s < JUMP_S else 1.0 / _FOLLOWS
         elif 0.0 < gap_s < JUMP_S:
@@ -141,9 +144,12 @@ class _Told:
         self._own_s[c] = max(self._own_s[c], self._passed_s - SILENT_S) + step_s
         self._passed_s = self._heard_s[c] = max(self._passed_s, self._own_s[c])
 
-    def _is_ahead(self, c: int, t_s: float, others_s: list[float]) -> bool:
+    def _is_ahead(self, c: int, t_s: float, alive: Sequence[tuple[float, int]]) -> bool:
+        """Tell whether a camera is ahead of most others; with one other, only if it has jumped."""
+        others_s = sorted(told for told, o in alive if o != c)
         if not others_s:
             return False
         limit_s = AHEAD_S if len(others_s) > 1 else AHEAD_OF_ONE_S
-        middle_s = sorted(others_s)[(len(others_s) - 1) // 2]
-        return t_s - middle_s > max(limit_s, 1.5 * self._usual_s[c])
+        ahead = t_s - others_s[len(others_s) // 2] > max(limit_s, 1.5 * self._usual_s[c])
+        self._left_out[c] = ahead and (len(others_s) > 1 or self._jumped[c] or self._left_out[c])
+        return self._left_out[c]

@@ -40,23 +40,6 @@ class Prediction:
     cov_m2: Float64[np.ndarray, "track joint 3 3"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """What the key points of a frame set say by themselves.
-
-    Attributes
-    ----------
-    inlier
-        Responsibility of each joint for its key point.
-    xyz_m, cov_m2
-        Joints at the frame set's time.
-    """
-
-    inlier: Float64[np.ndarray, "track view joint"]
-    xyz_m: Float64[np.ndarray, "track joint 3"]
-    cov_m2: Float64[np.ndarray, "track joint 3 3"]
-
-
 def news(since_s: float, model: Model) -> float:
     """Return how much is new, 0 to 1, in what is seen so long after the last image."""
     return min(max(since_s / model.settings.error_memory_s, _LEAST_NEWS), 1.0)
@@ -80,65 +63,42 @@ def fit(
     association: Association,
     prediction: Prediction,
     model: Model,
-    t_s: float,
     since_s: Sequence[float],
-    body_news: float,
-) -> Found:
-    """Fit `people`, in place, to the detections that are theirs.
+) -> Float64[np.ndarray, "track view joint"]:
+    """Fit `people`, in place, to the detections that are theirs; return the responsibilities.
 
     Parameters
     ----------
     people, images, association, prediction, model
         Who is fitted to what.
-    t_s
-        Time of the frame set [s].
     since_s
         How long before each image its camera took the last one [s].
-    body_news
-        How much of what the body says is new; see `news`.
     """
-    found = Found(
-        np.empty((len(people), len(images), people.z.shape[1])),
-        np.empty(people.x_m.shape),
-        np.empty(people.cov_m2.shape),
-    )
+    inlier = np.empty((len(people), len(images), people.z.shape[1]))
     worth = association.responsibility * np.array([news(since, model) for since in since_s])
     kernels.fit_all(
         people.R, people.z, people.c, prediction.xyz_m, prediction.cov_m2, images.cam, model.P,
         model.focal_px, prediction.place, images.xy_px, images.factor, association.match,
-        association.flip, worth, model.noise, prediction.now, lifecycle.support(people, t_s),
-        model.limbs, people.limb_m, people.limb_m2, body_news,
-        found.inlier, found.xyz_m, found.cov_m2, people.x_m, people.cov_m2,
+        association.flip, worth, model.noise, prediction.now, inlier, people.x_m, people.cov_m2,
     )  # fmt: skip
-    return found
+    return inlier
 
 
-def constrain(
-    people: Population,
-    found: Found,
-    now: float,
-    model: Model,
-    t_s: float,
-    elapsed_s: float,
-    body_news: float,
-) -> None:
+def constrain(people: Population, now: float, model: Model, t_s: float, elapsed_s: float) -> None:
     """Learn limb lengths, and hold by them what too few cameras see, in place.
 
     Parameters
     ----------
-    people, found
-        Who has just been fitted, and what the key points said.
+    people
+        Who has just been fitted.
     now, t_s
         Time of the frame set, in knots and in seconds.
     model
         Constants of the run.
     elapsed_s
         Time since the last frame set [s].
-    body_news
-        How much of what the body says is new; see `news`.
     """
     kernels.constrain_all(
-        people.R, people.z, people.c, found.xyz_m, found.cov_m2, people.x_m, people.cov_m2,
-        lifecycle.support(people, t_s), model.limbs, people.limb_m, people.limb_m2,
-        now, elapsed_s, body_news,
+        people.R, people.z, people.c, people.x_m, people.cov_m2, lifecycle.support(people, t_s),
+        model.limbs, people.limb_m, people.limb_m2, now, elapsed_s,
     )  # fmt: skip

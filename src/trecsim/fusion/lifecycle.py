@@ -14,11 +14,13 @@ from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 
+# So often it is looked whether somebody is two people [s].
+COMPARE_S = 0.1
 # Detections of two cameras are given up as a pair for others from this evidence on; one look adds
 # no more than `_MOST`. From `_CLEAR` on, which half of all good pairs reach, a pair is looked at
 # only as the partner of others [log likelihood ratios to chance].
 _CROSSED, _MOST, _CLEAR = 10.0, 20.0, 25.0
-# Who has been read mirrored for so long is mirrored [s].
+# Who has been read mirrored for so long is mirrored: longer than a detector errs at a stretch [s].
 _MIRROR_S = 0.2
 
 
@@ -45,7 +47,7 @@ def note_crossed(
 ) -> None:
     """Gather evidence, in place, that people are two people: one in each of two images.
 
-    To be called once in `error_memory_s`, as the errors of a detector persist.
+    To be called once in `COMPARE_S`, as the errors of a detector persist.
     """
     kernels.note_exchanges(
         images.cam, images.offset, images.xy_px, images.factor, association.match, model.ray_of,

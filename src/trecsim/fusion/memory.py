@@ -10,12 +10,12 @@ from trecsim.fusion.population import Population
 from trecsim.fusion.snapshots import evaluated
 from trecsim.fusion.spline import KnotGrid
 
-# Over this time the last velocity is taken [s].
+# Over this time the last velocity is taken: some frames, so that no single one decides [s].
 _STEP_S = 0.1
-# Somebody who comes back may be so far from where the person should be, and further by the time
-# that has passed [m, m/s].
+# Somebody who comes back may be so far from where the person should be, an arm's length, and
+# further by the time that has passed, at half of a walk's speed [m, m/s].
 _NEAR_M, _SPREAD_MPS = 0.5, 0.6
-# Nobody goes on at the last velocity for longer [s].
+# Nobody goes on at the last velocity for longer: after a step people turn or stop [s].
 _GOES_ON_S = 0.5
 
 

@@ -47,6 +47,9 @@ class FusionSettings:
         confidence).
     error_memory_s
         Errors of a detector persist; images closer in time than this tell the same thing [s].
+    lasting_share
+        Share of the variance of key points that lasts for seconds: no smoothing removes it, and
+        it is added to what is stated of a joint.
     outlier_share
         Prior share of key points that have nothing to do with the joint (in the thesis: weights
         pi of the people in its place).
@@ -84,13 +87,13 @@ class FusionSettings:
         0.5, (0.3, 1.0), "longer where images come late; takes more time per frame set"
     )
     accel_torso: float = _setting(
-        2.0,
-        (1.0, 4.0),
+        1.0,
+        (0.5, 3.0),
         "higher for sport and falls; lower for people who stand or sit, who get smoother",
     )
-    accel_head: float = _setting(2.5, (1.5, 5.0), "as `accel_torso`")
-    accel_arm: float = _setting(6.0, (3.0, 12.0), "as `accel_torso`; higher for gestures")
-    accel_leg: float = _setting(6.0, (3.0, 12.0), "as `accel_torso`; higher for running")
+    accel_head: float = _setting(1.25, (0.6, 4.0), "as `accel_torso`")
+    accel_arm: float = _setting(3.0, (1.5, 9.0), "as `accel_torso`; higher for gestures")
+    accel_leg: float = _setting(3.0, (1.5, 9.0), "as `accel_torso`; higher for running")
     velocity_memory_s: float = _setting(0.6, (0.3, 2.0), "hardly ever")
     drag_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
     joint_sigma_m: float = _setting(
@@ -111,9 +114,12 @@ class FusionSettings:
         "with the estimator: higher if it invents what it does not see, lower if it is modest",
     )
     error_memory_s: float = _setting(
-        0.1,
-        (0.03, 0.3),
+        0.025,
+        (0.01, 0.1),
         "longer for an estimator whose errors stay, above all with many images per second",
+    )
+    lasting_share: float = _setting(
+        0.6, (0.3, 1.0), "with the estimator, if `trecsim evaluate` finds it too sure or too modest"
     )
     outlier_share: float = _setting(
         0.1, (0.02, 0.3), "with the estimator: higher if it often takes one limb for another"

@@ -6,6 +6,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.fusion import kernels, lifecycle
+from trecsim.fusion.kernels.presence import SUPPORT_S
+from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
 from trecsim.types import Snapshot
@@ -15,7 +17,7 @@ SAME_S = 1e-6
 
 
 def snapshot_of(
-    there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, n_joint: int
+    there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, model: Model
 ) -> Snapshot:
     """Return everybody who is confirmed and had begun at `t_s`.
 
@@ -27,12 +29,12 @@ def snapshot_of(
         The moment, within those grids [s].
     now_s
         Time of the last frame set, for which places and covariances are known already [s].
-    n_joint
-        Number of joints of the skeleton.
+    model
+        Constants of the run.
     """
-    parts = [_part(people, grid, t_s, now_s) for grid, people in there]
+    parts = [_part(people, grid, t_s, now_s, model) for grid, people in there]
     if not parts:
-        return nobody_at(t_s, n_joint)
+        return nobody_at(t_s, len(model.skeleton.joints))
     if len(parts) == 1:
         return parts[0]
     return Snapshot(
@@ -44,16 +46,21 @@ def snapshot_of(
     )
 
 
-def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float) -> Snapshot:
+def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model) -> Snapshot:
     who = (people.confirmed & (people.born_s <= t_s + SAME_S)).nonzero()[0]
     xyz_m, cov_m2 = people.x_m, people.cov_m2
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
         kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
-    count = lifecycle.support(people, t_s)
     # NumPy takes rows by `take` in a third of the time that an index needs.
-    id_, xyz_m, cov_m2, count = (a.take(who, axis=0) for a in (people.id, xyz_m, cov_m2, count))
-    return Snapshot(t_s, id_, xyz_m, cov_m2, count)
+    xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
+    kernels.state_all(
+        model.P, model.focal_px, model.noise, people.joint_s.take(who, axis=0), t_s - SUPPORT_S,
+        model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
+        xyz_m, cov_m2,
+    )  # fmt: skip
+    count = lifecycle.support(people, t_s).take(who, axis=0)
+    return Snapshot(t_s, people.id.take(who), xyz_m, cov_m2, count)
 
 
 def evaluated(

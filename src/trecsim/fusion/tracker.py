@@ -136,15 +136,15 @@ class Tracker:
         """Associate and fit everybody who is already there."""
         people, m, t_s = self._people, self._model, self._t_s
         cam, taken_s = images.cam.tolist(), images.t_s.tolist()
-        since_s, body_news = self._clocks.since_s(cam, taken_s), fitting.news(elapsed_s, m)
+        since_s = self._clocks.since_s(cam, taken_s)
         prediction = fitting.predict(people, images, self._knots, t_s)
         association = associate(m, images, prediction.xyz_m, prediction.cov_m2)
-        found = fitting.fit(people, images, association, prediction, m, t_s, since_s, body_news)
-        lifecycle.note_support(people, images, association, found.inlier, t_s, elapsed_s)
-        if t_s - self._compared_s >= m.settings.error_memory_s:
+        inlier = fitting.fit(people, images, association, prediction, m, since_s)
+        lifecycle.note_support(people, images, association, inlier, t_s, elapsed_s)
+        if t_s - self._compared_s >= lifecycle.COMPARE_S:
             self._compared_s = t_s
             lifecycle.note_crossed(people, images, association, m)
-        fitting.constrain(people, found, prediction.now, m, t_s, elapsed_s, body_news)
+        fitting.constrain(people, prediction.now, m, t_s, elapsed_s)
         lifecycle.mend_mirrored(people, m)
         self._clocks.note(cam, taken_s)
         return association
@@ -215,10 +215,8 @@ class Tracker:
         # Its images have just been noted, so they weigh little here: the candidate's place is
         # theirs already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
-        found = fitting.fit(
-            person, images, association, prediction, self._model, self._t_s, since_s, 1.0
-        )
-        lifecycle.note_support(person, images, association, found.inlier, self._t_s, 0.0)
+        inlier = fitting.fit(person, images, association, prediction, self._model, since_s)
+        lifecycle.note_support(person, images, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(person)
         return identity
 
@@ -276,4 +274,4 @@ class Tracker:
         there = [(one[1], one[2]) for one in self._departed]
         if self._grid is not None:
             there.append((self._grid, self._people))
-        return snapshot_of(there, t_s, self._t_s, len(self._model.skeleton.joints))
+        return snapshot_of(there, t_s, self._t_s, self._model)

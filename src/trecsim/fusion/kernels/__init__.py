@@ -39,6 +39,7 @@ from trecsim.fusion.kernels.presence import (
     note_support,
     survive_all,
 )
+from trecsim.fusion.kernels.stating import state_all
 from trecsim.fusion.kernels.undistortion import Undistortion, undistort
 from trecsim.fusion.kernels.visibility import Lenses, Silhouette, expect_all
 
@@ -83,6 +84,7 @@ __all__ = [
     "score_view",
     "scratch",
     "start_all",
+    "state_all",
     "sums",
     "survive_all",
     "undistort",

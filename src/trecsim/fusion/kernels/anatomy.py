@@ -7,8 +7,9 @@ import numpy as np
 from jaxtyping import Float64
 from numba import njit
 
-from trecsim.fusion.kernels.curve import locate, point
+from trecsim.fusion.kernels.curve import BLOCK, locate, point
 from trecsim.fusion.kernels.information import (
+    REACH,
     clear_row,
     control_points,
     curve_covariance,
@@ -18,11 +19,15 @@ from trecsim.fusion.kernels.information import (
 from trecsim.fusion.kernels.lengths import TIE_M2, learn, quotient
 
 _STEPS = 3
+# What the body says of a joint is new after this time, as a length that is off stays so [s].
+_BODY_S = 1.3
 
 
 class Held(NamedTuple):
-    """Scratch arrays: three equations, their right sides, and a block of columns."""
+    """Scratch arrays: a joint's information, three equations, and a block of columns."""
 
+    R: Float64[np.ndarray, "n n"]
+    z: Float64[np.ndarray, " n"]
     rows: Float64[np.ndarray, "3 n"]
     right: Float64[np.ndarray, "3"]
     y: Float64[np.ndarray, "n 3"]
@@ -179,7 +184,57 @@ def joint_block(A, first, out):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, worth, tmp):
+def right_side(R, c, z):
+    """Write ``R c`` to `z`: the right side whose solution is `c`."""
+    n = R.shape[0]
+    for i in range(n):
+        z[i] = 0.0
+        for k in range(i, min(n, (i // BLOCK) * BLOCK + REACH)):
+            z[i] += R[i, k] * c[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def believe(R, z, c, x, cov_m2, info, vector, size, lasting, span, weights, tmp):
+    """Move a joint as its body says, in place, and keep `lasting` of that as information.
+
+    Parameters
+    ----------
+    R, z, c, x, cov_m2
+        The joint: square-root information, control points, place and covariance.
+    info, vector, size
+        The body's message; see `quotient`. `info` and `vector` are destroyed.
+    lasting
+        Share of the message's information that is new, 0 to 1.
+    span, weights
+        Place of the time on the knot grid.
+    tmp
+        `Held`.
+    """
+    n = R.shape[0]
+    for i in range(n):
+        tmp.z[i] = z[i]
+        for k in range(n):
+            tmp.R[i, k] = R[i, k]
+    new_info, new_vector = np.empty((3, 3)), np.empty(3)
+    for p in range(3):
+        new_vector[p] = lasting * vector[p]
+        for q in range(3):
+            new_info[p, q] = lasting * info[p, q]
+    least = 1e-6 * size
+    fold_gaussian(
+        R, z, new_info, new_vector, lasting * least, x, span, weights, tmp.rows, tmp.right
+    )
+    fold_gaussian(tmp.R, tmp.z, info, vector, least, x, span, weights, tmp.rows, tmp.right)
+    control_points(tmp.R, tmp.z, c)
+    right_side(R, c, z)
+    point(c, span, weights, x)
+    curve_covariance(tmp.R, span, weights, tmp.y, cov_m2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights, lasting, tmp):
     """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
 
     Parameters
@@ -195,16 +250,20 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
         `Limbs`, and this person's lengths with their variances.
     span, weights
         Place of the frame set's time on the knot grid.
-    worth
-        Weight of this frame set, 0 to 1.
+    lasting
+        Share of what the body says that is new since the last frame set, 0 to 1.
     tmp
-        Scratch.
+        `Held`.
 
     Notes
     -----
     All weak joints move together: least squares over their shifts, with each joint's own
     covariance (long along the ray of the camera that sees it) and the limbs' lengths, by
     Gauss-Newton. Where a single camera sees a whole body, this is what fixes its distance.
+
+    A trajectory follows what the body says, but takes little of it as information: the joints
+    would hear their own opinion again from each other, frame set after frame set, and be sure of
+    a distance that nobody has seen.
     """
     n_joint = x.shape[0]
     place = np.empty(n_joint, np.int64)
@@ -230,49 +289,38 @@ def relax_body(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, span, weights
             continue
         joint_block(A, place[j], after)
         size = quotient(cov_m2[j], after, d[j], info, vector)
-        for p in range(3):
-            vector[p] *= worth
-            for q in range(3):
-                info[p, q] *= worth
-        fold_gaussian(
-            R[j], z[j], info, vector, 1e-6 * size * worth, x[j], span, weights, tmp.rows, tmp.right
-        )
-        control_points(R[j], z[j], c[j])
-        point(c[j], span, weights, x[j])
-        curve_covariance(R[j], span, weights, tmp.y, cov_m2[j])
+        believe(R[j], z[j], c[j], x[j], cov_m2[j], info, vector, size, lasting, span, weights, tmp)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def constrain_all(
-    R, z, c, found_m, found_m2, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elapsed_s, worth
-):
+def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, now, elapsed_s):
     """Learn everybody's limb lengths, and hold by them what few cameras see, in place.
 
     Parameters
     ----------
     R, z, c
         Square-root information and control points, (track, joint, n, n) and (track, joint, n).
-    found_m, found_m2
-        Joints and covariances by key points alone, (track, joint, 3) and (track, joint, 3, 3):
-        lengths are learnt from what they did not help to find.
     x, cov_m2
-        The same after the fit; changed where the body has a say.
+        Joints and covariances after the fit, (track, joint, 3) and (track, joint, 3, 3); changed
+        where the body has a say.
     n_seen
         Cameras that support each joint now, (track, joint).
     limbs, limb_m, limb_m2
         `Limbs`; lengths and variances per track, (track, limb).
     now
         Time of the frame set, in knots.
-    elapsed_s, worth
-        Time since the last frame set; weight of this one, 0 to 1.
+    elapsed_s
+        Time since the last frame set [s].
     """
-    tmp = Held(np.empty((3, R.shape[2])), np.empty(3), np.empty((R.shape[2], 3)))
+    n = R.shape[2]
+    tmp = Held(np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3), np.empty((n, 3)))
     weights = np.empty(4)
-    span = locate(now, R.shape[2] // 3, weights)
+    span = locate(now, n // 3, weights)
+    lasting = min(1.0, elapsed_s / _BODY_S)
     for k in range(R.shape[0]):
-        learn(found_m[k], found_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
+        learn(x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
         relax_body(
             R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k],
-            span, weights, worth, tmp,
+            span, weights, lasting, tmp,
         )  # fmt: skip

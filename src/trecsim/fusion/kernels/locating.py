@@ -8,16 +8,11 @@ from jaxtyping import Float64, Int64
 from numba import njit
 
 from trecsim.fusion.kernels.information import copy, invert3
-from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project
+from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
-# By how much the variance of a joint grows when its key points say it has turned sharply.
-LOOSEN = 25.0
-LOOSEN_M2 = 0.01
-# EM steps at most, with the usual prior and with a wide one; in an array, so that their number is
-# no constant for which the function is compiled twice.
-STEPS = np.array([3, 6])
-# What came of looking for a joint: no key point; found near its curve; found elsewhere.
-UNSEEN, FOUND, TURNED = 0, 1, 2
+# EM steps at most; in an array, so that their number is no constant for which the function is
+# compiled twice.
+STEPS = np.array([3])
 # EM has converged when a step moves a joint by less [m^2].
 STILL_M2 = 0.0005**2
 # Images this close in time, in knots, enter the trajectory at their common mean time.
@@ -75,7 +70,8 @@ class Scratch(NamedTuple):
     x: Float64[np.ndarray, "3"]
     basis: Float64[np.ndarray, "4"]
     info: Float64[np.ndarray, "3 3"]
-    wide: Float64[np.ndarray, "3 3"]
+    prior: Float64[np.ndarray, "3 3"]
+    known: Float64[np.ndarray, "3 3"]
     rows: Float64[np.ndarray, "3 n"]
     right: Float64[np.ndarray, "3"]
     y: Float64[np.ndarray, "n 3"]
@@ -86,8 +82,8 @@ class Scratch(NamedTuple):
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
     return Scratch(
-        np.empty(3), np.empty(4), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, n)),
-        np.empty(3), np.empty((n, 3)),
+        np.empty(3), np.empty(4), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)),
+        np.empty((3, n)), np.empty(3), np.empty((n, 3)),
     )  # fmt: skip
 
 
@@ -185,6 +181,7 @@ def locate_joint(
     for a in range(3):
         shift_m[a] = 0.0
     copy(prior_m2, cov_m2)
+    invert3(prior_m2, tmp.known)
     for _ in range(steps):
         clear(total, j)
         for v in range(n):
@@ -199,7 +196,7 @@ def locate_joint(
                 continue
             eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
             var = (sigma_m[v] / m_per_px) ** 2 + least_px2
-            uu, uv, vv = image_covariance(du, dv, cov_m2)
+            uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px)
             odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
             inlier[v] = odds / (1.0 + odds)
             # Student's t as a scale mixture of Gaussians, in two dimensions.
@@ -209,16 +206,19 @@ def locate_joint(
             size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
             sum_place[j, m] += size * place[v]
             sum_weight[j, m] += size
-        if newton_step(total, j, prior_m2, shift_m, cov_m2, tmp) < STILL_M2:
+        if newton_step(total, j, shift_m, cov_m2, tmp) < STILL_M2:
             return
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
 @no_type_check
-def newton_step(total, j, prior_m2, shift_m, cov_m2, tmp):
-    """Write the best shift and its covariance given all moments; return how far it moved [m^2]."""
+def newton_step(total, j, shift_m, cov_m2, tmp):
+    """Write the best shift and its covariance given all moments; return how far it moved [m^2].
+
+    The information of the prediction is in ``tmp.known``.
+    """
     info, rhs = tmp.info, tmp.x
-    invert3(prior_m2, info)
+    copy(tmp.known, info)
     for a in range(3):
         rhs[a] = 0.0
     for m in range(total.weight.shape[1]):
@@ -233,66 +233,3 @@ def newton_step(total, j, prior_m2, shift_m, cov_m2, tmp):
         moved += (there - shift_m[a]) ** 2
         shift_m[a] = there
     return moved
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
-def turned(P, focal_px, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp):
-    """Seek a joint again with a wide prior; return whether its key points agree there.
-
-    A person has turned sharply when two or more key points fit each other and not the
-    prediction. Then sums, shift and responsibilities are those of the second search; otherwise
-    nothing changes. `trial` is scratch, (view,).
-    """
-    for a in range(3):
-        for b in range(3):
-            tmp.wide[a, b] = LOOSEN * prior_m2[a, b] + (LOOSEN_M2 if a == b else 0.0)
-    locate_joint(
-        P, focal_px, seen, n, tmp.wide, noise, STEPS[1], total, j, shift_m, cov_m2, trial, tmp
-    )
-    before, after = 0.0, 0.0
-    for v in range(n):
-        before += inlier[v]
-        after += trial[v]
-    if after > max(1.5, before + 0.5):
-        for v in range(n):
-            inlier[v] = trial[v]
-        return True
-    locate_joint(
-        P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
-    )
-    return False
-
-
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
-@no_type_check
-def seek_joint(
-    P, focal_px, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
-):
-    """Find one joint by its key points; return `UNSEEN`, `FOUND` or `TURNED`."""
-    known = 0
-    for v in range(n):
-        inlier[v] = 0.0
-        if not math.isnan(seen.xy_px[v, 0]):
-            known += 1
-    if known == 0:
-        clear(total, j)
-        for a in range(3):
-            shift_m[a] = 0.0
-        copy(prior_m2, cov_m2)
-        return UNSEEN
-    locate_joint(
-        P, focal_px, seen, n, prior_m2, noise, STEPS[0], total, j, shift_m, cov_m2, inlier, tmp
-    )
-    agree = 0.0
-    for v in range(n):
-        agree += inlier[v]
-    if (
-        known >= 2
-        and agree < 0.5 * known
-        and turned(
-            P, focal_px, seen, n, prior_m2, noise, total, j, shift_m, cov_m2, inlier, trial, tmp
-        )
-    ):
-        return TURNED
-    return FOUND

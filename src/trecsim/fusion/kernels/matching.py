@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from trecsim.fusion.kernels.assignment import assign
-from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project
+from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
 # A detection that belongs to nobody, and one whose track two cameras support.
 FREE, TAKEN = -1, -2
@@ -17,12 +17,13 @@ TEMPER = 3.0
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def project_person(P, cam, xyz_m, cov_m2, uv, S, depth_m):
+def project_person(P, focal_px, cam, xyz_m, cov_m2, uv, S, depth_m):
     """Write a person's projected joints, their covariances (uu, uv, vv) and depths."""
     for j in range(xyz_m.shape[0]):
         w, u, v, du, dv = project(P, cam, xyz_m[j, 0], xyz_m[j, 1], xyz_m[j, 2])
         depth_m[j], uv[j, 0], uv[j, 1] = w, u, v
-        S[j, 0], S[j, 1], S[j, 2] = image_covariance(du, dv, cov_m2[j])
+        spread = image_covariance(du, dv, cov_m2[j])
+        S[j, 0], S[j, 1], S[j, 2] = widened(*spread, w / focal_px[cam])
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -117,7 +118,7 @@ def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, o
     for d in range(xy_px.shape[0]):
         box_of(xy_px[d], boxes[d])
     for k in range(xyz_m.shape[0]):
-        project_person(P, cam, xyz_m[k], cov_m2[k], uv, S, depth_m)
+        project_person(P, focal_px, cam, xyz_m[k], cov_m2[k], uv, S, depth_m)
         box_of(uv, mine)
         least_m = nearest_m(depth_m)
         for d in range(xy_px.shape[0]):

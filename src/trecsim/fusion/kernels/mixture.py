@@ -13,6 +13,9 @@ from numba import njit
 
 # A joint nearer than this to a camera's plane is not compared with its image [m].
 NEAR_M = 0.05
+# Curves are stiff and people turn at once: whether a key point belongs to a joint is judged as if
+# the prediction's variance were so many times larger, up to so much more in each direction [m].
+LEEWAY, LEEWAY_M = 3.0, 0.06
 
 
 class Noise(NamedTuple):
@@ -34,6 +37,8 @@ class Noise(NamedTuple):
         Log prior odds that a detection has left and right exchanged.
     tail
         Degrees of freedom of the inliers' distribution; few mean heavy tails.
+    lasting
+        Share of the noise's variance that lasts for seconds.
     """
 
     sigma_m: Float64[np.ndarray, " joint"]
@@ -43,6 +48,7 @@ class Noise(NamedTuple):
     outlier_share: float
     log_flip: float
     tail: float
+    lasting: float
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -81,6 +87,15 @@ def image_covariance(du, dv, cov_m2):
     q = dv[0] * cov_m2[0, 1] + dv[1] * cov_m2[1, 1] + dv[2] * cov_m2[2, 1]
     r = dv[0] * cov_m2[0, 2] + dv[1] * cov_m2[1, 2] + dv[2] * cov_m2[2, 2]
     return uu, uv, p * dv[0] + q * dv[1] + r * dv[2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def widened(uu, uv, vv, m_per_px):
+    """Return a prediction's covariance in the image [px^2] as it is when somebody may turn."""
+    most_px = LEEWAY_M / m_per_px
+    more = 1.0 + min(LEEWAY, 2.0 * most_px * most_px / (uu + vv + 1e-12))
+    return more * uu, more * uv, more * vv
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)

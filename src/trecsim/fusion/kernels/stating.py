@@ -1,0 +1,82 @@
+"""What is said about a moment: joints held by their limbs, and how sure they really are."""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from trecsim.fusion.kernels.information import invert3
+from trecsim.fusion.kernels.lengths import tighten
+from trecsim.fusion.kernels.mixture import NEAR_M, project
+
+# Lasting errors of key points add at most about so much to what is stated of a joint [m].
+_MOST_M = 0.1
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def lasting_information(P, focal_px, noise, j, x, last_s, since_s, info):
+    """Write what the cameras that see a joint say about it, if only lasting errors count.
+
+    Parameters
+    ----------
+    P, focal_px
+        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,).
+    noise
+        The detector's `Noise`.
+    j, x
+        The joint and its place, (3,).
+    last_s, since_s
+        When each camera last supported it, (cam,), and since when that counts [s].
+    info
+        Result, (3, 3) [1/m^2].
+    """
+    for p in range(3):
+        for q in range(3):
+            info[p, q] = 1.0 / (_MOST_M * _MOST_M) if p == q else 0.0
+    for c in range(last_s.shape[0]):
+        if not last_s[c] > since_s:
+            continue
+        w, _, _, du, dv = project(P, c, x[0], x[1], x[2])
+        if not w > NEAR_M:
+            continue
+        sigma_px = noise.sigma_m[j] * focal_px[c] / w
+        var = noise.lasting * (sigma_px * sigma_px + noise.floor_px * noise.floor_px)
+        for p in range(3):
+            for q in range(3):
+                info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def state_all(P, focal_px, noise, joint_s, since_s, limbs, limb_m, limb_m2, x, cov_m2):
+    """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
+
+    Parameters
+    ----------
+    P, focal_px, noise
+        As for `lasting_information`.
+    joint_s, since_s
+        When each camera last supported each joint, (track, joint, cam), and since when that
+        counts [s].
+    limbs, limb_m, limb_m2
+        `Limbs`; lengths and variances per track, (track, limb).
+    x, cov_m2
+        Joints and covariances as the trajectories have them, (track, joint, 3) and (track, joint,
+        3, 3); changed in place.
+
+    Notes
+    -----
+    Most of what a detector errs by lasts for seconds. No smoothing removes it, and no residual
+    shows it, as the trajectory has it, too: so it is added here, and not before. It is also what
+    stretches limbs; they are held here, where it is known how far a joint may really be off.
+    """
+    info, lasting = np.empty((3, 3)), np.empty((3, 3))
+    for k in range(x.shape[0]):
+        for j in range(x.shape[1]):
+            lasting_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], since_s, info)
+            invert3(info, lasting)
+            for p in range(3):
+                for q in range(3):
+                    cov_m2[k, j, p, q] += lasting[p, q]
+        tighten(x[k], cov_m2[k], limbs, limb_m[k], limb_m2[k])
