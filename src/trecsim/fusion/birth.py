@@ -36,6 +36,9 @@ _FEWEST = 4
 _START_SIGMA_M, _GUESS_SIGMA_M = 0.4, 0.6
 # People are as likely to stand as to walk when they begin: standard deviation per axis [m/s].
 _START_SPEED_MPS = 1.5
+# Which joints hang from which, and the least length of a trunk that tells in which direction [m].
+_LEVEL = {"shoulder": 1, "hip": 2, "elbow": 2, "knee": 3, "wrist": 3, "ankle": 4}
+_SHORTEST_TRUNK_M = 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,22 +168,43 @@ def _absorb(
 def completed(
     xyz_m: Float64[np.ndarray, "joint 3"], model: Model
 ) -> Float64[np.ndarray, "joint 3"]:
-    """Return `xyz_m` with every missing joint put where the joints next to it are."""
-    xyz = xyz_m.copy()
-    known = np.isfinite(xyz[:, 0])
-    centre = xyz[known].mean(axis=0)
+    """Return `xyz_m` with every missing joint where it hangs from, or stands on, those next to it.
+
+    Notes
+    -----
+    A usual limb's length away along the trunk. The ray of a single camera through a foot passes
+    two points that are as far from the knee as a foot is: begun at the knee itself, the foot would
+    settle at the one nearer to the camera, in the air.
+    """
+    xyz, down = xyz_m.copy(), _down(xyz_m, model)
+    centre = xyz[np.isfinite(xyz[:, 0])].mean(axis=0)
+    level = [_LEVEL.get(name.rpartition("_")[2], 0) for name in model.skeleton.joints]
     for _ in range(len(xyz)):
-        missing = np.flatnonzero(~np.isfinite(xyz[:, 0]))
-        if not len(missing):
-            break
         found = np.isfinite(xyz[:, 0])
-        for j in missing:
-            near = [b if a == j else a for a, b in model.skeleton.limbs if j in (a, b)]
-            near = [n for n in near if found[n]]
-            if near:
-                xyz[j] = xyz[near].mean(axis=0)
+        beside: dict[int, list[Float64[np.ndarray, " 3"]]] = {}
+        for (a, b), length_m in zip(model.bones.tolist(), model.bone_m, strict=True):
+            for j, n in ((a, b), (b, a)):
+                if found[n] and not found[j]:
+                    lower = np.sign(level[j] - level[n])
+                    beside.setdefault(j, []).append(xyz[n] + lower * length_m * down)
+        for j, places_m in beside.items():
+            xyz[j] = np.mean(places_m, axis=0)
+        if not beside:
+            break
     xyz[~np.isfinite(xyz[:, 0])] = centre
     return xyz
+
+
+def _down(xyz_m: Float64[np.ndarray, "joint 3"], model: Model) -> Float64[np.ndarray, " 3"]:
+    """Return the direction from shoulders to hips; that to the floor where they are not known."""
+    ends_m = []
+    for part in ("shoulder", "hip"):
+        those = [j for j, name in enumerate(model.skeleton.joints) if name.endswith(part)]
+        known = xyz_m[those][np.isfinite(xyz_m[those, 0])]
+        ends_m.append(known.mean(axis=0) if len(known) else np.full(3, np.nan))
+    trunk_m = ends_m[1] - ends_m[0]
+    length_m = float(np.linalg.norm(trunk_m))
+    return trunk_m / length_m if length_m > _SHORTEST_TRUNK_M else np.array([0.0, 0.0, -1.0])
 
 
 def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) -> Population:
