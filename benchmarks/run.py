@@ -24,6 +24,8 @@ _IN_ORDER = (
     "evaluating",
     "storing",
     "memory",
+    "arrival",
+    "soak",
     "startup",
     "real_video",
     "estimator_speed",

@@ -84,7 +84,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "machine": (ANY, machine),
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))
-        for name in ("memory", "simulating", "evaluating", "real_video",
+        for name in ("memory", "arrival", "soak", "simulating", "evaluating", "real_video",
                      "pipeline_cost", "storing")
     },
 }  # fmt: skip

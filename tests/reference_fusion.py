@@ -1,5 +1,7 @@
 """Slow and obvious twins of the fusion's kernels, for tests to hold the two together."""
 
+from itertools import pairwise
+
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import multivariate_normal
@@ -292,3 +294,43 @@ def exchange_gains(match, view_of, score, clear):
             if view_of[d] == views[1]:
                 gains[k] = max(gains[k], score(own[0], d) - score(*own))
     return gains
+
+
+def needless(P, focal_px, xyz_m, xy_px, match, confirmed):
+    """Whose detections, if exactly two, all fit somebody confirmed without one in the image."""
+    out = []
+    for row in match:
+        fits = [
+            [
+                np.nanmean(
+                    [
+                        np.linalg.norm(project(P[v], x) - m) * depth(P[v], x) / focal_px[v]
+                        for x, m in zip(xyz_m[v, i], xy_px[row[v]], strict=True)
+                    ]
+                )
+                < 0.12
+                for i in range(len(match))
+                if match[i, v] < 0 and confirmed[i]
+            ]
+            for v in np.flatnonzero(row >= 0)
+        ]
+        out.append(len(fits) == 2 and all(any(fit) for fit in fits))
+    return np.array(out)
+
+
+def stays_of_twins(offset, xy_px, factor):
+    """Return which detections stay when of every two twins in an image the better one does."""
+    known = np.isfinite(xy_px[..., 0])
+    worth = (known / factor).sum(axis=1)
+    stays = known.any(axis=1)
+    for first, last in pairwise(offset):
+        for d in range(first, last):
+            box = xy_px[d][known[d]]
+            for e in range(d + 1, last):
+                both = known[d] & known[e]
+                if not (stays[d] and stays[e] and both.any()):
+                    continue
+                apart = np.abs(xy_px[d, both] - xy_px[e, both]).max()
+                if apart <= 0.03 * (box.max(axis=0) - box.min(axis=0)).max():
+                    stays[d if worth[e] > worth[d] else e] = False
+    return stays

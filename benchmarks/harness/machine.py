@@ -138,3 +138,9 @@ def peak_mb() -> float:
     """
     status = Path("/proc/self/status").read_text(encoding="utf-8")
     return int(status.partition("VmHWM:")[2].split()[0]) / 1024
+
+
+def held_mb() -> float:
+    """Return the memory this program holds now [MB]."""
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    return int(status.partition("VmRSS:")[2].split()[0]) / 1024

@@ -49,7 +49,7 @@ def test_their_joints_lie_within_what_noise_leaves_open(both):
         ]
     )
     assert np.median(off_m) < 0.006
-    assert np.quantile(off_m, 0.95) < 0.03
+    assert np.quantile(off_m, 0.95) < 0.07  # joints that one of two cameras sees
 
 
 def test_neither_is_closer_to_the_truth(both):

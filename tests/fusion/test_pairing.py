@@ -88,3 +88,37 @@ def test_two_people_made_of_the_wrong_halves_are_found_out():
             )  # fmt: skip
         assert (evidence[:2] > 20).all() == crossed
         assert evidence[2] == 0
+
+
+@settings(max_examples=20, deadline=None)
+@given(SEEDS)
+def test_who_is_needless_is_as_the_twin_says(seed):
+    rng = np.random.default_rng(seed)
+    *_, match = drawn(rng)
+    standing = made([path((0, 0, 0), (1, 0, 0))], detector=PERFECT, seconds=1.0).truth_xyz_m[0, 0]
+    people = standing + np.c_[rng.uniform(-0.3, 0.3, (3, 2)), np.zeros(3)][:, None]
+    xy_px = np.concatenate([eye.project(people) for eye in MODEL.rig.cameras[:2]])
+    xy_px += rng.normal(0, 15, (6, 1, 2))
+    xyz_m = np.stack([people, people])
+    confirmed, looks = rng.random(3) < 0.8, np.array([0.0, 1.0, 2.0])
+    before = looks.copy()
+    kernels.note_needless(
+        MODEL.P, MODEL.focal_px, np.array([0, 1]), xyz_m, xy_px, match, confirmed, looks
+    )
+    needless = reference.needless(MODEL.P, MODEL.focal_px, xyz_m, xy_px, match, confirmed)
+    np.testing.assert_array_equal(looks, np.where(needless, before + 1, np.maximum(before - 1, 0)))
+
+
+def test_a_body_made_of_two_others_who_fit_its_detections_is_needless():
+    people = np.array([[-0.5, 0.0, 1.0], [0.5, 0.0, 1.0], [0.0, 0.4, 1.0]])[:, None]
+    people = np.ascontiguousarray(np.broadcast_to(people, (3, 17, 3)))
+    xy_px = np.concatenate([eye.project(people) for eye in MODEL.rig.cameras[:2]])
+    looks = np.zeros(3)
+    # The third is seen where the first should be in one image, and the second in the other.
+    match = np.array([[-1, 3], [1, -1], [0, 4]])
+    for confirmed, expected in (([True] * 3, [0, 0, 1]), ([True, False, True], [0, 0, 0])):
+        kernels.note_needless(
+            MODEL.P, MODEL.focal_px, np.array([0, 1]), np.stack([people, people]), xy_px, match,
+            np.array(confirmed), looks,
+        )  # fmt: skip
+        assert looks.tolist() == expected

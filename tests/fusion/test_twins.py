@@ -1,34 +1,15 @@
 """What an estimator finds twice in an image counts once."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
+import reference_fusion as reference
 from fusion.made import NOISE, frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import Tracker
 from trecsim.fusion.images import prepare
-from trecsim.fusion.kernels.prefilter import TWIN_SHARE, blot_out_twins
+from trecsim.fusion.kernels.prefilter import blot_out_twins
 from trecsim.types import FrameSet, Poses2D
-
-
-def twins(offset, xy_px, factor):
-    """Return which detections stay: the slow, obvious way."""
-    known = np.isfinite(xy_px[..., 0])
-    worth = (known / factor).sum(axis=1)
-    stays = known.any(axis=1)
-    for first, last in pairwise(offset):
-        for d in range(first, last):
-            box = xy_px[d][known[d]]
-            for e in range(d + 1, last):
-                both = known[d] & known[e]
-                if not (stays[d] and stays[e] and both.any()):
-                    continue
-                apart = np.abs(xy_px[d, both] - xy_px[e, both]).max()
-                if apart <= TWIN_SHARE * (box.max(axis=0) - box.min(axis=0)).max():
-                    stays[d if worth[e] > worth[d] else e] = False
-    return stays
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -40,7 +21,7 @@ def test_twins_are_found_as_by_the_reference(seed):
     xy_px[rng.integers(12)] = np.nan
     factor = rng.uniform(1.0, 6.0, (12, 17))
     offset = np.array([0, 5, 5, 12])
-    expected = twins(offset, xy_px, factor)
+    expected = reference.stays_of_twins(offset, xy_px, factor)
     found = np.isfinite(xy_px[..., 0]).any(axis=1)
     left = blot_out_twins(offset, xy_px, factor)
     np.testing.assert_array_equal(np.isfinite(xy_px[..., 0]).any(axis=1), expected)

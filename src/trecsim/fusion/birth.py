@@ -225,6 +225,7 @@ def newborn(candidate: Candidate, id: int, t_s: float, live: int, model: Model) 
         joint_s=np.full((1, n_joint, n_cam), -np.inf),
         mirrored_s=np.zeros(1),
         crossed=np.zeros(1),
+        needless=np.zeros(1),
         limb_m=model.body.length_m[None].copy(),
         limb_m2=model.body.spread_m[None] ** 2,
     )

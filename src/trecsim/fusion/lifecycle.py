@@ -20,6 +20,9 @@ COMPARE_S = 0.1
 # no more than `_MOST`. From `_CLEAR` on, which half of all good pairs reach, a pair is looked at
 # only as the partner of others [log likelihood ratios to chance].
 _CROSSED, _MOST, _CLEAR = 10.0, 20.0, 25.0
+# Whom others could have replaced at so many looks, 0.1 s apart, there is not: one crossing lasts
+# as long in one camera, but not in two at a time.
+_NEEDLESS = 3.0
 # Who has been read mirrored for so long is mirrored: longer than a detector errs at a stretch [s].
 _MIRROR_S = 0.2
 
@@ -42,13 +45,22 @@ def note_support(
     )  # fmt: skip
 
 
-def note_crossed(
-    people: Population, images: Images, association: Association, model: Model
+def doubt(
+    people: Population,
+    images: Images,
+    association: Association,
+    xyz_m: Float64[np.ndarray, "view track joint 3"],
+    model: Model,
 ) -> None:
-    """Gather evidence, in place, that people are two people: one in each of two images.
+    """Gather evidence, in place, that people are halves of two, or that others explain them.
 
-    To be called once in `COMPARE_S`, as the errors of a detector persist.
+    To be called once in `COMPARE_S`, as the errors of a detector persist. `xyz_m` is where
+    everybody should be in each image.
     """
+    kernels.note_needless(
+        model.P, model.focal_px, images.cam, xyz_m, images.xy_px, association.match,
+        people.confirmed, people.needless,
+    )  # fmt: skip
     kernels.note_exchanges(
         images.cam, images.offset, images.xy_px, images.factor, association.match, model.ray_of,
         model.position_m, model.bones, model.bone_m, model.noise, _CLEAR, _MOST, people.crossed,
@@ -111,7 +123,8 @@ def survivors(
     A tentative person needs two cameras again within a quarter of a second. A confirmed one
     dies when no camera supports it for `death_s` (half of that where no camera looks, 0.7 of it
     where three or more should find it), or when for `doubt_s` only one of three or more cameras
-    that should find it does. Whom others hide from a camera, that camera should not find.
+    that should find it does. Whom others hide from a camera, that camera should not find. And
+    nobody lives on whom others could have explained for long.
     """
     s = model.settings
     alive = np.empty(len(people), bool)
@@ -119,7 +132,7 @@ def survivors(
         people.camera_s, people.two_s, people.confirmed, expected, people.x_m,
         t_s, s.death_s, s.doubt_s, alive,
     )  # fmt: skip
-    return alive
+    return alive & (people.needless < _NEEDLESS)
 
 
 def close_pairs(

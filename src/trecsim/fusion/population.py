@@ -36,6 +36,8 @@ class Population:
         For how long most cameras have read the person with left and right exchanged [s].
     crossed
         Evidence that its detections of two cameras are of two people, as log likelihood ratio.
+    needless
+        At how many looks others could have explained all that is seen of it.
     limb_m, limb_m2
         Distances that the body keeps, as learnt so far, and their variances [m, m^2].
     """
@@ -54,6 +56,7 @@ class Population:
     joint_s: Float64[np.ndarray, "track joint cam"]
     mirrored_s: Float64[np.ndarray, " track"]
     crossed: Float64[np.ndarray, " track"]
+    needless: Float64[np.ndarray, " track"]
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
 
@@ -76,6 +79,7 @@ class Population:
             joint_s=np.empty((0, n_joint, n_cam)),
             mirrored_s=np.empty(0),
             crossed=np.empty(0),
+            needless=np.empty(0),
             limb_m=np.empty((0, n_limb)),
             limb_m2=np.empty((0, n_limb)),
         )

@@ -143,7 +143,7 @@ class Tracker:
         lifecycle.note_support(people, images, association, inlier, t_s, elapsed_s)
         if t_s - self._compared_s >= lifecycle.COMPARE_S:
             self._compared_s = t_s
-            lifecycle.note_crossed(people, images, association, m)
+            lifecycle.doubt(people, images, association, prediction.xyz_m, m)
         fitting.constrain(people, prediction.now, m, t_s, elapsed_s)
         lifecycle.mend_mirrored(people, m)
         self._clocks.note(cam, taken_s)

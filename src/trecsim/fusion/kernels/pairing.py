@@ -6,6 +6,8 @@ from typing import no_type_check
 import numpy as np
 from numba import njit
 
+from trecsim.fusion.kernels.mixture import NEAR_M, project
+
 # Rays whose angle has a smaller squared sine than this (below 2 degrees) do not meet anywhere.
 _PARALLEL = 1e-3
 # Nobody is met nearer to a camera than this [m].
@@ -18,6 +20,8 @@ _GATE = 3.0
 # all; whatever the length, it weighs no more than an outlier.
 _LIMB_BEST, _LIMB_CURVE, _LIMB_WORST = 1.3, 4.0, -4.0
 _SHORTEST_M = 1e-3
+# A detection whose key points lie so near on average shows the person, at its distance [m].
+_FITS_M = 0.12
 _SQRT_2_PI = math.sqrt(2.0 * math.pi)
 
 
@@ -177,13 +181,16 @@ def note_exchanges(
         np.empty((n_joint, 3)),
     )
     sight = cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room
-    held = np.zeros(xy_px.shape[0], np.bool_)
-    pair, view, own = np.full((n_track, 2), -1), np.zeros((n_track, 2), np.int64), np.zeros(n_track)
+    # Filled in loops: `np.zeros` and `np.full` would be compiled for each type and shape.
+    held, own, gain = np.empty(xy_px.shape[0], np.int64), np.empty(n_track), np.empty(n_track)
+    pair, view = np.empty((n_track, 2), np.int64), np.empty((n_track, 2), np.int64)
+    for d in range(held.shape[0]):
+        held[d] = 0
     for k in range(n_track):
+        gain[k] = -most
         hold(match[k], held, pair[k], view[k])
         if pair[k, 0] >= 0:
             own[k] = pair_score(sight, view[k], pair[k, 0], pair[k, 1])
-    gain = np.full(n_track, -most)
     for k in range(n_track):
         if pair[k, 0] >= 0 and own[k] < clear:
             exchange(sight, k, pair, view, own, gain)
@@ -225,7 +232,7 @@ def hold(match, held, pair, view):
     n = 0
     for v in range(match.shape[0]):
         if match[v] >= 0:
-            held[match[v]] = True
+            held[match[v]] = 1
             if n < 2:
                 pair[n], view[n] = match[v], v
             n += 1
@@ -242,11 +249,12 @@ def pair_score(sight, view, i, k):
     """
     cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room = sight
     origin_m, ray, trust, x = room
-    look(0, i, cam[view[0]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
-    look(1, k, cam[view[1]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    one, other = np.int64(0), np.int64(1)  # typed: nothing is compiled for 0 and 1 as well
+    look(one, i, cam[view[0]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    look(other, k, cam[view[1]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
     best = 0.0
     for f in range(2):
-        total, close = meeting_score(0, 1, f, origin_m, ray, trust, noise, x)
+        total, close = meeting_score(one, other, f, origin_m, ray, trust, noise, x)
         if close >= _FEWEST:
             best = max(best, total + limb_score(x, limbs, limb_m))
     return best
@@ -267,3 +275,65 @@ def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
             length2 += ray[row, j, a] ** 2
         for a in range(3):
             ray[row, j, a] /= math.sqrt(length2)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def note_needless(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
+    """Count the looks at which people are not needed to explain what the cameras see.
+
+    Parameters
+    ----------
+    P, focal_px
+        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,) [px].
+    cam
+        Camera of each image, (view,).
+    xyz_m
+        Everybody's joints at each image's time, (view, track, joint, 3).
+    xy_px, match
+        Undistorted key points of all detections; detection of each track in each image or -1.
+    confirmed
+        Who is known for sure, (track,).
+    looks
+        Per track, changed in place: one more where exactly two images show the person, and in
+        each of them somebody known, whom nothing shows there, fits the detection too; else one
+        less, at least 0.
+
+    Notes
+    -----
+    Whoever was made of halves of people who were not there yet keeps their detections from them.
+    """
+    for k in range(match.shape[0]):
+        n = explained = 0
+        for v in range(match.shape[1]):
+            n += match[k, v] >= 0
+        for v in range(match.shape[1]):
+            if n == 2 and match[k, v] >= 0:
+                explained += fits_another(
+                    P, focal_px, cam[v], xyz_m[v], xy_px[match[k, v]], match[:, v], confirmed, k
+                )
+        looks[k] = looks[k] + 1.0 if explained == 2 else max(0.0, looks[k] - 1.0)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def fits_another(P, focal_px, c, xyz_m, xy_px, match, confirmed, k):
+    """Return whether a detection of track `k` fits somebody whom nothing in the image shows."""
+    for i in range(match.shape[0]):
+        vacant = i != k and match[i] < 0 and confirmed[i]
+        if vacant and away_m(P, focal_px[c], c, xyz_m[i], xy_px) < _FITS_M:
+            return True
+    return False
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def away_m(P, focal_px, c, xyz_m, xy_px):
+    """Return how far key points lie from a person's joints on average, at its distance [m]."""
+    total, n = 0.0, 0
+    for j in range(xyz_m.shape[0]):
+        w, u, v, _, _ = project(P, c, xyz_m[j, 0], xyz_m[j, 1], xyz_m[j, 2])
+        if not math.isnan(xy_px[j, 0]) and w > NEAR_M:
+            total += math.sqrt((u - xy_px[j, 0]) ** 2 + (v - xy_px[j, 1]) ** 2) * w / focal_px
+            n += 1
+    return total / n if n else math.inf

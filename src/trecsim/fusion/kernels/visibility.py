@@ -153,7 +153,9 @@ def bent(kind, k, x, y):
 @no_type_check
 def hidden_share(eye_m, silhouette, torso, x_m, k):
     """Return which share of the joints of person `k` others hide from a camera at `eye_m`."""
-    hidden = np.zeros(x_m.shape[1], np.bool_)
+    hidden = np.empty(x_m.shape[1], np.int64)
+    for j in range(hidden.shape[0]):
+        hidden[j] = 0
     own_m, other_m = np.empty(3), np.empty(3)
     middle_from(eye_m, x_m[k], torso, own_m)
     far_m = math.sqrt(own_m[0] ** 2 + own_m[1] ** 2 + own_m[2] ** 2)
@@ -164,7 +166,10 @@ def hidden_share(eye_m, silhouette, torso, x_m, k):
         near_m = math.sqrt(other_m[0] ** 2 + other_m[1] ** 2 + other_m[2] ** 2)
         if near_m < far_m - BEFORE_M and gap_m2(own_m, other_m, other_m) < ASIDE_M**2:
             hide(eye_m, silhouette, x_m[i], x_m[k], hidden)
-    return hidden.sum() / hidden.shape[0]
+    count = 0
+    for j in range(hidden.shape[0]):
+        count += hidden[j]
+    return count / hidden.shape[0]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
