@@ -251,7 +251,9 @@ def tightened(x, cov, limbs, limb_m, limb_m2):
     """Take one limb after the other for a measurement of two joints' distance, the obvious way."""
     x, cov = x.copy(), cov.copy()
     for sweep in range(lengths._SWEEPS):
-        for (a, b), slack_m2, length_m, length_m2 in zip(*limbs, limb_m, limb_m2, strict=True):
+        for (a, b), slack_m2, length_m, length_m2 in zip(
+            limbs.joints, limbs.slack_m2, limb_m, limb_m2, strict=True
+        ):
             u = (x[b] - x[a]) / np.linalg.norm(x[b] - x[a])
             rest = length_m - np.linalg.norm(x[b] - x[a])
             var = u @ (cov[a] + cov[b]) @ u + length_m2 + slack_m2 + lengths.TIE_M2
