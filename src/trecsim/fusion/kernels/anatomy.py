@@ -20,6 +20,9 @@ from trecsim.fusion.kernels.information import (
 from trecsim.fusion.kernels.lengths import TIE_M2, learn, quotient
 
 _STEPS = 3
+# No joint moves much further than this at the word of the body [m^2]: a limb across the line of
+# sight fits as well bent towards the camera as away from it.
+_REACH_M2 = 0.3**2
 # What the body says of a joint is new after this time, as a length that is off stays so [s].
 _BODY_S = 1.3
 
@@ -104,6 +107,7 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
             for p in range(3):
                 for q in range(3):
                     A[place[j] + p, place[j] + q] = inverse[p, q]
+                A[place[j] + p, place[j] + p] += 1.0 / _REACH_M2
     for i in range(limbs.joints.shape[0]):
         j, k = limbs.joints[i]
         if place[j] < 0 and place[k] < 0:
