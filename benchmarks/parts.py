@@ -151,6 +151,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              {"error_memory_s": NEVER}),
         Part("lasting errors in what is stated", "trajectories are as sure as they seem",
              {"lasting_share": NEVER}),
+        Part("quick errors apart", "all of a key point's error is new in each image",
+             {"quick_share": 1.0}),
         Part("noise by joint", "a hip is as easy to find as an elbow", model=_same_noise),
         Part("both readings of left and right", "no detection is ever read exchanged",
              {"flip_share": 1e-300}),

@@ -47,9 +47,12 @@ class FusionSettings:
         confidence).
     error_memory_s
         Errors of a detector persist; images closer in time than this tell the same thing [s].
+    quick_share
+        Variance of a key point's errors that change from image to image, next to that of all its
+        errors: the part that smoothing removes.
     lasting_share
-        Share of the variance of key points that lasts for seconds: no smoothing removes it, and
-        it is added to what is stated of a joint.
+        The same of errors that last for seconds, which no smoothing removes: it is added to what
+        is stated of a joint.
     outlier_share
         Prior share of key points that have nothing to do with the joint (in the thesis: weights
         pi of the people in its place).
@@ -87,13 +90,13 @@ class FusionSettings:
         0.5, (0.3, 1.0), "longer where images come late; takes more time per frame set"
     )
     accel_torso: float = _setting(
-        1.0,
-        (0.5, 3.0),
+        0.55,
+        (0.3, 1.6),
         "higher for sport and falls; lower for people who stand or sit, who get smoother",
     )
-    accel_head: float = _setting(1.25, (0.6, 4.0), "as `accel_torso`")
-    accel_arm: float = _setting(3.0, (1.5, 9.0), "as `accel_torso`; higher for gestures")
-    accel_leg: float = _setting(3.0, (1.5, 9.0), "as `accel_torso`; higher for running")
+    accel_head: float = _setting(0.7, (0.4, 2.0), "as `accel_torso`")
+    accel_arm: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for gestures")
+    accel_leg: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for running")
     velocity_memory_s: float = _setting(0.6, (0.3, 2.0), "hardly ever")
     drag_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
     joint_sigma_m: float = _setting(
@@ -118,8 +121,11 @@ class FusionSettings:
         (0.01, 0.1),
         "longer for an estimator whose errors stay, above all with many images per second",
     )
+    quick_share: float = _setting(0.3, (0.1, 1.0), "1 for made key points with independent noise")
     lasting_share: float = _setting(
-        0.6, (0.3, 1.0), "with the estimator, if `trecsim evaluate` finds it too sure or too modest"
+        1.0,
+        (0.3, 2.0),
+        "with the estimator, if `trecsim evaluate` finds what is stated too sure or too modest",
     )
     outlier_share: float = _setting(
         0.1, (0.02, 0.3), "with the estimator: higher if it often takes one limb for another"

@@ -27,7 +27,7 @@ from trecsim.fusion.kernels.locating import (
 # A body has turned when the squares of its joints' shifts are so many times what the predictions
 # lead to expect. Usually they are far less, as the errors of a detector persist and process noise
 # allows for the liveliest joints; that, and the most by which a variance is raised.
-SURPRISE, USUAL, MOST = 0.8, 0.4, 50.0
+SURPRISE, USUAL, MOST = 2.5, 1.25, 50.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")

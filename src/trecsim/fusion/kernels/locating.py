@@ -177,6 +177,7 @@ def locate_joint(
     cam, moment, place, worth = seen.cam, seen.moment, seen.place, seen.worth
     xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
     info, rhs, sum_place, sum_weight = total.info, total.rhs, total.place, total.weight
+    quick = noise.quick
     tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
     for a in range(3):
         shift_m[a] = 0.0
@@ -201,7 +202,7 @@ def locate_joint(
             inlier[v] = odds / (1.0 + odds)
             # Student's t as a scale mixture of Gaussians, in two dimensions.
             heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
-            weight = inlier[v] * worth[v] * heavy / var
+            weight = inlier[v] * worth[v] * heavy / (quick * var)
             m = moment[v]
             size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
             sum_place[j, m] += size * place[v]

@@ -15,7 +15,7 @@ from numba import njit
 NEAR_M = 0.05
 # Curves are stiff and people turn at once: whether a key point belongs to a joint is judged as if
 # the prediction's variance were so many times larger, up to so much more in each direction [m].
-LEEWAY, LEEWAY_M = 3.0, 0.06
+LEEWAY, LEEWAY_M = 12.0, 0.06
 
 
 class Noise(NamedTuple):
@@ -37,8 +37,9 @@ class Noise(NamedTuple):
         Log prior odds that a detection has left and right exchanged.
     tail
         Degrees of freedom of the inliers' distribution; few mean heavy tails.
-    lasting
-        Share of the noise's variance that lasts for seconds.
+    quick, lasting
+        Variance of the errors that change from image to image, and of those that last for
+        seconds, next to that of the noise.
     """
 
     sigma_m: Float64[np.ndarray, " joint"]
@@ -48,6 +49,7 @@ class Noise(NamedTuple):
     outlier_share: float
     log_flip: float
     tail: float
+    quick: float
     lasting: float
 
 
