@@ -30,6 +30,7 @@ def main() -> int:
     asked = parser.parse_args()
     if unknown := sorted(set(asked.names) - set(NAMES)):
         parser.error(f"no picture is called {', '.join(unknown)}; there are {', '.join(NAMES)}")
+    asked.out.mkdir(parents=True, exist_ok=True)
     for name in asked.names or NAMES:
         print(draw(name, asked.out, asked.suffix), flush=True)
     return 0

@@ -46,7 +46,8 @@ class FusionSettings:
         Key points with a lower one are not used at all (in the thesis: the threshold of
         confidence).
     error_memory_s
-        Errors of a detector persist; images closer in time than this tell the same thing [s].
+        For so long the quick part of a detector's errors persists; images of a camera that are
+        closer in time tell the same thing [s].
     quick_share
         Variance of a key point's errors that change from image to image, next to that of all its
         errors: the part that smoothing removes.
@@ -119,7 +120,7 @@ class FusionSettings:
     error_memory_s: float = _setting(
         0.025,
         (0.01, 0.1),
-        "longer for an estimator whose errors stay, above all with many images per second",
+        "longer for an estimator that smooths over time, if there are many images per second",
     )
     quick_share: float = _setting(0.3, (0.1, 1.0), "1 for made key points with independent noise")
     lasting_share: float = _setting(
