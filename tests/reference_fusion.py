@@ -34,7 +34,7 @@ def factor(score, good_score):
     return min(max(1.0, (good_score / score) ** 1.7), 6.0)
 
 
-def widened(S_px2, m_per_px, leeway=3.0, leeway_m=0.06):
+def widened(S_px2, m_per_px, leeway=12.0, leeway_m=0.06):
     """Widen a prediction's covariance in the image, as people may turn at once."""
     most = 2.0 * (leeway_m / m_per_px) ** 2 / np.trace(S_px2)
     return (1.0 + min(leeway, most)) * S_px2
@@ -223,7 +223,9 @@ def log_mixture(P, focal_px, seen, noise, prior_m2, shift_m):
         e = seen.xy_px[v] - project(P[cam], x)
         var = (seen.sigma_m[v] / m_per_px) ** 2 + noise.floor_px**2
         student = (1.0 + e @ e / var / noise.tail) ** (-(noise.tail + 2.0) / 2.0)
-        total += seen.worth[v] * np.log1p(noise.odds_m2 / (m_per_px**2 * var) * student)
+        total += (
+            seen.worth[v] / noise.quick * np.log1p(noise.odds_m2 / (m_per_px**2 * var) * student)
+        )
     return total
 
 

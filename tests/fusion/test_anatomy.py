@@ -97,6 +97,7 @@ def test_weak_joints_land_where_least_squares_puts_them():
     def residuals(shift, d=d):
         moved = x + np.vstack([np.zeros(3), shift.reshape(3, 3)])
         parts = [np.linalg.cholesky(np.linalg.inv(cov[j])).T @ (moved - x)[j] for j in (1, 2, 3)]
+        parts.append(shift / np.sqrt(anatomy._REACH_M2))
         for (j, k), m in zip(pairs, length, strict=True):
             u = moved[k] - moved[j]
             fixed = (x + d)[k] - (x + d)[j]
@@ -169,7 +170,19 @@ def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
     for _ in range(30):
         info = np.eye(3) / 0.05**2
         anatomy.believe(
-            R[0], z[0], c[0], x, cov, info, info @ (there - x), 3 / 0.05**2, 0.0, span, weights, tmp
+            R[0],
+            z[0],
+            c[0],
+            x,
+            cov,
+            info,
+            info @ (there - x),
+            3 / 0.05**2,
+            1.0,
+            0.0,
+            span,
+            weights,
+            tmp,
         )
     np.testing.assert_allclose(x, there, atol=1e-3)
     np.testing.assert_array_equal(R, before)

@@ -67,7 +67,8 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
 
     nu = MODEL.noise.tail
     worth = [
-        inlier[v] * (nu + 2) / (nu + whitened(v, shift) @ whitened(v, shift)) for v in range(3)
+        inlier[v] / MODEL.noise.quick * (nu + 2) / (nu + whitened(v, shift) @ whitened(v, shift))
+        for v in range(3)
     ]
 
     def residuals(d):

@@ -73,7 +73,7 @@ def test_what_cannot_be_used_is_blotted_out(seed):
     assert kept.tolist() == [0, 1, 3]
 
 
-@given(SEEDS, st.integers(1, 17))
+@given(SEEDS, st.integers(3, 17))  # fewer may by chance be one body found twice
 def test_detections_with_too_few_key_points_are_dropped(seed, min_joints):
     rng = np.random.default_rng(seed)
     rig = Rig((ring(2, "none").cameras[0], ring(2, "brown").cameras[1]))

@@ -100,5 +100,6 @@ def constrain(people: Population, now: float, model: Model, t_s: float, elapsed_
     """
     kernels.constrain_all(
         people.R, people.z, people.c, people.x_m, people.cov_m2, lifecycle.support(people, t_s),
-        model.limbs, people.limb_m, people.limb_m2, people.level, now, elapsed_s,
+        model.limbs, people.limb_m, people.limb_m2, people.level,
+        model.noise.quick, now, elapsed_s,
     )  # fmt: skip

@@ -23,6 +23,9 @@ _STEPS = 3
 # No joint moves much further than this at the word of the body [m^2]: a limb across the line of
 # sight fits as well bent towards the camera as away from it.
 _REACH_M2 = 0.3**2
+# A joint less well known than this, summed over the directions, needs its body even if two cameras
+# see it: they may stand side by side [m^2].
+_WEAK_M2 = 0.2**2
 # What the body says of a joint is new after this time, as a length that is off stays so [s].
 _BODY_S = 1.3
 
@@ -200,7 +203,7 @@ def right_side(R, c, z):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def believe(R, z, c, x, cov_m2, info, vector, size, lasting, span, weights, tmp):
+def believe(R, z, c, x, cov_m2, info, vector, size, quick, lasting, span, weights, tmp):
     """Move a joint as its body says, in place, and keep `lasting` of that as information.
 
     Parameters
@@ -209,6 +212,8 @@ def believe(R, z, c, x, cov_m2, info, vector, size, lasting, span, weights, tmp)
         The joint: square-root information, control points, place and covariance.
     info, vector, size
         The body's message; see `quotient`. `info` and `vector` are destroyed.
+    quick
+        See `relax_body`.
     lasting
         Share of the message's information that is new, 0 to 1.
     span, weights
@@ -216,16 +221,16 @@ def believe(R, z, c, x, cov_m2, info, vector, size, lasting, span, weights, tmp)
     tmp
         `Held`.
     """
-    n = R.shape[0]
+    n, root = R.shape[0], math.sqrt(quick)
     for i in range(n):
-        tmp.z[i] = z[i]
+        tmp.z[i] = root * z[i]
         for k in range(n):
-            tmp.R[i, k] = R[i, k]
+            tmp.R[i, k] = root * R[i, k]
     new_info, new_vector = np.empty((3, 3)), np.empty(3)
     for p in range(3):
-        new_vector[p] = lasting * vector[p]
+        new_vector[p] = lasting / quick * vector[p]
         for q in range(3):
-            new_info[p, q] = lasting * info[p, q]
+            new_info[p, q] = lasting / quick * info[p, q]
     least = 1e-6 * size
     fold_gaussian(
         R, z, new_info, new_vector, lasting * least, x, span, weights, tmp.rows, tmp.right
@@ -239,10 +244,36 @@ def believe(R, z, c, x, cov_m2, info, vector, size, lasting, span, weights, tmp)
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
+def weak_joints(cov_m2, n_seen, quick, place, before_m2):
+    """Find the joints that need their body; return the number of their unknowns.
+
+    Parameters
+    ----------
+    cov_m2, n_seen, quick
+        As for `relax_body`.
+    place
+        Result, (joint,): a joint's first unknown, or -1 where it is well known.
+    before_m2
+        Result, (joint, 3, 3): covariances as they count against the body.
+    """
+    n = 0
+    for j in range(place.shape[0]):
+        for p in range(3):
+            for q in range(3):
+                before_m2[j, p, q] = cov_m2[j, p, q] / quick
+        spread_m2 = before_m2[j, 0, 0] + before_m2[j, 1, 1] + before_m2[j, 2, 2]
+        weak = n_seen[j] < 2 or spread_m2 > _WEAK_M2
+        place[j] = n if weak else -1
+        n += 3 if weak else 0
+    return n
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
 def relax_body(
-    R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, span, weights, lasting, tmp
+    R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, span, weights, quick, lasting, tmp
 ):
-    """Hold the joints that fewer than two cameras see by the lengths of the limbs, in place.
+    """Hold by limbs and ground the joints that fewer than two cameras see well, in place.
 
     Parameters
     ----------
@@ -259,6 +290,9 @@ def relax_body(
         Height and variance of the ground under the person, (2,).
     span, weights
         Place of the frame set's time on the knot grid.
+    quick
+        See `Noise`. Against the body, a curve is only as sure as if nothing in the errors of its
+        key points lasted.
     lasting
         Share of what the body says that is new since the last frame set, 0 to 1.
     tmp
@@ -276,18 +310,15 @@ def relax_body(
     a distance that nobody has seen.
     """
     n_joint = x.shape[0]
-    place = np.empty(n_joint, np.int64)
-    n = 0
-    for j in range(n_joint):
-        place[j] = n if n_seen[j] < 2 else -1
-        n += 3 if n_seen[j] < 2 else 0
+    place, before_m2 = np.empty(n_joint, np.int64), np.empty((n_joint, 3, 3))
+    n = weak_joints(cov_m2, n_seen, quick, place, before_m2)
     if n == 0:
         return
     A, b = np.empty((n, n)), np.empty(n)
     d = np.zeros((n_joint, 3))
-    rests, rise_m, rise_m2 = resting(x, cov_m2, limbs.rest_m, level)
+    rests, rise_m, rise_m2 = resting(x, before_m2, limbs.rest_m, level)
     for _ in range(_STEPS):
-        gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2)
+        gather(A, b, x, d, before_m2, place, limbs, limb_m, limb_m2)
         if rests >= 0 and place[rests] >= 0:
             A[place[rests] + 2, place[rests] + 2] += 1.0 / rise_m2
             b[place[rests] + 2] += rise_m / rise_m2
@@ -302,13 +333,16 @@ def relax_body(
         if place[j] < 0:
             continue
         joint_block(A, place[j], after)
-        size = quotient(cov_m2[j], after, d[j], info, vector)
-        believe(R[j], z[j], c[j], x[j], cov_m2[j], info, vector, size, lasting, span, weights, tmp)
+        size = quotient(before_m2[j], after, d[j], info, vector)
+        believe(
+            R[j], z[j], c[j], x[j], cov_m2[j], info, vector, size, quick, lasting, span, weights,
+            tmp,
+        )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, now, elapsed_s):
+def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, quick, now, elapsed_s):
     """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 
     Parameters
@@ -324,6 +358,8 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, now
         `Limbs`; lengths and variances per track, (track, limb).
     level
         Height and variance of the ground under everybody, (track, 2).
+    quick
+        See `relax_body`.
     now
         Time of the frame set, in knots.
     elapsed_s
@@ -339,5 +375,5 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, now
         learn_level(x[k], cov_m2[k], n_seen[k], limbs.rest_m, level[k], elapsed_s)
         relax_body(
             R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], level[k],
-            span, weights, lasting, tmp,
+            span, weights, quick, lasting, tmp,
         )  # fmt: skip
