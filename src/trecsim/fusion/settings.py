@@ -46,7 +46,8 @@ class FusionSettings:
         Key points with a lower one are not used at all (in the thesis: the threshold of
         confidence).
     error_memory_s
-        Errors of a detector persist; images closer in time than this tell the same thing [s].
+        For so long the quick part of a detector's errors persists; images of a camera that are
+        closer in time tell the same thing [s].
     lasting_share
         Share of the variance of key points that lasts for seconds: no smoothing removes it, and
         it is added to what is stated of a joint.
@@ -116,7 +117,7 @@ class FusionSettings:
     error_memory_s: float = _setting(
         0.025,
         (0.01, 0.1),
-        "longer for an estimator whose errors stay, above all with many images per second",
+        "longer for an estimator that smooths over time, if there are many images per second",
     )
     lasting_share: float = _setting(
         0.6, (0.3, 1.0), "with the estimator, if `trecsim evaluate` finds it too sure or too modest"
