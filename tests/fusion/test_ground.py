@@ -30,6 +30,10 @@ def learnt(level, heights, n_seen=2):
     return level
 
 
+def test_the_kernels_know_how_high_joints_are_that_rest():
+    assert MODEL.limbs.rest_m.tolist() == REST_M.tolist()
+
+
 def test_a_body_rests_on_its_lowest_joint():
     assert lowest(standing(0.0), REST_M) == COCO17.index("left_ankle")
     lying = np.tile([0.0, 0.0, 0.3], (17, 1))
@@ -79,4 +83,3 @@ def test_one_camera_keeps_the_distance_of_somebody_who_walks_for_four_seconds():
     assert result.ids == {0}
     assert np.nanmax(result.error_m[50:]) < 0.45
     assert not np.isnan(result.error_m[50:]).any()
-    assert MODEL.limbs.rest_m.tolist() == REST_M.tolist()

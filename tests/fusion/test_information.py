@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import reference_fusion as reference
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.information import UNSEEN_WEIGHT, extend
+from trecsim.fusion.kernels.information import KEPT, UNSEEN_WEIGHT, extend
 from trecsim.fusion.spline import KnotGrid
 
 LIVE, KNOT_S, STIFF, STEP_M, START_M = 8, 0.1, 15.0, 0.2, 0.5
@@ -106,15 +106,16 @@ def located(grid, t_s):
     return kernels.locate(grid.place(t_s), grid.live, weights), weights
 
 
-def test_everybody_moves_on_with_the_body_the_sooner_the_less_is_seen_of_them():
+@pytest.mark.parametrize(("seeing", "kept"), [(2, 1.0), (1, KEPT)])
+def test_everybody_moves_on_with_the_body_the_sooner_the_less_is_seen_of_them(seeing, kept):
     rng = np.random.default_rng(9)
     c = rng.normal(size=(1, 3, 24))
     R, z = np.tile(np.eye(24), (1, 3, 1, 1)), c.copy()
     before = c.copy()
-    seen, torso = np.array([[2, 0, 0]]), np.array([0, 1])
+    seen, torso = np.array([[seeing, 0, 0]]), np.array([0, 1])
     kernels.extend_all(R, z, c, seen, torso, np.full(3, STIFF), 0.8, 0.3)
     step = before[0, :, -3:] - before[0, :, -6:-3]
-    body = (step[0] + UNSEEN_WEIGHT * step[1]) / (1 + UNSEEN_WEIGHT)
+    body = kept * (step[0] + UNSEEN_WEIGHT * step[1]) / (1 + UNSEEN_WEIGHT)
     np.testing.assert_allclose(c[0, :, :-3], before[0, :, 3:])
     for j, memory in enumerate((0.8, 0.3, 0.3)):
         moved = c[0, j, -3:] - c[0, j, -6:-3]

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL, SETTINGS
 from trecsim.fusion import kernels
+from trecsim.fusion.kernels.mixture import LEEWAY, LEEWAY_M, widened
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -55,3 +56,16 @@ def test_covariance_in_the_image_is_that_of_the_linearised_projection(seed):
     C = J @ A @ A.T @ J.T
     uu, uv, vv = kernels.image_covariance(tuple(J[0]), tuple(J[1]), A @ A.T)
     np.testing.assert_allclose([uu, uv, vv], [C[0, 0], C[0, 1], C[1, 1]], rtol=1e-8, atol=1e-6)
+
+
+@given(SEEDS, st.floats(-4.0, 0.0))
+def test_leeway_is_much_for_who_is_well_known_and_next_to_nothing_for_others(seed, size):
+    """A few times the variance, but never more than its bound; the shape stays."""
+    A = np.random.default_rng(seed).normal(size=(2, 2)) * 10.0**size
+    S_m2, m_per_px = A @ A.T + 1e-10 * np.eye(2), 0.005
+    S = S_m2 / m_per_px**2
+    uu, uv, vv = widened(S[0, 0], S[0, 1], S[1, 1], m_per_px)
+    expected = reference.widened(S, m_per_px, LEEWAY, LEEWAY_M)
+    np.testing.assert_allclose([uu, uv, vv], expected[[0, 0, 1], [0, 1, 1]], rtol=1e-9)
+    more_m2 = (uu + vv) * m_per_px**2 - np.trace(S_m2)
+    assert 0.0 < more_m2 <= min(LEEWAY * np.trace(S_m2), 2.0 * LEEWAY_M**2) * (1.0 + 1e-9)

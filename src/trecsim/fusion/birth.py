@@ -38,8 +38,9 @@ _START_SIGMA_M, _GUESS_SIGMA_M = 0.4, 0.6
 _LEVEL_SIGMA_M = 0.3
 # People are as likely to stand as to walk when they begin: standard deviation per axis [m/s].
 _START_SPEED_MPS = 1.5
-# Which joints hang from which, and the least length of a trunk that tells in which direction [m].
-_LEVEL = {"shoulder": 1, "hip": 2, "elbow": 2, "knee": 3, "wrist": 3, "ankle": 4}
+# How far down the body joints are, of which lower ones hang from higher ones; the least length of a
+# trunk that tells in which direction [m].
+_DOWN = {"shoulder": 1, "hip": 2, "elbow": 2, "knee": 3, "wrist": 3, "ankle": 4}
 _SHORTEST_TRUNK_M = 0.2
 
 
@@ -180,14 +181,14 @@ def completed(
     """
     xyz, down = xyz_m.copy(), _down(xyz_m, model)
     centre = xyz[np.isfinite(xyz[:, 0])].mean(axis=0)
-    level = [_LEVEL.get(name.rpartition("_")[2], 0) for name in model.skeleton.joints]
+    rank = [_DOWN.get(name.rpartition("_")[2], 0) for name in model.skeleton.joints]
     for _ in range(len(xyz)):
         found = np.isfinite(xyz[:, 0])
         beside: dict[int, list[Float64[np.ndarray, " 3"]]] = {}
         for (a, b), length_m in zip(model.bones.tolist(), model.bone_m, strict=True):
             for j, n in ((a, b), (b, a)):
                 if found[n] and not found[j]:
-                    lower = np.sign(level[j] - level[n])
+                    lower = np.sign(rank[j] - rank[n])
                     beside.setdefault(j, []).append(xyz[n] + lower * length_m * down)
         for j, places_m in beside.items():
             xyz[j] = np.mean(places_m, axis=0)

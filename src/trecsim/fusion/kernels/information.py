@@ -2,9 +2,9 @@
 
 A trajectory of one joint is the solution of a least-squares problem in its live control points
 ``c``: minimise ``|R c - z|^2`` with ``R`` upper triangular, the square root of the information.
-Observations and motion are rows that Givens rotations fold into it. Because the columns run from
-old to new, cutting off the first rows and columns marginalises the oldest control point exactly,
-and the information can never lose its positive definiteness.
+Observations and motion are rows that rotations and reflections fold into it. Because the columns
+run from old to new, cutting off the first rows and columns marginalises the oldest control point
+exactly, and the information can never lose its positive definiteness.
 """
 
 import math

@@ -16,7 +16,7 @@ _MEASURE_S = 0.5
 _SUREST_M2 = 0.005**2
 # A limb's equation is never surer than this [m^2].
 TIE_M2 = 0.01**2
-# Sweeps over the limbs that hold a body together whose joints are all seen.
+# How often each limb has its say when a body is held together.
 _SWEEPS = 4
 # A limb whose length is off by more standard deviations has no say: one end is elsewhere.
 GATE = 3.0

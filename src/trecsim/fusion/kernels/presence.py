@@ -1,4 +1,4 @@
-"""Who is supported by whom, who should be seen by whom, and who is too close to whom."""
+"""Who is supported by whom, who lives on, and who is too close to whom."""
 
 import math
 from typing import no_type_check
