@@ -163,10 +163,12 @@ def midpoint(p, u, q, v):
     return (a + b) / 2, np.linalg.norm(a - b)
 
 
-def lasting_m2(model, j, x, seeing, most_m=0.1):
+def lasting_m2(model, j, x, last_s, now_s):
     """Covariance of a joint whose cameras' key points all err for good."""
-    info = np.eye(3) / most_m**2
-    for c in np.flatnonzero(seeing):
+    two_s = np.sort(last_s)[-2]
+    off_m = 0.1 + 0.1 * np.clip(now_s - 0.12 - two_s, 0.0, 5.0)
+    info = np.eye(3) / off_m**2
+    for c in np.flatnonzero(last_s > now_s - 0.12):
         sigma_px = model.noise.sigma_m[j] * model.focal_px[c] / depth(model.P[c], x)
         J = jacobian(model.P[c], x)
         info += J.T @ J / (model.noise.lasting * (sigma_px**2 + model.noise.floor_px**2))

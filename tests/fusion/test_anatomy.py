@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import least_squares
 
-from fusion.made import frame_sets, made, outcome, path
+from fusion.made import frame_sets, made, outcome, path, truth_at
 from trecsim.fusion import FusionSettings, Tracker, kernels
 from trecsim.fusion.body import stiffness, usual_body
 from trecsim.fusion.kernels import anatomy, lengths
@@ -227,3 +227,21 @@ def test_a_person_found_again_by_a_second_camera_keeps_the_identity():
     result = outcome(scene, [tracker.step(s) for s in sets if s.views])
     assert result.ids == {0}
     assert np.nanmean(result.error_m[-25:]) < 0.05
+
+
+def test_a_head_that_nobody_saw_for_seconds_is_where_it_is_once_two_cameras_see_it_again():
+    """However far it has gone astray meanwhile, as nothing but limbs held it."""
+    head = [0, 1, 2, 3, 4]
+    scene = made([path((0, -2, 0), (3, 0.5, 0.2), (6, 1.0, 2.0))], cameras=2)
+    sets = [
+        FrameSet(s.t_s, tuple(blind_to(v, head) if 1.5 < s.t_s < 4.5 else v for v in s.views))
+        for s in frame_sets(scene)
+    ]
+    tracker = Tracker(scene.rig)
+    snapshots = [tracker.step(s) for s in sets]
+    again = [s for s in snapshots if 5.0 < s.t_s < 5.9]
+    off_m = [
+        np.linalg.norm(s.xyz_m[0, head] - truth_at(scene, s.t_s)[0, head], axis=1) for s in again
+    ]
+    assert len(again) > 15
+    assert np.max(off_m) < 0.15

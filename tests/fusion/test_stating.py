@@ -11,6 +11,7 @@ from fusion.somebody import MODEL, SETTINGS, somebody
 from trecsim.fusion import Tracker, kernels
 from trecsim.simulation.scene import room_scene, simulate
 
+NOW_S = 1.1
 NO_LIMBS = kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0), np.zeros(17))
 
 
@@ -18,7 +19,7 @@ def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None):
     x, cov = x[None].copy(), cov[None].copy()
     limb_m = np.empty((1, 0)) if limb_m is None else limb_m[None]
     kernels.state_all(
-        MODEL.P, MODEL.focal_px, MODEL.noise, joint_s[None], 1.0, limbs, limb_m,
+        MODEL.P, MODEL.focal_px, MODEL.noise, joint_s[None], NOW_S, limbs, limb_m,
         np.full(limb_m.shape, 1e-6), x, cov,
     )  # fmt: skip
     return x[0], cov[0]
@@ -28,22 +29,41 @@ def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None):
 def test_lasting_errors_are_added_as_by_the_reference(seed):
     rng = np.random.default_rng(seed)
     x, cov = somebody(rng)
-    joint_s = rng.choice([0.5, 1.5], (17, 4))
+    joint_s = rng.choice([0.5, 1.05, -np.inf], (17, 4))
     said, said_m2 = state(x, cov, joint_s)
     np.testing.assert_array_equal(said, x)
     for j in range(17):
-        lasting = reference.lasting_m2(MODEL, j, x[j], joint_s[j] > 1.0)
+        lasting = reference.lasting_m2(MODEL, j, x[j], joint_s[j], NOW_S)
         np.testing.assert_allclose(said_m2[j], cov[j] + lasting, rtol=1e-6, atol=1e-12)
 
 
 def test_more_cameras_leave_less_of_lasting_errors():
     x, cov = np.tile([0.1, 0.2, 1.0], (17, 1)), np.zeros((17, 3, 3))
     sigma_m = [
-        np.sqrt(state(x, cov, np.tile(np.arange(4) < n, (17, 1)) * 2.0)[1][0].trace() / 3)
+        np.sqrt(
+            state(x, cov, np.where(np.tile(np.arange(4) < n, (17, 1)), 1.05, 0.95))[1][0].trace()
+            / 3
+        )
         for n in range(5)
     ]
     assert sigma_m == sorted(sigma_m, reverse=True)
-    assert sigma_m[4] < SETTINGS.joint_sigma_m < sigma_m[1] < sigma_m[0] <= 0.1
+    assert sigma_m[4] < SETTINGS.joint_sigma_m < sigma_m[1] < sigma_m[0] <= 0.11
+
+
+def test_a_joint_is_the_less_known_the_longer_no_two_cameras_have_seen_it():
+    """Along the ray of the camera that sees it, and in all directions where none does."""
+    x, cov = np.tile([0.1, 0.2, 1.0], (17, 1)), np.zeros((17, 3, 3))
+    for seeing in (0, 1):
+        largest, smallest = [], []
+        for ago_s in (0.2, 1.0, 3.0, 100.0):
+            last_s = np.full((17, 4), NOW_S - ago_s)
+            last_s[:, :seeing] = NOW_S
+            values = np.linalg.eigvalsh(state(x, cov, last_s)[1][0])
+            smallest.append(np.sqrt(values[0]))
+            largest.append(np.sqrt(values[2]))
+        assert (np.diff(largest) > 0.03).all()
+        assert 0.5 < largest[-1] < 0.7
+        assert (smallest[-1] < 0.03) == (seeing == 1)
 
 
 def test_limbs_hold_joints_by_what_lasting_errors_leave_open():
@@ -51,7 +71,7 @@ def test_limbs_hold_joints_by_what_lasting_errors_leave_open():
     x, cov = np.tile([0.0, 0.0, 1.0], (17, 1)), np.tile(np.eye(3) * 1e-9, (17, 1, 1))
     x[1, 0] += 0.32
     limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
-    said, _ = state(x, cov, np.full((17, 4), 2.0), limbs, np.array([0.3]))
+    said, _ = state(x, cov, np.full((17, 4), 1.05), limbs, np.array([0.3]))
     assert 0.3 < np.linalg.norm(said[1] - said[0]) < 0.312
 
 

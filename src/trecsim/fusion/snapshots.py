@@ -6,7 +6,6 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.fusion import kernels, lifecycle
-from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
@@ -55,7 +54,7 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
     # NumPy takes rows by `take` in a third of the time that an index needs.
     xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
     kernels.state_all(
-        model.P, model.focal_px, model.noise, people.joint_s.take(who, axis=0), t_s - SUPPORT_S,
+        model.P, model.focal_px, model.noise, people.joint_s.take(who, axis=0), t_s,
         model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
         xyz_m, cov_m2,
     )  # fmt: skip

@@ -334,6 +334,9 @@ def relax_body(
             continue
         joint_block(A, place[j], after)
         size = quotient(before_m2[j], after, d[j], info, vector)
+        for p in range(3):  # how far a joint may go in one step tells nothing of where it is
+            info[p, p] -= 1.0 / _REACH_M2
+            vector[p] -= d[j, p] / _REACH_M2
         believe(
             R[j], z[j], c[j], x[j], cov_m2[j], info, vector, size, quick, lasting, span, weights,
             tmp,

@@ -15,6 +15,8 @@ FAR_PX = 1e5
 # Detections of an image whose key points all lie this close, as a share of the detection's size,
 # are the same person found twice.
 TWIN_SHARE = 0.03
+# So many key points in common tell twins; one or two may meet by chance.
+TWIN_JOINTS = 3
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -143,7 +145,7 @@ def extent_px(xy_px):
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def are_twins(one_px, other_px, reach_px):
-    """Return whether two detections have key points in common, and all of them in one place."""
+    """Return whether two detections have enough key points in common, and all of them in one place."""
     common = 0
     for j in range(one_px.shape[0]):
         if math.isnan(one_px[j, 0]) or math.isnan(other_px[j, 0]):
@@ -152,4 +154,4 @@ def are_twins(one_px, other_px, reach_px):
         for a in range(2):
             if abs(one_px[j, a] - other_px[j, a]) > reach_px:
                 return False
-    return common > 0
+    return common >= TWIN_JOINTS

@@ -1,5 +1,6 @@
 """What is said about a moment: joints held by their limbs, and how sure they really are."""
 
+import math
 from typing import no_type_check
 
 import numpy as np
@@ -8,14 +9,16 @@ from numba import njit
 from trecsim.fusion.kernels.information import invert3
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import NEAR_M, project
+from trecsim.fusion.kernels.presence import SUPPORT_S
 
-# Lasting errors of key points add at most about so much to what is stated of a joint [m].
-_MOST_M = 0.1
+# How far a joint may be off in a direction that no camera tells of [m], and how fast that grows
+# with the time for which no two cameras have seen it [m/s], up to so long [s].
+_OFF_M, _DRIFT_MPS, _LONG_S = 0.1, 0.1, 5.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def lasting_information(P, focal_px, noise, j, x, last_s, since_s, info):
+def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
     Parameters
@@ -26,16 +29,21 @@ def lasting_information(P, focal_px, noise, j, x, last_s, since_s, info):
         The detector's `Noise`.
     j, x
         The joint and its place, (3,).
-    last_s, since_s
-        When each camera last supported it, (cam,), and since when that counts [s].
+    last_s, now_s
+        When each camera last supported it, (cam,), and the time of what is stated [s].
     info
         Result, (3, 3) [1/m^2].
     """
+    latest = second = -math.inf
+    for c in range(last_s.shape[0]):
+        second = max(second, min(latest, last_s[c]))
+        latest = max(latest, last_s[c])
+    off_m = _OFF_M + _DRIFT_MPS * min(max(now_s - SUPPORT_S - second, 0.0), _LONG_S)
     for p in range(3):
         for q in range(3):
-            info[p, q] = 1.0 / (_MOST_M * _MOST_M) if p == q else 0.0
+            info[p, q] = 1.0 / (off_m * off_m) if p == q else 0.0
     for c in range(last_s.shape[0]):
-        if not last_s[c] > since_s:
+        if not last_s[c] > now_s - SUPPORT_S:
             continue
         w, _, _, du, dv = project(P, c, x[0], x[1], x[2])
         if not w > NEAR_M:
@@ -49,16 +57,16 @@ def lasting_information(P, focal_px, noise, j, x, last_s, since_s, info):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def state_all(P, focal_px, noise, joint_s, since_s, limbs, limb_m, limb_m2, x, cov_m2):
+def state_all(P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2):
     """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
 
     Parameters
     ----------
     P, focal_px, noise
         As for `lasting_information`.
-    joint_s, since_s
-        When each camera last supported each joint, (track, joint, cam), and since when that
-        counts [s].
+    joint_s, now_s
+        When each camera last supported each joint, (track, joint, cam), and the time of what is
+        stated [s].
     limbs, limb_m, limb_m2
         `Limbs`; lengths and variances per track, (track, limb).
     x, cov_m2
@@ -74,7 +82,7 @@ def state_all(P, focal_px, noise, joint_s, since_s, limbs, limb_m, limb_m2, x, c
     info, lasting = np.empty((3, 3)), np.empty((3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
-            lasting_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], since_s, info)
+            lasting_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], now_s, info)
             invert3(info, lasting)
             for p in range(3):
                 for q in range(3):
