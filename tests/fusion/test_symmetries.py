@@ -16,7 +16,7 @@ FLIP = np.diag([-1.0, 1.0, 1.0])
 # Directions of which next to nothing is known are left out, axis by axis.
 CLOSE_M = 3e-3
 # Before one camera alone a leg can be bent in two ways: later, rounding may decide which.
-UNTIL_S = 2.0
+UNTIL_S = 1.6
 
 
 @pytest.fixture(scope="module")

@@ -145,7 +145,7 @@ def extent_px(xy_px):
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
 def are_twins(one_px, other_px, reach_px):
-    """Return whether two detections have enough key points in common, and all of them in one place."""
+    """Return whether two detections have enough key points in common, all in one place."""
     common = 0
     for j in range(one_px.shape[0]):
         if math.isnan(one_px[j, 0]) or math.isnan(other_px[j, 0]):
