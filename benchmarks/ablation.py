@@ -223,7 +223,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if unknown := sorted(set(given.only) - set(by_name())):
         return fail(f"no part is called {', '.join(unknown)}; see --list")
     if given.list:
-        print("\n".join(f"{part.name}: {part.instead}" for part in by_name().values()))
+        for part in by_name().values():
+            print(f"{part.name}: {part.instead or 'nothing is switched off'}")
         return 0
     options = Options(given.quick, dict(given.set), given.jobs)
     keep = not (given.quick or given.set)
