@@ -1,4 +1,4 @@
-"""Live 3D trajectories of all the people a set of fixed, calibrated cameras sees.
+"""3D trajectories of all the people a set of fixed, calibrated cameras sees.
 
 The public names load on first use, so that importing the package costs next to nothing.
 

@@ -31,6 +31,17 @@ def table(recording: Recording, numbers: list[int]) -> Table:
     return found
 
 
+@pytest.mark.parametrize(
+    ("configuration", "told"),
+    [({"fusion": {"recall_s": 4.0}}, "(4 s)"), ({"fusion": {}}, "(1.5 s)"), ("odd", "(1.5 s)")],
+)
+def test_how_long_an_identity_is_kept_is_said_as_it_was_set(
+    recording: Recording, configuration: object, told: str
+) -> None:
+    made = replace(recording, summary={"configuration": configuration})
+    assert told in people.section(made).lead
+
+
 def test_each_number_of_people_has_its_row(recording: Recording) -> None:
     rows = table(recording, [0, 1, 1, 3]).rows
     assert [row[:3] for row in rows] == [

@@ -1,6 +1,7 @@
 """Warnings in plain words: each is given when it should be, and not otherwise."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -134,6 +135,19 @@ def test_times_since_1970_are_told_as_a_date(recording: Recording) -> None:
 def test_limbs_that_change_their_length_are_told(recording: Recording) -> None:
     blocks = summary.section(recording, None, replace(LIMBS, sd_m=0.055)).blocks
     assert any(isinstance(b, Text) and "limbs vary by 5.5 cm" in b.text for b in blocks)
+    assert Text(summary.ADVICE) in blocks
+
+
+def test_what_helps_against_odd_limbs_is_not_told_where_there_are_none(
+    recording: Recording,
+) -> None:
+    assert Text(summary.ADVICE) not in summary.section(recording, None, LIMBS).blocks
+
+
+def test_the_page_that_helps_against_odd_limbs_exists() -> None:
+    page = Path(__file__).parents[2] / "docs" / "reference" / "fusion-settings.md"
+    assert str(page.relative_to(page.parents[2])) in summary.ADVICE
+    assert "## What to set for what" in page.read_text(encoding="utf-8")
 
 
 def test_what_is_wrong_against_the_truth_is_told(recording: Recording) -> None:
@@ -155,7 +169,7 @@ def test_a_single_limb_that_jumps_is_told(recording: Recording) -> None:
     sample.xyz_m[20, COCO17.index("left_ankle"), 0] += 1
     blocks = summary.section(recording, None, LIMBS, series=limb_series(people_of(sample))).blocks
     told = [block.text for block in blocks if isinstance(block, Text)]
-    assert len(told) == 1
+    assert told[1:] == [summary.ADVICE]
     assert told[0].startswith("Person 7: left shin is far too long in 1 moment (worst 1.")
 
 

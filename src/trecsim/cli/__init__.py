@@ -67,7 +67,7 @@ def command_line(called: Sequence[str] = ()) -> App:
     """
     app = App(
         name="trecsim",
-        help="Live 3D trajectories of all the people a set of fixed, calibrated cameras sees.",
+        help="3D trajectories of all the people a set of fixed, calibrated cameras sees.",
         version=lambda: f"trecsim {version('mc3d-trecsim')}",
         help_epilogue="Exit codes: 0 done, 2 the input is wrong, 1 anything else.",
         default_parameter=Parameter(negative=()),

@@ -62,10 +62,14 @@ def _odd_limbs(series: LimbSeries, clock: Clock) -> Iterator[tuple[float, str]]:
         who = f"Person {series.person}: {_SAID[limb]}"
         if long.any():
             worst_m = float(length_m.max())
-            yield worst_m - usual_m, f"{who} is far too long in {_when(long, length_m, t_s, clock)}"
+            text = f"{who} is far too long in {_when(long, length_m, t_s, clock)}; one end may"
+            yield worst_m - usual_m, f"{text} have gone to something else then (outlier_share)."
         elif sd_m > VARIES_M:
-            text = f"{who} varies in length by {100 * sd_m:.1f} cm around {100 * usual_m:.0f} cm."
-            yield sd_m, text
+            text = f"{who} varies in length by {100 * sd_m:.1f} cm around {100 * usual_m:.0f} cm"
+            yield (
+                sd_m,
+                f"{text}; a noisy detector does that (joint_sigma_m), or a camera that is off.",
+            )
 
 
 def _when(
@@ -77,6 +81,4 @@ def _when(
     n, worst = int(long.sum()), int(length_m.argmax())
     moments = "1 moment" if n == 1 else f"{n} moments"
     at = f"{float(clock(t_s[worst : worst + 1])[0]):.1f} {clock.unit}"
-    return (
-        f"{moments} (worst {length_m[worst]:.1f} m at {at}, {np.median(length_m):.2f} m usually)."
-    )
+    return f"{moments} (worst {length_m[worst]:.1f} m at {at}, {np.median(length_m):.2f} m usually)"

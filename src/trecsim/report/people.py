@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from trecsim.fusion.settings import FusionSettings
 from trecsim.report.curves import curve, draw_curve
 from trecsim.report.page import Block, Figure, Section, Table, Text
 from trecsim.report.recording import Recording
@@ -41,8 +42,19 @@ def section(recording: Recording) -> Section:
                 "missing",
             )
         )
-    lead = "Each identity is one person from entering to leaving; who is back later gets a new one."
-    return Section(TITLE, blocks, lead)
+    return Section(TITLE, blocks, _lead(recording))
+
+
+def _lead(recording: Recording) -> str:
+    recall_s = FusionSettings().recall_s
+    configuration = recording.summary.get("configuration")
+    fusion = configuration.get("fusion") if isinstance(configuration, dict) else None
+    if isinstance(fusion, dict) and isinstance(fusion.get("recall_s"), int | float):
+        recall_s = fusion["recall_s"]
+    return (
+        "Each identity is one person from entering to leaving; who is back after recall_s "
+        f"({recall_s:g} s) or elsewhere gets a new one."
+    )
 
 
 def _presence(recording: Recording) -> str:

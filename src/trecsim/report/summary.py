@@ -19,6 +19,10 @@ BRIEF_S = 1.0  # an identity that lasts less was hardly a person
 LONG_GAP_S = 2.0
 UNSTEADY_M = 0.04  # standard deviation of a limb's length
 AMISS = 0.05  # share of everybody's time
+ADVICE = (
+    "What helps against limbs that are too long or unsteady stands under 'What to set for what' in "
+    "docs/reference/fusion-settings.md."
+)
 WEAK = 0.5  # share of joints with fewer than two cameras that makes a person doubtful
 FEET = [COCO17.index(name) for name in ("left_ankle", "right_ankle")]
 
@@ -50,12 +54,16 @@ def section(
     if limbs.sd_m > UNSTEADY_M:
         warnings.append(
             f"The lengths of limbs vary by {100 * limbs.sd_m:.1f} cm, more than is usual: the "
-            "joints are less certain here than elsewhere."
+            "joints are less certain here than elsewhere. A noisy detector does that "
+            "(joint_sigma_m), or a camera that is off."
         )
-    warnings += odd_limbs(series, recording.clock)
+    limb_warnings = [*odd_limbs(series, recording.clock)]
+    advised = limbs.sd_m > UNSTEADY_M or bool(limb_warnings)
+    warnings += limb_warnings
     warnings += [*_camera_warnings(cameras)] if cameras is not None else []
     warnings += [*_truth_warnings(scores)] if scores is not None and recording.stays else []
     blocks += [Text(text, "warning") for text in warnings]
+    blocks += [Text(ADVICE)] if advised else []
     if not warnings and recording.stays:
         blocks.append(Text("Nothing in this recording stands out as wrong.", "good"))
     return Section(TITLE, blocks)
@@ -229,5 +237,6 @@ def _stray_cameras(cameras: CameraFacts) -> Iterator[str]:
             yield (
                 f"Camera {name} disagrees with the others: its key points lie {median_px:.0f} px "
                 f"from the tracks, those of the others {np.median(others):.0f} px. Was it moved, "
-                "or is its clock off?"
+                "is its clock off, are names of cameras exchanged, or have its images another size "
+                "than in the rig?"
             )
