@@ -143,8 +143,11 @@ def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     cam = np.array([model.cam_of[view.camera] for view in views], np.int64)
     t_s = np.array([view.t_s for view in views], np.float64)
     offset = np.array([0, *accumulate(len(view.xy_px) for view in views)], np.int64)
-    xy_px = np.concatenate([view.xy_px for view in views], dtype=np.float64)
-    score = np.concatenate([view.score for view in views], dtype=np.float64)
+    # Into C order: of views that lie otherwise in memory, the kernels would be compiled again.
+    xy_px = np.empty((offset[-1], len(model.skeleton.joints), 2))
+    score = np.empty(xy_px.shape[:2])
+    np.concatenate([view.xy_px for view in views], out=xy_px)
+    np.concatenate([view.score for view in views], out=score)
     factor, kept = np.empty(score.shape), np.empty_like(offset)
     kernels.prefilter(
         xy_px, score, cam, offset, model.undistortion, s.min_score, s.good_score, s.min_joints,

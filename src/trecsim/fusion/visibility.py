@@ -20,9 +20,9 @@ _PARTS = (
 def lenses(rig: Rig) -> Lenses:
     """Return what decides whether points are in the cameras' raw images."""
     return Lenses(
-        T_cam_world=np.stack([camera.T_cam_world[:3] for camera in rig]),
-        position_m=np.stack([camera.position_m for camera in rig]),
-        K=np.stack([camera.K for camera in rig]),
+        T_cam_world=np.array([camera.T_cam_world[:3] for camera in rig], order="C"),
+        position_m=np.array([camera.position_m for camera in rig], order="C"),
+        K=np.array([camera.K for camera in rig], order="C"),
         size_px=np.array([camera.size_px for camera in rig], np.float64),
         kind=np.array([_KIND[camera.distortion_model] for camera in rig], np.int64),
         coefficients=np.stack([_coefficients(camera) for camera in rig]),
