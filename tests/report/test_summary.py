@@ -75,6 +75,17 @@ def test_a_fit_that_is_too_slow_is_told(recording: Recording) -> None:
     )
 
 
+def test_a_first_frame_set_that_waited_for_the_kernels_makes_no_fit_slow(
+    recording: Recording,
+) -> None:
+    timing = recording.timing
+    assert timing is not None
+    loaded = timing.fusion_ms.copy()
+    loaded[0] = 1e6
+    told = warnings(replace(recording, timing=replace(timing, fusion_ms=loaded)))
+    assert "slower than the cameras" not in told
+
+
 def test_a_time_without_images_is_told(recording: Recording) -> None:
     timing = recording.timing
     assert timing is not None
