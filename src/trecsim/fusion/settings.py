@@ -93,15 +93,16 @@ class FusionSettings:
     accel_torso: float = _setting(
         0.55,
         (0.3, 1.6),
-        "higher for sport and falls; lower for people who stand or sit, who get smoother",
+        "higher for sport and falls, as the defaults follow running; lower for people who stand or "
+        "sit, who get smoother",
     )
     accel_head: float = _setting(0.7, (0.4, 2.0), "as `accel_torso`")
     accel_arm: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for gestures")
-    accel_leg: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for running")
+    accel_leg: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for sprinting and kicks")
     velocity_memory_s: float = _setting(0.6, (0.3, 2.0), "hardly ever")
     drag_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
     joint_sigma_m: float = _setting(
-        0.02, (0.012, 0.04), "with the estimator: more for a fast and coarse one"
+        0.02, (0.012, 0.04), "with the estimator: more for a noisy detector, fast and coarse"
     )
     tail_freedom: float = _setting(3.0, (2.0, 10.0), "100 for made key points with Gaussian noise")
     floor_px: float = _setting(
@@ -115,7 +116,8 @@ class FusionSettings:
     min_score: float = _setting(
         0.15,
         (0.05, 0.4),
-        "with the estimator: higher if it invents what it does not see, lower if it is modest",
+        "with the estimator: higher for a noisy detector that invents what it does not see, lower "
+        "for a modest one",
     )
     error_memory_s: float = _setting(
         0.025,
@@ -136,13 +138,20 @@ class FusionSettings:
         0.01, (0.001, 0.1), "higher if the estimator often exchanges left and right"
     )
     min_joints: int = _setting(
-        5, (4, 8), "higher against false people; lower where only parts of people are in view"
+        5,
+        (4, 8),
+        "higher against ghosts that never existed; lower where only parts of people are in view",
     )
     confirm_s: float = _setting(
-        0.15, (0.05, 0.5), "longer against ghosts; shorter where newcomers must be known at once"
+        0.15,
+        (0.05, 0.5),
+        "longer against ghosts that never existed; shorter where newcomers must be known at once",
     )
     death_s: float = _setting(
-        0.5, (0.3, 2.0), "longer where people are hidden for longer; those who left stay as long"
+        0.5,
+        (0.3, 2.0),
+        "shorter against ghosts of people who have just left; longer where people are hidden for "
+        "longer",
     )
     doubt_s: float = _setting(
         1.5,
