@@ -9,7 +9,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 # where the doors are: what comes in there may be anything, and is refused with better words.
 SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimation,$\
-  trecsim.fusion,trecsim.tracking,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots,$\
+  trecsim.fusion,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots,$\
   trecsim.report,trecsim.study.design,trecsim.study.resampling,$\
   trecsim.study.standing,trecsim.study.statistics
 

@@ -25,11 +25,13 @@ from typing import Literal, TypedDict
 import numpy as np
 
 from trecsim.calibration import write_rig
-from trecsim.config import LONGEST_LAG_S, fusion_settings
+from trecsim.config import fusion_settings
 from trecsim.config.check import CheckedSite, load_estimator
 from trecsim.errors import InputError, SetupError
 from trecsim.fusion import FusionSettings
+from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
+from trecsim.skeleton import COCO17
 from trecsim.sources import PosesWriter, prefetched, read_poses
 from trecsim.store.atomic import atomic_write, disk_faults, partial_path
 from trecsim.store.names import POSES, RIG
@@ -94,8 +96,7 @@ def track(
     SetupError
         When the disk has no room.
     """
-    if not 0.0 <= lag_s <= LONGEST_LAG_S:
-        raise InputError(f"the lag must lie between 0 and {LONGEST_LAG_S:g} s, got {lag_s:g} s")
+    check_arguments(rig, settings, COCO17, lag_s)
     tally = Tally()
     images = read_poses(poses, rig_cameras=rig.names, fps=fps)
     kept = kept_of(out)

@@ -7,9 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trecsim.errors import InputError
 from trecsim.fusion import FusionSettings, Tracker
+from trecsim.fusion.arguments import called, check_arguments
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
+from trecsim.skeleton import COCO17
 from trecsim.store.timing import StepTiming
 from trecsim.sync import frame_sets
 from trecsim.types import Poses2D, Snapshot
@@ -78,7 +81,7 @@ def follow(
     settings
         Of the fusion.
     lag_s
-        How far behind the newest image of a frame set each snapshot is [s].
+        How far behind the newest image of a frame set each snapshot is [s], up to 10.
     tally
         Is kept up to date.
 
@@ -86,13 +89,47 @@ def follow(
     ------
     Snapshot
         One per frame set, at the newest time of the set minus the lag.
+
+    Raises
+    ------
+    InputError, ConfigError
+        At once, when one of these is something else than it should be; the message tells which.
     """
-    tally = tally if tally is not None else Tally()
+    check_arguments(rig, settings, COCO17, lag_s)
+    if not _may_hold_poses(poses):
+        raise InputError(
+            "poses must be 2D poses one by one, as trecsim.read_poses(path) yields them, got "
+            f"{called(poses)}"
+        )
+    return _followed(poses, rig, settings, lag_s, tally if tally is not None else Tally())
+
+
+def _may_hold_poses(poses: object) -> bool:
+    return isinstance(poses, Iterable) and not isinstance(poses, str | bytes | Rig | Poses2D)
+
+
+def _each_checked(poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
+    for one in poses:
+        if not isinstance(one, Poses2D):
+            raise InputError(
+                "poses must be 2D poses one by one, as trecsim.read_poses(path) yields them; "
+                f"among them is {called(one)}"
+            )
+        yield one
+
+
+def _followed(
+    poses: Iterable[Poses2D],
+    rig: Rig,
+    settings: FusionSettings | None,
+    lag_s: float,
+    tally: Tally,
+) -> Iterator[Snapshot]:
     warm_up()
     tracker = Tracker(rig, settings, lag_s=lag_s)
     given_s = float("nan")
     offsets_s = {camera.name: camera.time_offset_s for camera in rig}
-    for frame_set in frame_sets(poses, offsets_s=offsets_s):
+    for frame_set in frame_sets(_each_checked(poses), offsets_s=offsets_s):
         began_s = time.perf_counter()
         snapshot = tracker.step(frame_set)
         fusion_ms = 1e3 * (time.perf_counter() - began_s)

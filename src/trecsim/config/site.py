@@ -19,13 +19,10 @@ from pydantic import (
 from trecsim.calibration import FORMATS, Floor, read_rig
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
+from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.geometry import Rig
 from trecsim.tables import FilePath, SizePx, Table, Vector
 from trecsim.tables.described import fields_of
-
-LONGEST_LAG_S = 10.0
-"""Everything that young stays open to later images; longer costs time and gains nothing."""
-
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 """A name that may become a directory or part of an address."""

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Int64
 
 from trecsim.fusion import birth, fitting, kernels, lifecycle, memory
+from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.clocks import JUMP_S, Clocks
 from trecsim.fusion.images import Detections, Images, cameras, prepare
@@ -37,7 +38,12 @@ class Tracker:
     skeleton
         The joints that the 2D poses have.
     lag_s
-        How far behind the newest image `step` reports [s]; what comes later smooths it.
+        How far behind the newest image `step` reports [s], up to 10; what comes later smooths it.
+
+    Raises
+    ------
+    InputError, ConfigError
+        One of these is something else than it should be; the message tells which.
 
     Examples
     --------
@@ -58,6 +64,7 @@ class Tracker:
         skeleton: Skeleton = COCO17,
         lag_s: float = 0.0,
     ) -> None:
+        check_arguments(rig, settings, skeleton, lag_s)
         self._model = build(rig, skeleton, settings or FusionSettings())
         s = self._model.settings
         self._lag_s = lag_s

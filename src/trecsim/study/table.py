@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from trecsim.config.site import LONGEST_LAG_S
+from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.simulation.camera_tables import MOST_CAMERAS
 from trecsim.simulation.scene import LONGEST_S
 from trecsim.simulation.scene_tables import FEWEST_CAMERAS, MOST_PEOPLE

@@ -1,0 +1,69 @@
+"""What `follow` is given by mistake is named in one line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from made_rigs import ring
+from trecsim.errors import ConfigError, InputError
+from trecsim.fusion import FusionSettings
+from trecsim.fusion.arguments import check_arguments
+from trecsim.geometry import Rig
+from trecsim.skeleton import COCO17
+from trecsim.tracking import follow
+from trecsim.types import Poses2D
+
+RIG = Rig(tuple(ring(2)))
+IMAGE = Poses2D("cam0", 0.0, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
+
+
+@pytest.mark.parametrize(
+    ("poses", "rig", "told"),
+    [
+        (RIG, [IMAGE], "rig must be a Rig, .* got a list"),
+        ([IMAGE], "rig.toml", "the text 'rig.toml'; read the file first"),
+        ([IMAGE], Path("rig.toml"), "the text 'rig.toml'; read the file first"),
+        ([IMAGE], None, "got nothing"),
+        (RIG, RIG, "poses must be 2D poses one by one, .* got a Rig"),
+        ("walk.poses.jsonl", RIG, "read_poses.*the text 'walk.poses.jsonl'"),
+        (IMAGE, RIG, "got a Poses2D"),
+        (None, RIG, "got nothing"),
+    ],
+)
+def test_poses_and_rig_that_are_something_else_are_refused_at_once(poses, rig, told):
+    with pytest.raises(InputError, match=told):
+        follow(poses, rig)
+
+
+def test_something_else_among_the_poses_is_refused():
+    with pytest.raises(InputError, match="among them is the number 3"):
+        list(follow([IMAGE, 3], RIG))
+
+
+@pytest.mark.parametrize("lag_s", [-1, -1e-9, float("nan"), float("inf"), 10.5, "0.1", None, True])
+def test_a_lag_that_is_no_time_to_wait_is_refused_at_once(lag_s):
+    with pytest.raises(ConfigError, match="the lag must "):
+        follow([IMAGE], RIG, lag_s=lag_s)
+
+
+@pytest.mark.parametrize("settings", [0.5, "site.toml", {"knot_s": 0.1}, RIG])
+def test_settings_that_are_something_else_are_refused_at_once(settings):
+    with pytest.raises(ConfigError, match="settings must be FusionSettings"):
+        follow([IMAGE], RIG, settings)
+
+
+def test_rig_and_settings_exchanged_are_told():
+    with pytest.raises(InputError, match="the rig comes before the settings"):
+        check_arguments(FusionSettings(), RIG, COCO17, 0.0)
+
+
+def test_a_skeleton_that_is_a_name_is_refused():
+    with pytest.raises(InputError, match="the text 'coco17'"):
+        check_arguments(RIG, None, "coco17", 0.0)
+
+
+def test_more_joints_than_there_are_can_be_asked_of_nobody():
+    check_arguments(RIG, FusionSettings(min_joints=17), COCO17, 0.0)
+    with pytest.raises(ConfigError, match=r"min_joints = 18 .* has 17 joints"):
+        check_arguments(RIG, FusionSettings(min_joints=18), COCO17, 0.0)
