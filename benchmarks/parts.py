@@ -17,6 +17,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.images import Images, prepare
+from trecsim.fusion.kernels import FREE, TAKEN
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
@@ -107,9 +108,9 @@ def _confirmed_by_time(people: Any, model: Model, _t_s: float) -> None:
 
 
 def _nobody_is_lonely(tracker: Any, images: Images, association: Association) -> Any:
-    owner = np.full(len(images.xy_px), -1, np.int64)  # free
-    owner[association.match[association.match >= 0]] = -2  # taken
-    return owner
+    owner = np.full(len(images.xy_px), FREE, np.int64)
+    owner[association.match[association.match >= 0]] = TAKEN
+    return owner, int((owner == FREE).sum())
 
 
 def _at_one_time(*arguments: Any) -> Images:
