@@ -80,3 +80,16 @@ def test_poses_of_a_camera_that_the_rig_lacks_are_told(tmp_path: Path) -> None:
     site = make_site(tmp_path)
     write_rig(Rig(ring(3).cameras[1:]), tmp_path / "rig.toml")
     assert "line 4: poses: " in faults_of(site, "made", "other")
+
+
+def test_settings_outside_of_what_is_sensible_are_remarked(site: Path) -> None:
+    site.write_text(site.read_text() + "[fusion]\njoint_sigma_m = 20\nmin_joints = 9\n")
+    assert check_site(site).remarks[-2:] == (
+        "fusion: joint_sigma_m = 20 is far outside what is sensible (0.012 to 0.04 m)",
+        "fusion: min_joints = 9 is outside what is sensible (4 to 8)",
+    )
+
+
+def test_more_joints_than_a_body_has_are_refused_with_their_line(site: Path) -> None:
+    told = faults_of(site, "[sources.cam1]", "[fusion]\nmin_joints = 18\n[sources.cam1]")
+    assert "line 6: fusion: min_joints = 18 leaves nobody" in told

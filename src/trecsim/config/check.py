@@ -7,9 +7,11 @@ from pathlib import Path
 
 from trecsim import estimators
 from trecsim.config.reading import SiteFile, read_site
-from trecsim.config.site import Site
+from trecsim.config.site import Site, fusion_settings
 from trecsim.errors import ConfigError, InputError
+from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
+from trecsim.skeleton import COCO17
 from trecsim.sources import VideoInfo, probe, read_poses
 from trecsim.tables import file_faults
 from trecsim.tables.lines import KeyPath
@@ -66,9 +68,11 @@ def check_site(path: Path | str) -> CheckedSite:
     faults += _source_faults(file.site, rig, videos)
     faults += _poses_faults(file.site, rig)
     faults += _estimator_faults(file.site)
+    faults += _fusion_faults(file.site, rig)
     if faults:
         raise file_faults(path, file.text, faults)
     remarks += _remarks(file.site, rig, videos)
+    remarks += [f"fusion: {text}" for text in fusion_settings(file.site.fusion).remarks()]
     return CheckedSite(file, rig, videos, tuple(remarks))
 
 
@@ -119,6 +123,13 @@ def _estimator_faults(site: Site) -> Iterator[Fault]:
         hint = f"; did you mean {near[0]!r}?" if near else ""
         known = ", ".join(estimators.names())
         yield ("estimator", "name"), f"{name!r} is not installed; known: {known}{hint}"
+
+
+def _fusion_faults(site: Site, rig: Rig) -> Iterator[Fault]:
+    try:
+        check_arguments(rig, fusion_settings(site.fusion), COCO17, site.output.lag_s)
+    except ConfigError as error:
+        yield ("fusion",), str(error).removeprefix("fusion settings: ")
 
 
 def _remarks(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[str]:

@@ -20,6 +20,7 @@ from trecsim.calibration import FORMATS, Floor, read_rig
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import LONGEST_LAG_S
+from trecsim.fusion.settings import BELOW_ONE
 from trecsim.geometry import Rig
 from trecsim.tables import FilePath, SizePx, Table, Vector
 from trecsim.tables.described import fields_of
@@ -131,7 +132,7 @@ def fusion_settings(table: Table) -> FusionSettings:
 
 
 def _limits(name: str) -> dict[str, float]:
-    return {"gt": 0.0, "lt": 1.0} if name.endswith("_share") else {"gt": 0.0}
+    return {"gt": 0.0, "lt": 1.0} if name in BELOW_ONE else {"gt": 0.0}
 
 
 if TYPE_CHECKING:

@@ -1,9 +1,18 @@
 """Every setting of the fusion in one table: meaning, unit, default, and what it replaces."""
 
+import sys
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from typing import Any
 
 from trecsim.errors import ConfigError
+
+BELOW_ONE = ("outlier_share", "flip_share")
+"""Settings that are shares of a whole."""
+
+# By this factor outside of what is sensible, a setting is far outside.
+_FAR = 3.0
+_UNITS = {"_area_m2": " m^2", "_px": " px", "_m": " m", "_s": " s"}
 
 
 def _setting(default: float, sensible: tuple[float, float], touch: str) -> Any:
@@ -176,9 +185,11 @@ class FusionSettings:
         ]
         faults += [
             f"{name} is a share and must lie below 1, got {getattr(self, name):g}"
-            for name in ("outlier_share", "flip_share")
+            for name in BELOW_ONE
             if _is_positive(getattr(self, name)) and getattr(self, name) >= 1.0
         ]
+        if _is_positive(self.min_joints) and self.min_joints != int(self.min_joints):
+            faults.append(f"min_joints must be a whole number, got {self.min_joints:g}")
         if not faults and self.window_s < 2.0 * self.knot_s:
             faults.append(
                 f"window_s must span at least two knots ({2 * self.knot_s:g} s), "
@@ -186,7 +197,32 @@ class FusionSettings:
             )
         if faults:
             raise ConfigError("fusion settings: " + "; ".join(faults))
+        for f in fields(self):  # kernels are compiled anew where a whole number is an int
+            kind = int if f.name == "min_joints" else float
+            object.__setattr__(self, f.name, kind(getattr(self, f.name)))
+
+    def remarks(self) -> Iterator[str]:
+        """Yield a line for each setting that is far from what is sensible, without being wrong."""
+        for f in fields(self):
+            low, high = f.metadata["sensible"]
+            value = getattr(self, f.name)
+            if not low <= value <= high:
+                far = "far outside" if not low / _FAR <= value <= high * _FAR else "outside"
+                sensible = _range(f.name, low, high)
+                yield f"{f.name} = {value:g} is {far} what is sensible ({sensible})"
+
+
+def _range(name: str, low: float, high: float) -> str:
+    """Return a range as one writes it.
+
+    Examples
+    --------
+    >>> _range("joint_sigma_m", 0.012, 0.04), _range("min_joints", 4, 8)
+    ('0.012 to 0.04 m', '4 to 8')
+    """
+    unit = next((u for end, u in _UNITS.items() if name.endswith(end)), "")
+    return f"{low:g} to {high:g}{unit}"
 
 
 def _is_positive(value: object) -> bool:
-    return isinstance(value, int | float) and 0.0 < value < float("inf")
+    return isinstance(value, int | float) and 0.0 < value <= sys.float_info.max
