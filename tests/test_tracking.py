@@ -1,5 +1,6 @@
 """What `follow` is given by mistake is named in one line."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,9 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
-from trecsim.tracking import follow
-from trecsim.types import Poses2D
+from trecsim.store.rows import rows_of
+from trecsim.tracking import _Reach, follow
+from trecsim.types import Poses2D, Snapshot
 
 RIG = Rig(tuple(ring(2)))
 IMAGE = Poses2D("cam0", 0.0, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
@@ -67,3 +69,40 @@ def test_more_joints_than_there_are_can_be_asked_of_nobody():
     check_arguments(RIG, FusionSettings(min_joints=17), COCO17, 0.0)
     with pytest.raises(ConfigError, match=r"min_joints = 18 .* has 17 joints"):
         check_arguments(RIG, FusionSettings(min_joints=18), COCO17, 0.0)
+
+
+def crowd(xyz_m, sigma_m):
+    cov_m2 = np.eye(3) * np.array(sigma_m, float)[..., None, None] ** 2
+    n = len(xyz_m)
+    return Snapshot(1.0, np.arange(n), xyz_m, cov_m2, np.ones((n, 17), np.int64))
+
+
+def test_people_who_are_nowhere_are_left_out_and_told_once(caplog):
+    xyz_m, sigma_m = np.ones((6, 17, 3)), np.full((6, 17), 0.02)
+    xyz_m[0, 3, 1], xyz_m[1, 16] = 1e300, np.nan
+    xyz_m[2, 0, 2], xyz_m[4, 2, 0] = -np.inf, 9e3
+    sigma_m[3, 5] = 1e30
+    reach = _Reach(RIG)
+
+    kept = reach.kept(crowd(xyz_m, sigma_m))
+    reach.kept(crowd(xyz_m, sigma_m))
+
+    assert kept.id.tolist() == [4, 5]
+    np.testing.assert_array_equal(kept.xyz_m, xyz_m[4:])
+    assert np.isfinite(rows_of(kept)["xyz_m"]).all()
+    assert [record.getMessage() for record in caplog.records] == [
+        "at 1.000 s, person 0 was nowhere within 10 km of the cameras: left out, and so is whoever "
+        "is so later; look at the settings of the fusion and the rig"
+    ]
+
+
+def test_people_far_from_the_origin_stay_where_the_cameras_are():
+    far_m = np.array([5e5, 5e5, 0.0])
+    rig = Rig(tuple(replace(c, T_cam_world=shifted(c.T_cam_world, far_m)) for c in RIG))
+    assert len(_Reach(rig).kept(crowd(np.ones((1, 17, 3)) + far_m, np.ones((1, 17)))).id) == 1
+
+
+def shifted(T_cam_world, by_m):
+    moved = T_cam_world.copy()
+    moved[:3, 3] -= T_cam_world[:3, :3] @ by_m
+    return moved

@@ -11,6 +11,7 @@ thread that calls, and never waits for one camera longer than `trecsim.sync.fram
 
 import hashlib
 import json
+import logging
 import platform
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -41,6 +42,8 @@ from trecsim.store.tracks import kept_of, read_tracks, tracks_writer
 from trecsim.store.tracks_parquet import TracksInfo
 from trecsim.tracking import Tally, follow
 from trecsim.types import Poses2D
+
+logger = logging.getLogger(__name__)
 
 Progress = Callable[[int, int | None], None]
 TELL_EVERY_S = 60.0
@@ -97,6 +100,8 @@ def track(
         When the disk has no room.
     """
     check_arguments(rig, settings, COCO17, lag_s)
+    for text in settings.remarks() if settings else ():
+        logger.warning("fusion: %s", text)
     tally = Tally()
     images = read_poses(poses, rig_cameras=rig.names, fps=fps)
     kept = kept_of(out)

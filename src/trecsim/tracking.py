@@ -1,5 +1,6 @@
 """2D poses in, people in 3D out: frame sets and the tracker, timed."""
 
+import logging
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -17,6 +18,9 @@ from trecsim.store.timing import StepTiming
 from trecsim.sync import frame_sets
 from trecsim.types import Poses2D, Snapshot
 
+logger = logging.getLogger(__name__)
+
+_FURTHEST_M = 1e4  # from the middle of the cameras; nobody is seen from so far
 _REMEMBERED = 100_000  # an hour and more at 25 frame sets a second
 
 
@@ -60,6 +64,38 @@ class Tally:
             "max": float(ms.max()),
             "mean": float(ms.mean()),
         }
+
+
+class _Reach:
+    """Leaves out people who are nowhere, which only absurd settings or cameras bring about."""
+
+    def __init__(self, rig: Rig) -> None:
+        self._middle_m = np.mean([camera.position_m for camera in rig], axis=0)
+        self._told = False
+
+    def kept(self, snapshot: Snapshot) -> Snapshot:
+        """Return a snapshot of those alone whose joints are all somewhere; the first time, say so.
+
+        Neither a place nor its standard deviation may reach further than `_FURTHEST_M`.
+        """
+        if not len(snapshot.id):
+            return snapshot
+        with np.errstate(over="ignore", invalid="ignore"):
+            away_m = np.linalg.norm(snapshot.xyz_m - self._middle_m, axis=-1)
+            good = ((away_m <= _FURTHEST_M) & (snapshot.sigma_m <= _FURTHEST_M)).all(axis=1)
+        if good.all():
+            return snapshot
+        if not self._told:
+            self._told = True
+            logger.warning(
+                "at %.3f s, person %d was nowhere within %g km of the cameras: left out, and so "
+                "is whoever is so later; look at the settings of the fusion and the rig",
+                snapshot.t_s, snapshot.id[~good][0], 1e-3 * _FURTHEST_M,
+            )  # fmt: skip
+        return Snapshot(
+            snapshot.t_s, snapshot.id[good], snapshot.xyz_m[good], snapshot.cov_m2[good],
+            snapshot.support[good],
+        )  # fmt: skip
 
 
 def follow(
@@ -127,12 +163,14 @@ def _followed(
 ) -> Iterator[Snapshot]:
     warm_up()
     tracker = Tracker(rig, settings, lag_s=lag_s)
+    reach = _Reach(rig)
     given_s = float("nan")
     offsets_s = {camera.name: camera.time_offset_s for camera in rig}
     for frame_set in frame_sets(_each_checked(poses), offsets_s=offsets_s):
         began_s = time.perf_counter()
         snapshot = tracker.step(frame_set)
         fusion_ms = 1e3 * (time.perf_counter() - began_s)
+        snapshot = reach.kept(snapshot)
         step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
         tally.add(step, snapshot.id.tolist())
         if snapshot.t_s != given_s:  # else no image of the set could be used
