@@ -110,6 +110,21 @@ ARGUMENTS = {
     "poses that are not there": (["track", "rig.toml", "gone.jsonl"], "gone.jsonl"),
     "a site that is not there": (["run", "gone.toml"], "gone.toml"),
     "a video in place of poses": (["track", "rig.toml", "rig.toml"], "rig.toml"),
+    "rig and poses exchanged": (
+        ["track", "walk.poses.jsonl", "rig.toml"],
+        "walk.poses.jsonl is a file of 2D poses; the rig comes first: "
+        "trecsim track rig.toml walk.poses.jsonl\n",
+    ),
+    "poses twice": (
+        ["track", "walk.poses.jsonl", "walk.poses.jsonl"],
+        "the rig comes first: trecsim track RIG walk.poses.jsonl\n",
+    ),
+    "a rig twice": (["track", "rig.toml", "rig.toml"], "trecsim track rig.toml POSES\n"),
+    "a folder of poses in place of the rig": (
+        ["track", "poses", "rig.toml"],
+        "rig.toml is no file of 2D poses but a calibration, by its name; the rig comes first, "
+        "then the poses: trecsim track rig.toml poses\n",
+    ),
     "a negative lag": (["track", "rig.toml", "walk.poses.jsonl", "--lag-s", "-1"], "lag"),
     "a lag too long": (["track", "rig.toml", "walk.poses.jsonl", "--lag-s", "1e9"], "lag"),
     "a lag that is no number": (["track", "rig.toml", "walk.poses.jsonl", "--lag-s", "nan"], "lag"),
@@ -125,6 +140,7 @@ def test_wrong_arguments(
     trecsim: Command, folder: Path, arguments: list[str], message: str
 ) -> None:
     (folder / "broken.parquet").write_bytes(b"PAR1" + bytes(100))
+    (folder / "poses").mkdir()
     code, out, err = trecsim(*arguments)
     assert (code, out) == (2, "")
     assert err.startswith("trecsim: ")

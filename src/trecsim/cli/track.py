@@ -7,7 +7,9 @@ from cyclopts import Parameter
 
 from trecsim.cli.rig_options import RigOptions
 from trecsim.cli.terminal import counted_people, finish, progress_bar
+from trecsim.errors import InputError
 
+_OF_RIGS = (".toml", ".yml", ".yaml", ".xml", ".txt")  # and of no 2D poses
 Reading = Annotated[RigOptions, Parameter(name="*")]
 
 
@@ -46,6 +48,7 @@ def track(
     """
     from trecsim.pipeline import track as run
 
+    _check_order(rig, poses)
     cameras = reading.read(rig)
     with progress_bar("frame sets", quiet=json) as bar:
         summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
@@ -55,3 +58,27 @@ def track(
         f"fusion {ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
     )
     finish(summary, json, text)
+
+
+def _check_order(rig: Path, poses: Path) -> None:
+    """Tell who gave the two files the other way round, or one of them twice."""
+    if _is_poses(rig):
+        right = "RIG" if _is_poses(poses) else poses
+        raise InputError(
+            f"{rig} is a file of 2D poses; the rig comes first: trecsim track {right} {rig}"
+        )
+    if poses.is_file() and poses.suffix.lower() in _OF_RIGS and not _is_poses(poses):
+        right = "POSES" if rig.suffix.lower() in _OF_RIGS or not rig.exists() else rig
+        raise InputError(
+            f"{poses} is no file of 2D poses but a calibration, by its name; the rig comes first, "
+            f"then the poses: trecsim track {poses} {right}"
+        )
+
+
+def _is_poses(path: Path) -> bool:
+    if not path.is_file():
+        return False
+    from trecsim.store.atomic import opened_for_reading
+
+    with opened_for_reading(path) as file:
+        return path.suffix.lower() == ".jsonl" or b'"trecsim.poses2d/' in file.read(200)
