@@ -9,6 +9,7 @@ Run: ``python benchmarks/soak.py``, or with ``--hours 24`` a whole day
 """
 
 import argparse
+import math
 import heapq
 import statistics
 import sys
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from trecsim.types import Poses2D, Snapshot
 
 HOURS, QUICK_HOURS = 1.0, 0.1
+SHORTEST_HOURS, LONGEST_HOURS = 0.02, 240.0
 SCENE_S, FPS, CAMERAS, VISITS = 120.0, 10.0, 3, 10
 STANDING_M, CLEAR_M = (0.6, 0.4), 0.8
 TROUBLES = ("silent", "late", "clock", "frozen", "blind", "odd", "crowd")
@@ -301,10 +303,23 @@ def figures_of(seen: Seen, memory_mb: list[float]) -> Figures:
     }  # fmt: skip
 
 
+def _hours(text: str) -> float:
+    """Return `text` as a length of recording that has a first and a last tenth [h]."""
+    try:
+        hours = float(text)
+    except ValueError:
+        hours = math.nan
+    if not SHORTEST_HOURS <= hours <= LONGEST_HOURS:
+        raise argparse.ArgumentTypeError(
+            f"expected {SHORTEST_HOURS:g} to {LONGEST_HOURS:g} hours, got {text}"
+        )
+    return hours
+
+
 def main() -> int:
     """Run it for as many hours as asked."""
     parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument("--hours", type=float)
+    parser.add_argument("--hours", type=_hours, metavar="N")
     given, others = parser.parse_known_args()
 
     def measure(options: Options) -> Figures:
@@ -314,7 +329,9 @@ def main() -> int:
         return follow(scene(), 3600.0 * hours, options)
 
     if "--help" in others:
-        print("--hours N: as many hours of recording; all other options:")
+        print(
+            "soak.py takes --hours N, as many hours of recording, besides what all benchmarks take:\n"
+        )
     return alone(__file__, measure, others)
 
 

@@ -132,9 +132,11 @@ def parse_override(text: str) -> tuple[str, Any]:
 
     name, equals, value = text.partition("=")
     known: dict[str, Any] = {f.name: f.default for f in fields(FusionSettings)}
-    if not equals or name not in known:
+    if not equals:
+        raise ValueError(f"expected NAME=VALUE, got {text!r}")
+    if name not in known:
         raise ValueError(
-            f"expected NAME=VALUE, got {text!r}; the settings are {', '.join(sorted(known))}"
+            f"there is no setting {name!r}; the settings are {', '.join(sorted(known))}"
         )
     if isinstance(known[name], bool):
         if value.lower() not in ("true", "false"):

@@ -43,7 +43,7 @@ def demo(
     from trecsim.demo import demo as run_demo
 
     if not json:
-        note("on its first run the kernels of the fusion are compiled: some ten seconds more")
+        note("on its first run the kernels of the fusion are compiled: up to half a minute more")
     with progress_bar("images", quiet=json) as bar:
         result = run_demo(
             out,

@@ -113,7 +113,7 @@ class FusionSettings:
     joint_sigma_m: float = _setting(
         0.02, (0.012, 0.04), "with the estimator: more for a noisy detector, fast and coarse"
     )
-    tail_freedom: float = _setting(3.0, (2.0, 10.0), "100 for made key points with Gaussian noise")
+    tail_freedom: float = _setting(3.0, (2.0, 100.0), "100 for made key points with Gaussian noise")
     floor_px: float = _setting(
         1.5,
         (0.5, 4.0),
