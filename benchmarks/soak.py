@@ -9,8 +9,8 @@ Run: ``python benchmarks/soak.py``, or with ``--hours 24`` a whole day
 """
 
 import argparse
-import math
 import heapq
+import math
 import statistics
 import sys
 import time
