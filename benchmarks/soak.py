@@ -329,9 +329,7 @@ def main() -> int:
         return follow(scene(), 3600.0 * hours, options)
 
     if "--help" in others:
-        print(
-            "soak.py takes --hours N, as many hours of recording, besides what all benchmarks take:\n"
-        )
+        print("soak.py takes --hours N, of recording, besides what all benchmarks take:\n")
     return alone(__file__, measure, others)
 
 
