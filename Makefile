@@ -7,11 +7,11 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 
 # Where arrays live, shapes, dtypes and types are checked at every call while the tests run. Not
 # where the doors are: what comes in there may be anything, and is refused with better words.
-SHAPES := trecsim.types,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
-  trecsim.geometry.triangulation,trecsim.sources,trecsim.estimation,$\
-  trecsim.fusion,trecsim.store,trecsim.simulation,trecsim.evaluation,trecsim.plots,$\
-  trecsim.report,trecsim.study.design,trecsim.study.resampling,$\
-  trecsim.study.standing,trecsim.study.statistics
+SHAPES := trecsim.values,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
+  trecsim.geometry.triangulation,trecsim.sources,trecsim.estimators.pool,$\
+  trecsim.fusion,trecsim.store,trecsim.lab.simulation,trecsim.lab.evaluation,trecsim.lab.plots,$\
+  trecsim.lab.report,trecsim.lab.study.design,trecsim.lab.study.resampling,$\
+  trecsim.lab.study.standing,trecsim.lab.study.inference
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test check bench bench-quick ablation figures tables study docs constraints clean

@@ -106,8 +106,8 @@ def _made(task: Task) -> Any:
 
 def _make(task: Task) -> Any:
     import thesis
-    from trecsim.simulation import read_scene, simulate
-    from trecsim.simulation.scene import room_scene
+    from trecsim.lab.simulation import read_scene, simulate
+    from trecsim.lab.simulation.scene import room_scene
     from trecsim.store.truth import Truth
 
     if task.kind == "thesis":
@@ -133,7 +133,7 @@ def tasks(part: str, options: Options, cache: Path) -> Iterator[Task]:
 
 
 def _choices(count: int) -> list[tuple[str, ...]]:
-    from trecsim.evaluation.shelf import read_cameras
+    from trecsim.lab.evaluation.shelf import read_cameras
 
     return list(combinations(read_cameras(shared_data("shelf")).names, count))
 
@@ -267,7 +267,7 @@ def _run(names: list[str], options: Options) -> Iterator[tuple[str, Figures]]:
 
 
 def _about(options: Options) -> dict[str, Any]:
-    from trecsim.study.code import code_digest
+    from trecsim.lab.study.code_digest import code_digest
 
     measured = repr((GROUPS, SEEDS, SECONDS, KEPT)).encode()
     return {

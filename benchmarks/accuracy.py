@@ -1,6 +1,6 @@
 """How far the tracks are from the known truth in simulated rooms.
 
-The rooms have the errors of a real detector (`trecsim.simulation.detector`); seeds 1000 and up,
+The rooms have the errors of a real detector (`trecsim.lab.simulation.detector`); seeds 1000 and up,
 which nothing was tuned on.
 
 Run: ``python benchmarks/accuracy.py``
@@ -29,7 +29,7 @@ def room_name(cameras: int, people: int) -> str:
 
 def room(task: Task) -> tuple[dict[str, dict[str, float]], str]:
     """Return the scores of one room and seed with and without lag, and the input's fingerprint."""
-    from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.lab.simulation.scene import room_scene, simulate
     from trecsim.store.truth import Truth
 
     cameras, people, seed, overrides = task

@@ -19,7 +19,7 @@ from harness.options import Options
 
 if TYPE_CHECKING:
     from trecsim.fusion import FusionSettings
-    from trecsim.types import FrameSet, Snapshot
+    from trecsim.values import FrameSet, Snapshot
 
 SCENES = {"4 cameras, 4 people": (4, 4), "2 cameras, 3 people": (2, 3)}
 SECONDS, SETTLED_S = 10.0, 1.0
@@ -66,7 +66,7 @@ def both_ways(cameras: int, people: int, seed: int, settings: "FusionSettings") 
 
     from trecsim.fusion import Tracker
     from trecsim.fusion.warmup import warm_up
-    from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.lab.simulation.scene import room_scene, simulate
     from trecsim.sync import frame_sets
 
     warm_up()
@@ -101,7 +101,7 @@ def both_ways(cameras: int, people: int, seed: int, settings: "FusionSettings") 
 
 def singles(frame_set: "FrameSet") -> "list[FrameSet]":
     """Return every image of a frame set as one of its own."""
-    from trecsim.types import FrameSet
+    from trecsim.values import FrameSet
 
     return [FrameSet(view.t_s, (view,)) for view in sorted(frame_set.views, key=lambda v: v.t_s)]
 

@@ -25,10 +25,10 @@ from harness.options import Options, fingerprint, settings_from
 
 if TYPE_CHECKING:
     from trecsim.geometry import Camera, Rig
-    from trecsim.simulation import Simulation
-    from trecsim.simulation.actions import Action
-    from trecsim.simulation.roles import Role
-    from trecsim.types import Poses2D, Snapshot
+    from trecsim.lab.simulation import Simulation
+    from trecsim.lab.simulation.actions import Action
+    from trecsim.lab.simulation.roles import Role
+    from trecsim.values import Poses2D, Snapshot
 
 SEEDS, QUICK_SEEDS = 24, 8
 FPS = 25.0
@@ -68,8 +68,8 @@ class Room:
 def rooms() -> dict[str, Room]:
     """Return the rooms of close entry: cameras in two corners, and beside each other."""
     from trecsim.geometry import Rig
-    from trecsim.simulation.cameras import Make, look_at
-    from trecsim.simulation.room import corner_rig
+    from trecsim.lab.simulation.camera_placement import Make, look_at
+    from trecsim.lab.simulation.room import corner_rig
 
     lens = Make(view_deg=92.0, lens="brown")
     places = (((0.0, 0.0, 2.3), (0.0, 3.0, 1.0)), ((-2.66, 0.57, 2.3), (-1.06, 2.94, 1.0)))
@@ -87,8 +87,8 @@ def rooms() -> dict[str, Room]:
 
 def entering(room: Room, seed: int) -> "Iterator[Role]":
     """Yield who appears before each camera: some go on, some stay, some pass before it."""
-    from trecsim.simulation.actions import Stand, Walk
-    from trecsim.simulation.roles import Role, Visit
+    from trecsim.lab.simulation.actions import Stand, Walk
+    from trecsim.lab.simulation.roles import Role, Visit
 
     rng = np.random.default_rng(seed)
     for number, (camera, enter_s) in enumerate(zip(room.rig, ENTERS_S, strict=True)):
@@ -116,8 +116,8 @@ def before(camera: "Camera", aside: float) -> Point:
 
 def made_entry(name: str, seed: int) -> "Simulation":
     """Return a scene of close entry."""
-    from trecsim.simulation.cast import Players
-    from trecsim.simulation.scene import Scene, simulate
+    from trecsim.lab.simulation.cast import Players
+    from trecsim.lab.simulation.scene import Scene, simulate
 
     room = rooms()[name]
     cast = Players(tuple(entering(room, seed)))
@@ -126,7 +126,7 @@ def made_entry(name: str, seed: int) -> "Simulation":
 
 def clocks() -> tuple[Any, ...]:
     """Return the clocks of two cameras, which run freely."""
-    from trecsim.simulation.clocks import Clock
+    from trecsim.lab.simulation.camera_clocks import Clock
 
     return Clock(FPS), Clock(FPS, start_s=0.37 / FPS)
 
@@ -171,8 +171,8 @@ def images_with(xyz_m: Array, rig: "Rig") -> npt.NDArray[np.int64]:
 
 def doing(what: str, room: Room, rng: np.random.Generator) -> "Role":
     """Return somebody who walks, stands, sits or lies, and has done so when two cameras know."""
-    from trecsim.simulation.actions import Lie, Sit, Stand, Turn, Walk
-    from trecsim.simulation.roles import Role, Visit
+    from trecsim.lab.simulation.actions import Lie, Sit, Stand, Turn, Walk
+    from trecsim.lab.simulation.roles import Role, Visit
 
     start_m, facing_rad = room.anywhere(rng), float(rng.uniform(-np.pi, np.pi))
     walk = Walk(tuple(room.anywhere(rng) for _ in range(12)), float(rng.uniform(0.7, 1.3)))
@@ -187,9 +187,9 @@ def doing(what: str, room: Room, rng: np.random.Generator) -> "Role":
 
 def made_alone(what: str, seed: int) -> "tuple[Simulation, tuple[Poses2D, ...], Camera]":
     """Return a scene, what two cameras tell of it, and the one that always sees the person."""
-    from trecsim.simulation.cast import Players
-    from trecsim.simulation.room import corner_rig
-    from trecsim.simulation.scene import Scene, simulate
+    from trecsim.lab.simulation.cast import Players
+    from trecsim.lab.simulation.room import corner_rig
+    from trecsim.lab.simulation.scene import Scene, simulate
 
     room = Room(corner_rig(7.0, 5.5, 2.5, 2), (-1.5, -0.3), (1.5, 1.7))
     cast = Players((doing(what, room, np.random.default_rng([seed, DOING.index(what)])),))
@@ -210,7 +210,7 @@ def hidden(t_s: float) -> bool:
 
 def emptied(image: "Poses2D") -> "Poses2D":
     """Return an image in which nobody is found."""
-    from trecsim.types import Poses2D
+    from trecsim.values import Poses2D
 
     nobody = image.xy_px[:0], image.score[:0], image.person_score[:0]
     return Poses2D(image.camera, image.t_s, *nobody)
@@ -222,7 +222,7 @@ def one_camera(task: Task) -> tuple[dict[str, float], str]:
     Depths are along the line of sight of that camera, positive where the person is taken to be too
     far away; they are NaN where nobody is followed any more.
     """
-    from trecsim.evaluation.matching import truth_at
+    from trecsim.lab.evaluation.truth_matching import truth_at
     from trecsim.tracking import follow
 
     what, seed, overrides = task

@@ -22,8 +22,8 @@ def mean(runs: list[dict[str, float]]) -> dict[str, float]:
 
 def measure(options: Options) -> Figures:
     """Measure the habits of the simulated detector, beside those of the real one."""
-    from trecsim.evaluation.detector_figures import MEASURED, recorded, simulated
-    from trecsim.simulation.detector import ANNOTATED, REAL
+    from trecsim.lab.evaluation.detector_figures import MEASURED, recorded, simulated
+    from trecsim.lab.simulation.detector import ANNOTATED, REAL
 
     seeds = SEEDS[:1] if options.quick else SEEDS
     options.input.update(

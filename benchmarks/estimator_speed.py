@@ -17,7 +17,7 @@ from harness.figures import Figure, Figures, Skipped, timed
 from harness.options import Options, sample_folder
 
 if TYPE_CHECKING:
-    from trecsim.types import Frame
+    from trecsim.values import Frame
 
 SCENES = {"one person": "SinglePerson", "two people": "MultiPerson"}
 IMAGES, QUICK_IMAGES = 150, 40

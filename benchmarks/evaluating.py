@@ -22,7 +22,7 @@ from harness.command import alone
 from harness.figures import Figures, once, timed
 from harness.machine import peak_mb
 from harness.options import Options
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 PEOPLE, PIECE_S, RATE_HZ = 4, 30.0, 25.0
 LENGTHS_S = {"an hour": 3600.0, "a minute": 60.0}
@@ -47,7 +47,7 @@ def make(folder: Path, seconds: float) -> int:
 
 def truth_m(seconds: float) -> np.ndarray:
     """Return where everybody is, (person, time, joint, 3) [m]."""
-    from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.lab.simulation.scene import room_scene, simulate
 
     piece_m = simulate(room_scene(people=PEOPLE, seconds=PIECE_S), SEED).truth_xyz_m
     both_m = np.concatenate([piece_m, piece_m[:, ::-1]], axis=1)

@@ -24,9 +24,9 @@ LENGTHS = {"1 minute": 3, "10 minutes": 30}  # rooms one after the other
 
 def follow_rooms(rooms: int) -> None:
     """Follow everybody in this process; print its peak memory [MB]."""
-    from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.lab.simulation.scene import room_scene, simulate
     from trecsim.tracking import follow
-    from trecsim.types import Poses2D
+    from trecsim.values import Poses2D
 
     scene = room_scene(people=PEOPLE, cameras=CAMERAS, seconds=ROOM_S)
     rig = scene.rig

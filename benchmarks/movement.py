@@ -25,9 +25,9 @@ from harness.following import Flags, Followed, errors, followed
 from harness.options import Options, fingerprint, shared_data
 
 if TYPE_CHECKING:
-    from trecsim.simulation import Simulation
-    from trecsim.simulation.actions import Action
-    from trecsim.simulation.cast import Person
+    from trecsim.lab.simulation import Simulation
+    from trecsim.lab.simulation.actions import Action
+    from trecsim.lab.simulation.cast import Person
 
 SEEDS, QUICK_SEEDS = 10, 4
 COMPOSED_SEEDS = 4  # there only the detector's errors differ
@@ -71,7 +71,7 @@ class Clips:
 
     def one_of(self, *names: str, **how: Any) -> "tuple[Action, ...]":
         """Return one of these clips; the next seed takes the next one."""
-        from trecsim.simulation.actions import Clip
+        from trecsim.lab.simulation.actions import Clip
 
         return (Clip(self._folder / f"{names[self._seed % len(names)]}.npz", **how),)
 
@@ -83,7 +83,7 @@ def anywhere(rng: np.random.Generator) -> Point:
 
 
 def _lying(side: str, seconds: float) -> "Action":
-    from trecsim.simulation.actions import Lie
+    from trecsim.lab.simulation.actions import Lie
 
     return Lie(seconds, side)  # type: ignore[arg-type]
 
@@ -107,7 +107,7 @@ def _rolling(clips: Clips, rng: np.random.Generator) -> "tuple[Part, ...]":
 
 
 def _crawling(clips: Clips, rng: np.random.Generator) -> "tuple[Part, ...]":
-    from trecsim.simulation.actions import Crawl
+    from trecsim.lab.simulation.actions import Crawl
 
     return (("crawling", (Crawl((anywhere(rng),), float(rng.uniform(0.4, 0.7))),)),)
 
@@ -120,7 +120,7 @@ def _along(name: str, *clips_of: str, **how: Any) -> "Act":
 
 
 def _fall(clips: Clips, rng: np.random.Generator) -> "tuple[Part, ...]":
-    from trecsim.simulation.actions import Fall
+    from trecsim.lab.simulation.actions import Fall
 
     to = str(rng.choice(("back", "front", "left", "right")))
     falls = Fall(0.1, to)  # type: ignore[arg-type]
@@ -171,13 +171,13 @@ ACTS: "dict[str, Act]" = {
 
 def made(name: str, cameras: int, seed: int, folder: Path) -> "tuple[Simulation, dict[str, Any]]":
     """Return a scene in which somebody acts and somebody walks past, and when each part is."""
-    from trecsim.simulation.actions import Turn, Walk
-    from trecsim.simulation.body import bodies
-    from trecsim.simulation.cast import Person
-    from trecsim.simulation.clocks import Clock
-    from trecsim.simulation.performance import perform
-    from trecsim.simulation.room import corner_rig
-    from trecsim.simulation.scene import Scene, simulate
+    from trecsim.lab.simulation.actions import Turn, Walk
+    from trecsim.lab.simulation.body_shape import bodies
+    from trecsim.lab.simulation.camera_clocks import Clock
+    from trecsim.lab.simulation.cast import Person
+    from trecsim.lab.simulation.performance import perform
+    from trecsim.lab.simulation.room import corner_rig
+    from trecsim.lab.simulation.scene import Scene, simulate
 
     rng = np.random.default_rng([seed, list(ACTS).index(name)])
     actor, passer = bodies(2, rng)
@@ -255,9 +255,9 @@ def of_first(one: Followed, then: Flags) -> Flags:
 
 def composed(task: Task) -> tuple[dict[str, float], str]:
     """Return the errors of everybody in a scene composed of clips, and the input's fingerprint."""
-    from trecsim.simulation.clocks import Clock
-    from trecsim.simulation.room import corner_rig
-    from trecsim.simulation.scene import Scene, simulate
+    from trecsim.lab.simulation.camera_clocks import Clock
+    from trecsim.lab.simulation.room import corner_rig
+    from trecsim.lab.simulation.scene import Scene, simulate
 
     name, cameras, seed, folder, overrides = task
     with np.load(folder / "scenes" / f"{name}.npz") as file:
@@ -276,8 +276,8 @@ def composed(task: Task) -> tuple[dict[str, float], str]:
 
 def clip_person(xyz_m: np.ndarray, fps: float) -> "Person":
     """Return somebody who moves as in a clip, while there."""
-    from trecsim.simulation.cast import Person
-    from trecsim.simulation.sampled import Sampled
+    from trecsim.lab.simulation.cast import Person
+    from trecsim.lab.simulation.sampled import Sampled
 
     here = np.flatnonzero(np.isfinite(xyz_m[:, 0, 0]))
     enter_s, leave_s = here[0] / fps, here[-1] / fps

@@ -93,10 +93,10 @@ def make_site(scene: Path, out: Path) -> Path:
 
 def measure_one(kind: str, site: Path) -> None:
     """Run one of the two in this process; print wall and processor time [s], peak memory [MB]."""
-    from trecsim.config.check import check_site
-    from trecsim.estimation import estimate
+    from trecsim.estimators.pool import estimate
     from trecsim.fusion.warmup import warm_up
     from trecsim.pipeline import run
+    from trecsim.sites.check import check_site
 
     videos = {path.stem: path for path in sorted(site.parent.glob("*.mp4"))}
     checked = check_site(site)

@@ -17,13 +17,13 @@ from harness.command import alone
 from harness.figures import Figures, once
 from harness.options import Options, sample_folder
 from trecsim.calibration import read_rig
-from trecsim.estimation import estimate
+from trecsim.estimators.pool import estimate
 from trecsim.fusion import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.sync import frame_sets
 from trecsim.tracking import Tally, follow
-from trecsim.types import Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 LIMB_JOINTS = [
     i for i, name in enumerate(COCO17.joints) if not name.endswith(("nose", "eye", "ear"))

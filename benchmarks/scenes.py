@@ -32,7 +32,7 @@ FIRST = "first person"
 
 def scene(task: Task) -> tuple[Found, str]:
     """Return the scores of one scene and seed, and the input's fingerprint."""
-    from trecsim.simulation import read_scene, simulate
+    from trecsim.lab.simulation import read_scene, simulate
     from trecsim.store.truth import Truth
 
     name, seed, overrides = task
@@ -51,7 +51,7 @@ def scene(task: Task) -> tuple[Found, str]:
 
 def measure(options: Options) -> Figures:
     """Measure error and identities in the built-in scenes, and of postures against walking."""
-    from trecsim.simulation import BUILT_IN
+    from trecsim.lab.simulation import BUILT_IN
 
     options.input.update(data="built-in scenes", seeds_from=1000)
     everything: dict[str, dict[int, Found]] = {}

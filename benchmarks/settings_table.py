@@ -13,7 +13,7 @@ def settings() -> str:
     from dataclasses import fields
 
     from trecsim.fusion import FusionSettings
-    from trecsim.tables.described import descriptions
+    from trecsim.toml_models.described import descriptions
 
     about = descriptions(FusionSettings)
     rows, above = [], {"": ""}

@@ -31,7 +31,7 @@ Task = tuple[Path, tuple[str, ...] | None, float, Mapping[str, Any]]
 
 def scores(task: Task) -> dict[str, float]:
     """Track with some of the cameras, score, and return the figures by name."""
-    from trecsim.evaluation.shelf import read_shelf, score_shelf
+    from trecsim.lab.evaluation.shelf import read_shelf, score_shelf
     from trecsim.tracking import Tally, follow
 
     folder, cameras, lag_s, overrides = task
@@ -98,7 +98,7 @@ def subsets(found: Mapping[str, Mapping[str, float]]) -> Figures:
 
 def measure(options: Options) -> Figures:
     """Measure PCP3D and identities on the Shelf recording, with five cameras and with fewer."""
-    from trecsim.evaluation.shelf import read_cameras
+    from trecsim.lab.evaluation.shelf import read_cameras
 
     folder = options.folder or shared_data("shelf")
     options.input.update(data="shelf beside the repository")
@@ -120,7 +120,7 @@ def measure(options: Options) -> Figures:
 def convert(arguments: list[str]) -> int:
     """Write the recording in the formats that ``trecsim track`` takes."""
     from trecsim.errors import Error
-    from trecsim.evaluation.shelf import convert_shelf
+    from trecsim.lab.evaluation.shelf import convert_shelf
 
     if len(arguments) != 2:
         print("usage: python benchmarks/shelf.py --convert FOLDER OUT", file=sys.stderr)

@@ -16,7 +16,7 @@ ROUNDS = 3
 
 def measure(options: Options) -> Figures:
     """Measure how much faster than real time scenes are simulated."""
-    from trecsim.simulation.scene import room_scene, simulate
+    from trecsim.lab.simulation.scene import room_scene, simulate
 
     options.input.update(seeds=[1000, 1000 + ROUNDS - 1], data="simulated rooms", fps=25.0)
     simulate(room_scene(seconds=1.0), 0)

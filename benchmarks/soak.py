@@ -25,8 +25,8 @@ from harness.machine import held_mb
 from harness.options import Options
 
 if TYPE_CHECKING:
-    from trecsim.simulation.scene import Simulation
-    from trecsim.types import Poses2D, Snapshot
+    from trecsim.lab.simulation.scene import Simulation
+    from trecsim.values import Poses2D, Snapshot
 
 HOURS, QUICK_HOURS = 1.0, 0.1
 SHORTEST_HOURS, LONGEST_HOURS = 0.02, 240.0
@@ -46,10 +46,10 @@ def scene() -> "Simulation":
     """Return two minutes of a room: the first person stands, the others walk through."""
     import numpy as np
 
-    from trecsim.simulation.detector import Detector
-    from trecsim.simulation.paths import through
-    from trecsim.simulation.room import corner_rig
-    from trecsim.simulation.scene import Clock, Scene, Scripted, simulate
+    from trecsim.lab.simulation.detector import Detector
+    from trecsim.lab.simulation.paths import through
+    from trecsim.lab.simulation.room import corner_rig
+    from trecsim.lab.simulation.scene import Clock, Scene, Scripted, simulate
 
     rng = np.random.default_rng(1000)
     paths = [through(np.array([0.0, SCENE_S]), np.array([STANDING_M, STANDING_M]))]

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from trecsim.fusion import FusionSettings
-    from trecsim.simulation.scene import Scene, Simulation
+    from trecsim.lab.simulation.scene import Scene, Simulation
 
 PEOPLE = (1, 2, 3, 4, 6, 10, 20, 50)
 CAMERAS = (2, 4, 8, 12)
@@ -58,9 +58,9 @@ def room_size_m(people: int) -> tuple[float, float]:
 
 def room(cameras: int, people: int, *, lensed: bool = False) -> "Scene":
     """Return a room with so many cameras and people, `lensed` where the cameras have lenses."""
-    from trecsim.simulation.cameras import Make
-    from trecsim.simulation.room import Floor, pattern_rig
-    from trecsim.simulation.scene import room_scene
+    from trecsim.lab.simulation.camera_placement import Make
+    from trecsim.lab.simulation.room import Floor, pattern_rig
+    from trecsim.lab.simulation.scene import room_scene
 
     width_m, depth_m = room_size_m(people)
     scene = room_scene(
@@ -76,7 +76,7 @@ def cell(scene: "Scene", options: Options) -> dict[str, Figure]:
     """Return the figures of one scene."""
     import numpy as np
 
-    from trecsim.simulation.scene import simulate
+    from trecsim.lab.simulation.scene import simulate
 
     made = [simulate(scene, seed) for seed in SEEDS]
     settings = options.settings()

@@ -15,7 +15,7 @@ from harness.figures import Figure, Figures, once, timed
 from harness.options import Options
 
 if TYPE_CHECKING:
-    from trecsim.types import Snapshot
+    from trecsim.values import Snapshot
 
 PEOPLE, SECONDS, HZ = 20, 60.0, 25.0
 FILES = ("tracks.parquet", "tracks.csv")
@@ -26,7 +26,7 @@ def moments() -> "Iterator[Snapshot]":
     """Yield made moments with everybody there."""
     import numpy as np
 
-    from trecsim.types import Snapshot
+    from trecsim.values import Snapshot
 
     rng = np.random.default_rng(1000)
     xyz_m = rng.uniform(-5.0, 5.0, (PEOPLE, 1, 3)) + rng.normal(0.0, 0.4, (PEOPLE, 17, 3))

@@ -10,14 +10,21 @@ from pathlib import Path
 
 from harness import pages
 from harness.machine import ROOT
-from trecsim.report.style import PALETTE
-from trecsim.study.analysis import findings
-from trecsim.study.charts import effects_svg
-from trecsim.study.folder import STUDY
-from trecsim.study.ledger import NAME, read_runs
-from trecsim.study.plan import planned
-from trecsim.study.results import DEFAULT, PAIRS, RESULTS, markdown, read_results, standing_markdown
-from trecsim.study.table import read_study_table
+from trecsim.lab.report.style import PALETTE
+from trecsim.lab.study.analysis import findings
+from trecsim.lab.study.charts import effects_svg
+from trecsim.lab.study.folder import STUDY
+from trecsim.lab.study.ledger import NAME, read_runs
+from trecsim.lab.study.plan import planned
+from trecsim.lab.study.results import (
+    DEFAULT,
+    PAIRS,
+    RESULTS,
+    markdown,
+    read_results,
+    standing_markdown,
+)
+from trecsim.lab.study.settings_file_table import read_study_table
 
 KEPT = ROOT / "benchmarks" / "results" / "study_three"
 PAGE = ROOT / "docs" / "parameter-study.md"

@@ -24,7 +24,7 @@ from harness.options import Options, fingerprint, shared_data
 if TYPE_CHECKING:
     from trecsim.geometry import Rig
     from trecsim.store.truth import Truth
-    from trecsim.types import Poses2D
+    from trecsim.values import Poses2D
 
 Task = tuple[Path, Mapping[str, Any]]
 
@@ -69,9 +69,9 @@ def crowd(task: tuple[int, int, Mapping[str, Any]]) -> tuple[dict[str, dict[str,
     """
     import numpy as np
 
-    from trecsim.simulation import read_scene, simulate
-    from trecsim.simulation.detector import PERFECT
-    from trecsim.simulation.scene import Wanderers
+    from trecsim.lab.simulation import read_scene, simulate
+    from trecsim.lab.simulation.detector import PERFECT
+    from trecsim.lab.simulation.scene import Wanderers
     from trecsim.store.truth import Truth
 
     people, seed, overrides = task

@@ -7,8 +7,8 @@ Everything here is public: the same calls work on recordings of your own. Run it
 import numpy as np
 
 import trecsim
-from trecsim.evaluation.truth import compare
-from trecsim.simulation.scene import room_scene, simulate
+from trecsim.lab.evaluation.ground_truth import compare
+from trecsim.lab.simulation.scene import room_scene, simulate
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from trecsim.fetch import Member
+from trecsim.estimators.download import Member
 
 
 def write_package(

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from trecsim.evaluation.people import PersonTrack
-from trecsim.types import Snapshot
+from trecsim.lab.evaluation.people import PersonTrack
+from trecsim.values import Snapshot
 
 STANDING_M = np.array(
     [

@@ -11,11 +11,11 @@ from made_rigs import ring
 from made_site import body_at, walking
 from trecsim.calibration import write_rig
 from trecsim.geometry import Rig
-from trecsim.sources import PosesWriter
-from trecsim.store.timing import StepTiming, timing_writer
+from trecsim.store.poses_writer import PosesWriter
+from trecsim.store.timing_csv import StepTiming, timing_writer
 from trecsim.store.tracks import tracks_writer
 from trecsim.store.truth import write_truth
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 STEP_S = 0.04
 

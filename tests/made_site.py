@@ -8,8 +8,8 @@ import numpy as np
 from made_rigs import ring
 from trecsim.calibration import write_rig
 from trecsim.geometry import Rig
-from trecsim.sources import PosesWriter
-from trecsim.types import Poses2D
+from trecsim.store.poses_writer import PosesWriter
+from trecsim.values import Poses2D
 
 # (x, z) of each joint of somebody who stands facing along y [m].
 STANDING_M = np.array(

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from hypothesis import strategies as st
 
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 
 def snapshot(t_s: float, people: list[int], xyz_m: np.ndarray | None = None) -> Snapshot:

@@ -5,7 +5,7 @@ import pytest
 
 import thesis_scenes
 from trecsim.calibration import read_rig
-from trecsim.evaluation.shelf import convert_shelf
+from trecsim.lab.evaluation.shelf import convert_shelf
 from trecsim.sources import read_poses
 from trecsim.sync import frame_sets
 

@@ -14,14 +14,14 @@ from made_rigs import ring
 from made_site import body_at, make_site
 from trecsim import pipeline
 from trecsim.calibration import read_rig
-from trecsim.config.check import CheckedSite, check_site
 from trecsim.errors import InputError, SetupError
 from trecsim.geometry import Rig
 from trecsim.pipeline import rig_sha256, run, track
-from trecsim.store.timing import read_timing
+from trecsim.sites.check import CheckedSite, check_site
+from trecsim.store.timing_csv import read_timing
 from trecsim.store.tracks import kept_of, read_tracks
 from trecsim.store.tracks_parquet import read_info
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def checked(tmp_path: Path) -> CheckedSite:
     return check_site(make_site(tmp_path))
 
 
-def test_a_run_keeps_tracks_summary_and_picture(checked: CheckedSite, tmp_path: Path) -> None:
+def test_a_run_keeps_tracks_and_summary(checked: CheckedSite, tmp_path: Path) -> None:
     seen: list[tuple[int, int | None]] = []
     out = tmp_path / "out"
     summary = run(checked, out, progress=lambda done, total: seen.append((done, total)))
@@ -37,7 +37,6 @@ def test_a_run_keeps_tracks_summary_and_picture(checked: CheckedSite, tmp_path: 
     assert (summary.images, summary.frame_sets, summary.people) == (120, 40, 1)
     assert seen[-1] == (120, None)
     assert sorted(path.name for path in out.iterdir()) == [
-        "paths.png",
         "rig.toml",
         "summary.json",
         "timing.csv",
@@ -199,17 +198,6 @@ def test_a_disk_that_fills_up_keeps_what_was_recorded(
     with pytest.raises(SetupError, match=r"disk is full.*kept in .*tracks\.parquet\.parts"):
         run(checked, tmp_path / "out")
     assert len(list(read_tracks(tmp_path / "out"))) > 20
-
-
-def test_without_matplotlib_there_is_no_picture_and_a_remark(
-    checked: CheckedSite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
-    remarks: list[str] = []
-    run(checked, tmp_path / "out", remark=remarks.append)
-    assert len(remarks) == 1
-    assert "mc3d-trecsim[plot]" in remarks[0]
-    assert not (tmp_path / "out" / "paths.png").exists()
 
 
 @pytest.mark.parametrize("name", ["tracks.csv", "tracks.parquet"])

@@ -14,7 +14,7 @@ from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.store.rows import rows_of
 from trecsim.tracking import _Reach, follow
-from trecsim.types import Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 RIG = Rig(tuple(ring(2)))
 IMAGE = Poses2D("cam0", 0.0, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))

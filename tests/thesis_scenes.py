@@ -12,9 +12,9 @@ import numpy as np
 
 from trecsim.calibration import write_rig
 from trecsim.geometry import Camera, Rig
-from trecsim.sources import PosesWriter
+from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.truth import write_truth
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 SCENES = Path(__file__).resolve().parents[2] / "shared" / "data" / "thesis_scenes"
 

@@ -12,7 +12,7 @@ from harness.options import settings_from
 if TYPE_CHECKING:
     from trecsim.geometry import Rig
     from trecsim.store.truth import Truth
-    from trecsim.types import Poses2D
+    from trecsim.values import Poses2D
 
 NEAR_M = 0.15
 Array = npt.NDArray[np.float64]
@@ -84,8 +84,8 @@ def followed(
     overrides
         Settings of the fusion that differ from their defaults.
     """
-    from trecsim.evaluation.matching import NOBODY, Matcher, nearness, truth_at
-    from trecsim.evaluation.moments import gather, within
+    from trecsim.lab.evaluation.moments import gather, within
+    from trecsim.lab.evaluation.truth_matching import NOBODY, Matcher, nearness, truth_at
     from trecsim.tracking import follow
 
     snapshots = follow(poses, rig, settings_from(overrides))

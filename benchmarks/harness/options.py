@@ -16,7 +16,7 @@ from harness.machine import ROOT
 
 if TYPE_CHECKING:
     from trecsim.fusion import FusionSettings
-    from trecsim.types import Poses2D
+    from trecsim.values import Poses2D
 
 SHARED_DATA = ROOT.parent / "shared" / "data"
 SAMPLE = ROOT / "sample"

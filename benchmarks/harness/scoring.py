@@ -10,7 +10,7 @@ from harness.options import settings_from
 if TYPE_CHECKING:
     from trecsim.geometry import Rig
     from trecsim.store.truth import Truth
-    from trecsim.types import Poses2D
+    from trecsim.values import Poses2D
 
 LAGS_S = {"newest": 0.0, "lag 0.2 s": 0.2}
 
@@ -59,10 +59,10 @@ def scores(
     overrides: Mapping[str, object],
 ) -> dict[str, float]:
     """Track, compare with the truth, and return the scores by the names in `KINDS`."""
-    from trecsim.evaluation.limbs import limb_series, limb_summary, limb_table
-    from trecsim.evaluation.moments import gather, within
-    from trecsim.evaluation.people import people_of
-    from trecsim.evaluation.scores import score
+    from trecsim.lab.evaluation.limbs import limb_series, limb_summary, limb_table
+    from trecsim.lab.evaluation.moments import gather, within
+    from trecsim.lab.evaluation.people import people_of
+    from trecsim.lab.evaluation.scores import score
     from trecsim.tracking import follow
 
     snapshots = follow(poses, rig, settings_from(overrides), lag_s=lag_s)

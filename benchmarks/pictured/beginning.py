@@ -12,10 +12,10 @@ from pictured.sheet import BLUE, GREEN, GREY, ORANGE, TRUTH, draw_body, letter, 
 from trecsim.fusion import FusionSettings, birth, kernels
 from trecsim.fusion.images import Detections, prepare
 from trecsim.fusion.model import Model, build
-from trecsim.simulation import Simulation
+from trecsim.lab.simulation import Simulation
 from trecsim.skeleton import COCO17
 from trecsim.sync import frame_sets
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

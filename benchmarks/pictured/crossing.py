@@ -15,9 +15,9 @@ from trecsim.fusion.association import score
 from trecsim.fusion.images import prepare
 from trecsim.fusion.kernels.matching import TEMPER
 from trecsim.fusion.model import Model, build
-from trecsim.simulation import Simulation
+from trecsim.lab.simulation import Simulation
 from trecsim.skeleton import COCO17
-from trecsim.types import Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

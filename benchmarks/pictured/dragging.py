@@ -11,8 +11,8 @@ from parts import by_name
 from pictured.runs import Course, course, joint, made, tracked, truth_at, without
 from pictured.sheet import BLUE, GREEN, GREY, ORANGE, TRUTH, draw_body, letter, sheet
 from trecsim.fusion import FusionSettings
-from trecsim.simulation import Simulation
-from trecsim.types import Poses2D, Snapshot
+from trecsim.lab.simulation import Simulation
+from trecsim.values import Poses2D, Snapshot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,8 +9,8 @@ from parts import by_name
 from pictured.runs import course, joint, made, tracked, truth_at
 from pictured.sheet import BLUE, GREY, ORANGE, TRUTH, draw_body, letter, sheet
 from trecsim.geometry import Camera
-from trecsim.simulation import Simulation
-from trecsim.types import Poses2D, Snapshot
+from trecsim.lab.simulation import Simulation
+from trecsim.values import Poses2D, Snapshot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

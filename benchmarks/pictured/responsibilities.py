@@ -15,7 +15,7 @@ from trecsim.fusion.images import Images, prepare
 from trecsim.fusion.kernels.matching import TEMPER
 from trecsim.fusion.model import Model, build
 from trecsim.skeleton import COCO17
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

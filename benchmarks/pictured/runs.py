@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.fusion import FusionSettings
-from trecsim.simulation import Simulation, read_scene, simulate
+from trecsim.lab.simulation import Simulation, read_scene, simulate
 from trecsim.skeleton import COCO17
 from trecsim.tracking import follow
-from trecsim.types import Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 SEED = 1
 

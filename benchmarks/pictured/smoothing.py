@@ -13,7 +13,7 @@ from trecsim.fusion import FusionSettings, kernels
 from trecsim.fusion.body import stiffness
 from trecsim.fusion.spline import ORDER
 from trecsim.geometry.triangulation import triangulate
-from trecsim.simulation import Simulation
+from trecsim.lab.simulation import Simulation
 from trecsim.skeleton import COCO17
 from trecsim.sync import frame_sets
 

@@ -19,21 +19,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from trecsim.calibration import read_rig as read_rig
     from trecsim.calibration import write_rig as write_rig
-    from trecsim.config.check import check_site as check_site
     from trecsim.errors import CalibrationError as CalibrationError
     from trecsim.errors import ConfigError as ConfigError
     from trecsim.errors import Error as Error
     from trecsim.errors import InputError as InputError
     from trecsim.errors import SetupError as SetupError
-    from trecsim.estimation import estimate as estimate
-    from trecsim.evaluation.evaluating import evaluate as evaluate
+    from trecsim.estimators.pool import estimate as estimate
     from trecsim.fusion import FusionSettings as FusionSettings
     from trecsim.fusion import Tracker as Tracker
     from trecsim.geometry import Camera as Camera
     from trecsim.geometry import Rig as Rig
     from trecsim.geometry import triangulate as triangulate
+    from trecsim.lab.evaluation.evaluating import evaluate as evaluate
     from trecsim.pipeline import run as run
     from trecsim.pipeline import track as track
+    from trecsim.sites.check import check_site as check_site
     from trecsim.skeleton import COCO17 as COCO17
     from trecsim.skeleton import Skeleton as Skeleton
     from trecsim.sources import VideoFile as VideoFile
@@ -43,17 +43,17 @@ if TYPE_CHECKING:
     from trecsim.store.truth import read_truth as read_truth
     from trecsim.sync import frame_sets as frame_sets
     from trecsim.tracking import follow as follow
-    from trecsim.types import Frame as Frame
-    from trecsim.types import FrameSet as FrameSet
-    from trecsim.types import Poses2D as Poses2D
-    from trecsim.types import Snapshot as Snapshot
+    from trecsim.values import Frame as Frame
+    from trecsim.values import FrameSet as FrameSet
+    from trecsim.values import Poses2D as Poses2D
+    from trecsim.values import Snapshot as Snapshot
 
 _HOMES = {
     "trecsim.calibration": ("read_rig", "write_rig"),
-    "trecsim.config.check": ("check_site",),
+    "trecsim.sites.check": ("check_site",),
     "trecsim.errors": ("CalibrationError", "ConfigError", "Error", "InputError", "SetupError"),
-    "trecsim.estimation": ("estimate",),
-    "trecsim.evaluation.evaluating": ("evaluate",),
+    "trecsim.estimators.pool": ("estimate",),
+    "trecsim.lab.evaluation.evaluating": ("evaluate",),
     "trecsim.fusion": ("FusionSettings", "Tracker"),
     "trecsim.geometry": ("Camera", "Rig", "triangulate"),
     "trecsim.pipeline": ("run", "track"),
@@ -63,7 +63,7 @@ _HOMES = {
     "trecsim.store.truth": ("read_truth",),
     "trecsim.sync": ("frame_sets",),
     "trecsim.tracking": ("follow",),
-    "trecsim.types": ("Frame", "FrameSet", "Poses2D", "Snapshot"),
+    "trecsim.values": ("Frame", "FrameSet", "Poses2D", "Snapshot"),
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names}
 

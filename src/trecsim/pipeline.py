@@ -26,22 +26,23 @@ from typing import Literal, TypedDict
 import numpy as np
 
 from trecsim.calibration import write_rig
-from trecsim.config import fusion_settings
-from trecsim.config.check import CheckedSite, load_estimator
-from trecsim.errors import InputError, SetupError
+from trecsim.errors import InputError
 from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
+from trecsim.sites import fusion_settings
+from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.skeleton import COCO17
-from trecsim.sources import PosesWriter, prefetched, read_poses
+from trecsim.sources import prefetched, read_poses
 from trecsim.store.atomic import atomic_write, disk_faults, partial_path
 from trecsim.store.names import POSES, RIG
-from trecsim.store.timing import NAME as TIMING
-from trecsim.store.timing import timing_writer
-from trecsim.store.tracks import kept_of, read_tracks, tracks_writer
+from trecsim.store.poses_writer import PosesWriter
+from trecsim.store.timing_csv import NAME as TIMING
+from trecsim.store.timing_csv import timing_writer
+from trecsim.store.tracks import kept_of, tracks_writer
 from trecsim.store.tracks_parquet import TracksInfo
 from trecsim.tracking import Tally, follow
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 logger = logging.getLogger(__name__)
 
@@ -166,25 +167,25 @@ def run(
     *,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
-    remark: Callable[[str], None] = lambda text: None,
     tell: Callable[[Tally], None] = lambda tally: None,
+    picture: Callable[[RunSummary], None] = lambda summary: None,
 ) -> RunSummary:
-    """Run a site on its recordings; keep tracks, rig, timings, a summary and a picture.
+    """Run a site on its recordings; keep tracks, rig, timings and a summary.
 
     Parameters
     ----------
     checked
-        What `trecsim.config.check.check_site` returns.
+        What `trecsim.sites.check.check_site` returns.
     out
         Directory to make for this run; None makes one where the site file says.
     progress
         Told the number of images done and, if it is known, of all images.
     stop
         Asked after each image; True ends the run as if the recordings ended there.
-    remark
-        Is called with what is worth knowing without being wrong.
     tell
         Is called once a minute with how far the fusion is.
+    picture
+        Draws what came of the run, at its end.
 
     Raises
     ------
@@ -205,7 +206,7 @@ def run(
             raise fault
         summary = watch.summary(checked.file.site.name, folder, began_s, fault)
         _write_summary(summary, checked)
-        _draw_paths(summary, checked.rig, checked.file.site.output.paths_s, remark)
+        picture(summary)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
     finally:
@@ -249,7 +250,7 @@ def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
         names, fps = checked.rig.names, site.poses.fps
         yield from read_poses(site.poses.file, rig_cameras=names, fps=fps)
         return
-    from trecsim.estimation import estimate_videos, open_videos
+    from trecsim.estimators.pool import estimate_videos, open_videos
 
     estimator = load_estimator(checked.file)
     videos = {camera: source.video for camera, source in site.sources.items()}
@@ -382,18 +383,6 @@ def _versions() -> dict[str, str]:
         with suppress(PackageNotFoundError):
             found[package] = version(package)
     return found
-
-
-def _draw_paths(
-    summary: RunSummary, rig: Rig, last_s: float, remark: Callable[[str], None]
-) -> None:
-    from trecsim.plots.paths import plot_paths
-
-    tracks, picture = read_tracks(summary.out), summary.out / "paths.png"
-    try:
-        plot_paths(tracks, rig, picture, title=summary.site, last_s=last_s)
-    except SetupError as error:  # the picture is an extra, the tracks are not
-        remark(f"no picture of the paths: {error}")
 
 
 def _with_kept(what: object, kept: Path, tally: Tally, timing: Path | None = None) -> str:

@@ -14,9 +14,9 @@ from trecsim.fusion.arguments import called, check_arguments
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
-from trecsim.store.timing import StepTiming
+from trecsim.store.timing_csv import StepTiming
 from trecsim.sync import frame_sets
-from trecsim.types import Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 logger = logging.getLogger(__name__)
 

@@ -5,7 +5,7 @@ import pytest
 
 import speed
 from harness.figures import find, timed
-from trecsim.simulation.scene import room_scene, simulate
+from trecsim.lab.simulation.scene import room_scene, simulate
 
 
 def test_the_fit_finds_the_exponents_that_times_were_made_with() -> None:

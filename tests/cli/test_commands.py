@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from made_site import make_site
-from trecsim.config import site_schema
+from trecsim.sites import site_schema
 from trecsim.store.tracks import read_tracks
 
 Command = Callable[..., tuple[int, str, str]]

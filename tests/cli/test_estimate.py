@@ -7,12 +7,12 @@ import pytest
 
 from made_videos import numbered, write_sound, write_video
 from trecsim import estimators
-from trecsim.cli.estimate import cameras_of
+from trecsim.cli.estimate_command import cameras_of
 from trecsim.errors import InputError
+from trecsim.estimators.estimator_settings import checked
 from trecsim.estimators.movenet import MoveNetSettings
-from trecsim.estimators.settings import checked
 from trecsim.sources import read_poses
-from trecsim.types import Frame, Poses2D
+from trecsim.values import Frame, Poses2D
 
 Command = Callable[..., tuple[int, str, str]]
 

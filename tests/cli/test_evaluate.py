@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from evaluation.scored_cases import Found, snapshots_of, truth_of
+from lab.evaluation.scored_cases import Found, snapshots_of, truth_of
 from trecsim.calibration import write_rig
-from trecsim.simulation.scene import room_scene, simulate
-from trecsim.sources import PosesWriter
+from trecsim.lab.simulation.scene import room_scene, simulate
+from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.tracks import tracks_writer
 from trecsim.store.truth import write_truth
 

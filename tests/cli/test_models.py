@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from trecsim.cli.models import fetch_first
+from trecsim.cli.models_command import fetch_first
 from trecsim.estimators import store
 
 Command = Callable[..., tuple[int, str, str]]

@@ -33,3 +33,18 @@ def test_with_json_it_says_nothing_but_the_summary(trecsim: Command, tmp_path: P
     code, out, err = trecsim("run", make_site(tmp_path), "--out", tmp_path / "out", "--json")
     assert (code, err) == (0, "")
     assert out.startswith("{")
+
+
+def test_it_draws_the_paths(trecsim: Command, tmp_path: Path) -> None:
+    assert trecsim("run", make_site(tmp_path), "--out", tmp_path / "out")[0] == 0
+    assert (tmp_path / "out" / "paths.png").stat().st_size > 10_000
+
+
+def test_without_matplotlib_there_is_no_picture_and_a_remark(
+    trecsim: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
+    code, _, err = trecsim("run", make_site(tmp_path), "--out", tmp_path / "out")
+    assert code == 0
+    assert "mc3d-trecsim[plot]" in err
+    assert not (tmp_path / "out" / "paths.png").exists()

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from trecsim import sample
+from trecsim.lab import sample
 
 Command = Callable[..., tuple[int, str, str]]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from trecsim.simulation import BUILT_IN, read_scene, scene_file
+from trecsim.lab.simulation import BUILT_IN, read_scene, scene_file
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from trecsim.study import running
-from trecsim.study.running import Job
+from trecsim.lab.study import running
+from trecsim.lab.study.running import Job
 
 Command = Callable[..., tuple[int, str, str]]
 

@@ -11,7 +11,7 @@ from trecsim.errors import Error
 from trecsim.estimators import Estimator2D, image_limit_px, load, names, workers
 from trecsim.skeleton import SKELETONS
 from trecsim.sources import VideoFile
-from trecsim.types import Frame
+from trecsim.values import Frame
 
 OURS = ("movenet", "onnx", "rtmlib")
 PLUG_INS = [name for name in names() if name not in OURS]

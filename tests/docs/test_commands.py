@@ -8,8 +8,8 @@ import pytest
 from cyclopts import App
 
 from trecsim.cli import COMMANDS, GROUPS, command_line
-from trecsim.config import site_schema
-from trecsim.config.reading import read_site
+from trecsim.sites import site_schema
+from trecsim.sites.site_reading import read_site
 
 DOCS = Path(__file__).parents[2] / "docs" / "reference"
 

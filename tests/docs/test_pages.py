@@ -17,8 +17,8 @@ SECTIONS = """
     4.3.2 4.3.3 4.4.1 4.4.2
 """
 ROOMS = (
-    "calibration|config|estimation|estimators|evaluation|fusion|geometry|pipeline|plots|simulation|"
-    "skeleton|sources|store|sync"
+    "calibration|estimators|fusion|geometry|lab|pipeline|sites|skeleton|sources|store|sync|toml_models|"
+    "tracking|values"
 )
 
 

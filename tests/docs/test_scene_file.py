@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trecsim.simulation import BUILT_IN, read_scene
-from trecsim.simulation.scene_file import scene_schema
+from trecsim.lab.simulation import BUILT_IN, read_scene
+from trecsim.lab.simulation.scene_file import scene_schema
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "scene-file.md"
 SCHEMA = scene_schema()

@@ -7,7 +7,7 @@ import pytest
 
 import thesis_scenes
 from trecsim.cli import main
-from trecsim.evaluation.truth import compare
+from trecsim.lab.evaluation.ground_truth import compare
 from trecsim.store.tracks import read_tracks
 
 # Share of the true joints found within 15 cm, at least; two cameras take 0.15 s to agree.

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from trecsim.errors import ConfigError
-from trecsim.estimators.layouts import Tensor, recognise
+from trecsim.estimators.model_layouts import Tensor, recognise
 
 IMAGE = Tensor("images", (1, 3, 640, 640), "float32")
 

@@ -13,7 +13,7 @@ from trecsim.estimators.letterbox import scale
 from trecsim.estimators.movenet import MoveNet, MoveNetSettings
 from trecsim.skeleton import COCO17
 from trecsim.sources import VideoFile
-from trecsim.types import Frame
+from trecsim.values import Frame
 
 CAMERAS = ("cam01", "cam02", "cam03", "cam04")
 PEOPLE = {"cam01": 3, "cam02": 3, "cam03": 2, "cam04": 2}  # the bystander is in two views only

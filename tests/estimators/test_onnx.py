@@ -7,7 +7,7 @@ from made_onnx import write_onnx
 from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.estimators import load
 from trecsim.estimators.onnx import OnnxEstimator, OnnxSettings
-from trecsim.types import Frame
+from trecsim.values import Frame
 
 pytest.importorskip("onnxruntime")
 

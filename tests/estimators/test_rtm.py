@@ -9,7 +9,7 @@ from made_onnx import write_onnx
 from trecsim.errors import ConfigError, SetupError
 from trecsim.estimators import load, rtm
 from trecsim.estimators.rtm import RtmPose, RtmPoseSettings
-from trecsim.types import Frame
+from trecsim.values import Frame
 
 
 def frame():

@@ -1,8 +1,8 @@
 import pytest
 
 from trecsim.errors import ConfigError
+from trecsim.estimators.estimator_settings import checked, cores
 from trecsim.estimators.movenet import MoveNetSettings
-from trecsim.estimators.settings import checked, cores
 
 
 def test_values_are_taken_and_the_rest_keeps_its_defaults():

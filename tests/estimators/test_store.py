@@ -8,7 +8,7 @@ import pytest
 from made_packages import member, write_package
 from trecsim.errors import InputError, SetupError
 from trecsim.estimators import store
-from trecsim.fetch import Package
+from trecsim.estimators.download import Package
 
 MODEL = b"a model" * 1000
 NOTICE = b"made by somebody"

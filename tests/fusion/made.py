@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trecsim.simulation.detector import Detector
-from trecsim.simulation.paths import through
-from trecsim.simulation.room import corner_rig
-from trecsim.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
-from trecsim.types import FrameSet, Snapshot
+from trecsim.lab.simulation.detector import Detector
+from trecsim.lab.simulation.paths import through
+from trecsim.lab.simulation.room import corner_rig
+from trecsim.lab.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
+from trecsim.values import FrameSet, Snapshot
 
 NOISE = Detector(missing_person=0.02, false_people=0.0)
 

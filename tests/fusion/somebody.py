@@ -5,7 +5,7 @@ import numpy as np
 import reference_fusion as reference
 from trecsim.fusion.model import build
 from trecsim.fusion.settings import FusionSettings
-from trecsim.simulation.room import corner_rig
+from trecsim.lab.simulation.room import corner_rig
 from trecsim.skeleton import COCO17
 
 SETTINGS = FusionSettings()

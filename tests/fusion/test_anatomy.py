@@ -7,9 +7,9 @@ from fusion.made import frame_sets, made, outcome, path, truth_at
 from trecsim.fusion import FusionSettings, Tracker, kernels
 from trecsim.fusion.body import stiffness, usual_body
 from trecsim.fusion.kernels import anatomy, lengths
-from trecsim.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector import PERFECT
 from trecsim.skeleton import COCO17
-from trecsim.types import FrameSet, Poses2D
+from trecsim.values import FrameSet, Poses2D
 
 ACROSS = path((0, -2, 0), (6, 2, 0))
 

@@ -5,7 +5,7 @@ import pytest
 
 from fusion.made import frame_sets, made, outcome, path
 from trecsim.fusion import Tracker
-from trecsim.types import FrameSet
+from trecsim.values import FrameSet
 
 PATHS = [
     path((0, -2, 0), (5, 2, 0)),

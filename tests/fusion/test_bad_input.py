@@ -9,7 +9,7 @@ from fusion.made import frame_sets, made, outcome, path
 from trecsim import follow
 from trecsim.fusion import Tracker
 from trecsim.geometry import Rig
-from trecsim.types import FrameSet
+from trecsim.values import FrameSet
 
 SCENE = made([path((0, -2, 0), (6, 2, 0)), path((0, -2, 1.5), (6, 2, 1.5))], seconds=3.2)
 BAD = SCENE.rig.names[1]

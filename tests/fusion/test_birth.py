@@ -6,7 +6,7 @@ import pytest
 from fusion.made import made, path
 from fusion.somebody import MODEL
 from trecsim.fusion.birth import completed
-from trecsim.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector import PERFECT
 from trecsim.skeleton import COCO17
 
 LEGS = [COCO17.index(f"{side}_{part}") for part in ("knee", "ankle") for side in ("left", "right")]

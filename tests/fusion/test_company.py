@@ -6,10 +6,10 @@ import pytest
 from fusion.made import NOISE, frame_sets, outcome, path
 from trecsim.fusion import Tracker
 from trecsim.geometry import Rig
-from trecsim.simulation.cameras import Make, look_at
-from trecsim.simulation.room import corner_rig
-from trecsim.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
-from trecsim.types import FrameSet, Poses2D
+from trecsim.lab.simulation.camera_placement import Make, look_at
+from trecsim.lab.simulation.room import corner_rig
+from trecsim.lab.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
+from trecsim.values import FrameSet, Poses2D
 
 
 def eyes(*positions_m, at_m=(0.0, 0.0, 1.0), view_deg=90.0):

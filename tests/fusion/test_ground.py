@@ -9,7 +9,7 @@ from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.body import rest_m
 from trecsim.fusion.kernels.ground import learn_level, lowest, resting
 from trecsim.skeleton import COCO17
-from trecsim.types import FrameSet
+from trecsim.values import FrameSet
 
 REST_M = rest_m(COCO17)
 SURE = np.tile(np.eye(3) * 0.01**2, (17, 1, 1))

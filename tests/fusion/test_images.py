@@ -6,7 +6,7 @@ import pytest
 from fusion.somebody import MODEL
 from trecsim.errors import CalibrationError, InputError
 from trecsim.fusion.images import cameras, prepare
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 
 def view(camera=MODEL.rig.names[2], t_s=1.0, people=2, joints=17, scores=None, dtype=np.float64):

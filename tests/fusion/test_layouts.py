@@ -10,7 +10,7 @@ import pytest
 from fusion.made import frame_sets, made, path
 from trecsim.fusion import Tracker, kernels
 from trecsim.geometry import Camera, Rig
-from trecsim.types import FrameSet
+from trecsim.values import FrameSet
 
 
 def read_only(array):

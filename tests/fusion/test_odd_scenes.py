@@ -12,9 +12,9 @@ from fusion.made import NOISE, frame_sets, made, outcome, path
 from trecsim.errors import InputError
 from trecsim.fusion import Tracker
 from trecsim.geometry import Camera, Rig
-from trecsim.simulation.detector import PERFECT
-from trecsim.simulation.scene import Clock, Scene, Scripted, simulate
-from trecsim.types import FrameSet, Poses2D
+from trecsim.lab.simulation.detector import PERFECT
+from trecsim.lab.simulation.scene import Clock, Scene, Scripted, simulate
+from trecsim.values import FrameSet, Poses2D
 
 ACROSS, BESIDE = path((0, -2, 0), (4, 2, 0)), path((0, -2, 1.5), (4, 2, 1.5))
 CORNERS = made([ACROSS], seconds=0.1).rig

@@ -9,7 +9,7 @@ import reference_fusion as reference
 from fusion.made import made, path
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
-from trecsim.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector import PERFECT
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -9,7 +9,7 @@ import reference_fusion as reference
 from fusion.made import frame_sets
 from fusion.somebody import MODEL, SETTINGS, somebody
 from trecsim.fusion import Tracker, kernels
-from trecsim.simulation.scene import room_scene, simulate
+from trecsim.lab.simulation.scene import room_scene, simulate
 
 NOW_S = 1.1
 NO_LIMBS = kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0), np.zeros(17))

@@ -9,7 +9,7 @@ from fusion.made import NOISE, frame_sets, made, path
 from fusion.somebody import MODEL
 from trecsim.fusion import Tracker
 from trecsim.geometry import Rig
-from trecsim.types import FrameSet, Poses2D
+from trecsim.values import FrameSet, Poses2D
 
 MIRROR = MODEL.noise.mirror
 FLIP = np.diag([-1.0, 1.0, 1.0])

@@ -7,8 +7,8 @@ from fusion.made import NOISE, frame_sets, made, outcome, path
 from trecsim.errors import CalibrationError, ConfigError, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.geometry import Camera, Rig
-from trecsim.simulation.detector import PERFECT, Detector
-from trecsim.types import FrameSet, Poses2D
+from trecsim.lab.simulation.detector import PERFECT, Detector
+from trecsim.values import FrameSet, Poses2D
 
 ACROSS = path((0, -2, 0), (6, 2, 0))
 BESIDE = path((0, -2, 1.5), (6, 2, 1.5))

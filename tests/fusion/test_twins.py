@@ -9,7 +9,7 @@ from fusion.somebody import MODEL
 from trecsim.fusion import Tracker
 from trecsim.fusion.images import prepare
 from trecsim.fusion.kernels.prefilter import blot_out_twins
-from trecsim.types import FrameSet, Poses2D
+from trecsim.values import FrameSet, Poses2D
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -10,7 +10,7 @@ from fusion.somebody import MODEL, somebody
 from trecsim.fusion import kernels, visibility
 from trecsim.fusion.kernels.visibility import gap_m2, hidden_share, in_image
 from trecsim.geometry import Camera, Rig
-from trecsim.simulation.cameras import look_at
+from trecsim.lab.simulation.camera_placement import look_at
 from trecsim.skeleton import COCO17, Skeleton
 
 SEEDS = st.integers(0, 2**32 - 1)

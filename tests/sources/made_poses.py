@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 
 def made_poses(camera: str, t_s: float, n_people: int, seed: int = 0) -> Poses2D:

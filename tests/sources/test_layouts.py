@@ -3,7 +3,7 @@ import pytest
 
 from trecsim.skeleton import COCO17
 from trecsim.sources.faults import FaultError
-from trecsim.sources.layouts import ORDERS, coco17, poses
+from trecsim.sources.keypoint_layouts import ORDERS, coco17, poses
 
 
 @pytest.mark.parametrize("name", ORDERS)

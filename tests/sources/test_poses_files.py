@@ -6,8 +6,9 @@ import pytest
 
 from sources.made_poses import assert_same, made_poses
 from trecsim.errors import InputError
-from trecsim.sources import PosesWriter, coco, read_poses
+from trecsim.sources import coco, read_poses
 from trecsim.sources.openpose import MAX_FILE_BYTES, camera_folders
+from trecsim.store.poses_writer import PosesWriter
 
 
 def flat(image, person):

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from sources.made_poses import assert_same, made_poses
 from trecsim.errors import InputError, SetupError
-from trecsim.sources import PosesWriter
 from trecsim.sources.poses_jsonl import MAX_LINE_BYTES, read_poses_jsonl
-from trecsim.types import Poses2D
+from trecsim.store.poses_writer import PosesWriter
+from trecsim.values import Poses2D
 
 HEADER = '{"format": "trecsim.poses2d/1", "skeleton": "coco17"}\n'
 PERSON = {"score": 0.9, "keypoints": [[1, 2.5, 0.5]] * 17}

@@ -13,7 +13,7 @@ from made_tracks import assert_same, recordings, snapshot, walk
 from trecsim.errors import InputError
 from trecsim.store.tracks import TracksInfo, export_tracks, read_tracks, tracks_writer
 from trecsim.store.tracks_parquet import read_info
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 
 def write(path: Path, made: list[Snapshot]) -> Path:

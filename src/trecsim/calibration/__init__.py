@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from trecsim.calibration.floor import Floor
-from trecsim.calibration.formats import FORMATS, Format, format_called, open_rig
-from trecsim.calibration.found import RigWarning, Wishes, warn
+from trecsim.calibration.formats.found import RigWarning, Wishes, warn
+from trecsim.calibration.formats.known import FORMATS, Format, format_called, open_rig
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 

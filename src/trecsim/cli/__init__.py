@@ -83,7 +83,7 @@ def command_line(called: Sequence[str] = ()) -> App:
 
 def _add(app: App, group: str, commands: Mapping[str, str], called: Sequence[str]) -> None:
     for name, text in commands.items():
-        module = group or f"{name}:"
+        module = f"{(group or name).rstrip(':')}_command:"
         function = f"{name}_" if name == "list" else name  # `list` is a word of Python
         help_text = None if [name] == list(called) else text
         app.command(f"trecsim.cli.{module}{function}", name=name, help=help_text)

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from trecsim.evaluation.evaluating import Evaluation
-    from trecsim.evaluation.honesty import Honesty
-    from trecsim.evaluation.latency import Delay
-    from trecsim.evaluation.limbs import LimbRow
-    from trecsim.evaluation.scores import Scores
+    from trecsim.lab.evaluation.evaluating import Evaluation
+    from trecsim.lab.evaluation.honesty import Honesty
+    from trecsim.lab.evaluation.latency import Delay
+    from trecsim.lab.evaluation.limbs import LimbRow
+    from trecsim.lab.evaluation.scores import Scores
 
 UNKNOWN = "-"
 

@@ -11,7 +11,7 @@ from typing import Protocol, runtime_checkable
 
 from trecsim.errors import ConfigError, SetupError
 from trecsim.skeleton import SKELETONS
-from trecsim.types import Frame, Poses2D
+from trecsim.values import Frame, Poses2D
 
 GROUP = "trecsim.estimators"
 

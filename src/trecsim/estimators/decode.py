@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Int64
 
 from trecsim.estimators.letterbox import Letterbox, Size
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 JOINTS = 17
 

@@ -10,8 +10,7 @@ from jaxtyping import Float32, UInt8
 
 from trecsim.errors import ConfigError, SetupError
 from trecsim.estimators import decode, store
-from trecsim.estimators.letterbox import Letterbox
-from trecsim.estimators.settings import (
+from trecsim.estimators.estimator_settings import (
     LongSide,
     MaxPeople,
     Score,
@@ -20,8 +19,9 @@ from trecsim.estimators.settings import (
     checked,
     cores,
 )
+from trecsim.estimators.letterbox import Letterbox
 from trecsim.skeleton import COCO17
-from trecsim.types import Frame, Poses2D
+from trecsim.values import Frame, Poses2D
 
 if TYPE_CHECKING:
     import openvino as ov

@@ -8,11 +8,18 @@ import numpy as np
 
 from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.estimators import decode
-from trecsim.estimators.layouts import Tensor, recognise
+from trecsim.estimators.estimator_settings import (
+    LongSide,
+    MaxPeople,
+    Score,
+    Threads,
+    checked,
+    cores,
+)
 from trecsim.estimators.letterbox import Letterbox
-from trecsim.estimators.settings import LongSide, MaxPeople, Score, Threads, checked, cores
+from trecsim.estimators.model_layouts import Tensor, recognise
 from trecsim.skeleton import COCO17
-from trecsim.types import Frame, Poses2D
+from trecsim.values import Frame, Poses2D
 
 if TYPE_CHECKING:
     import onnxruntime as ort

@@ -12,10 +12,10 @@ from jaxtyping import Float
 
 from trecsim.errors import ConfigError, SetupError
 from trecsim.estimators import decode
+from trecsim.estimators.estimator_settings import MaxPeople, Score, checked
 from trecsim.estimators.onnx import OnnxEstimator, OnnxSettings
-from trecsim.estimators.settings import MaxPeople, Score, checked
 from trecsim.skeleton import COCO17
-from trecsim.types import Frame, Poses2D
+from trecsim.values import Frame, Poses2D
 
 _DEFAULT = "rtmo-m"
 # What the sizes are called in rtmlib's tables.

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from platformdirs import user_cache_path
 
 from trecsim.errors import InputError, SetupError
-from trecsim.fetch import Member, Package, by_hand, fetch, matches
+from trecsim.estimators.download import Member, Package, by_hand, fetch, matches
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float64, Int64
 from trecsim.errors import InputError
 from trecsim.fusion import kernels
 from trecsim.fusion.model import Model
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 
 @dataclass(frozen=True, slots=True, eq=False)

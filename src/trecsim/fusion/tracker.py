@@ -19,7 +19,7 @@ from trecsim.fusion.snapshots import SAME_S, snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
-from trecsim.types import FrameSet, Poses2D, Snapshot
+from trecsim.values import FrameSet, Poses2D, Snapshot
 
 # Leftover detections of different cameras this close in time may begin a person together [s].
 _PAIR_S = 0.1

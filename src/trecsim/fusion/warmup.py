@@ -5,7 +5,7 @@ import numpy as np
 from trecsim.fusion import kernels
 from trecsim.fusion.tracker import Tracker
 from trecsim.geometry import Camera, Rig
-from trecsim.types import FrameSet, Poses2D
+from trecsim.values import FrameSet, Poses2D
 
 # Somebody with arms a little out, facing along y, (x, z) per joint of COCO-17 [m].
 _STANDING_M = [

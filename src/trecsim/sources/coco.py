@@ -19,10 +19,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError
-from trecsim.sources import layouts, strict_json
+from trecsim.sources import keypoint_layouts, strict_json
 from trecsim.sources.faults import FaultError, sound
 from trecsim.store.atomic import opened_for_reading
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 CHUNK_CHARS = 2**18
 MAX_ENTRY_CHARS = 2**20  # the memory that reading takes is bounded by a few of these
@@ -68,7 +68,7 @@ def read_coco(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
             people = [person for person in group if person.table[:, 2].any()]
             tables = [person.table for person in people]
             scores = [person.score for person in people]
-            yield layouts.poses(camera, frame / fps, tables, scores)
+            yield keypoint_layouts.poses(camera, frame / fps, tables, scores)
 
 
 def _entries(file: io.TextIOWrapper, path: Path) -> Iterator[Any]:
@@ -131,7 +131,7 @@ class _Parser:
                 f"image {self._frame} after image {last}; sort the entries by image_id"
             )
         return _Detection(
-            self._frame, layouts.coco17(entry["keypoints"], "keypoints"), _score(entry)
+            self._frame, keypoint_layouts.coco17(entry["keypoints"], "keypoints"), _score(entry)
         )
 
 

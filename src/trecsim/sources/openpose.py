@@ -21,11 +21,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError
-from trecsim.sources import layouts, strict_json
+from trecsim.sources import keypoint_layouts, strict_json
 from trecsim.sources.faults import FaultError, sound
-from trecsim.sources.layouts import coco17
+from trecsim.sources.keypoint_layouts import coco17
 from trecsim.store.atomic import opened_for_reading
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 MAX_FILE_BYTES = 16 * 2**20
 _FRAME_NUMBER = re.compile(r"(\d{1,15})(?:_keypoints)?\.json$", re.ASCII)
@@ -86,7 +86,7 @@ def read_openpose(folder: Path, *, camera: str, fps: float) -> Iterator[Poses2D]
 
     def parse(file: tuple[int, str]) -> Poses2D:
         number, name = file
-        return layouts.poses(camera, number / fps, *_people(folder / name))
+        return keypoint_layouts.poses(camera, number / fps, *_people(folder / name))
 
     files = _frame_files(folder)
     for (number, name), (next_number, next_name) in pairwise(files):

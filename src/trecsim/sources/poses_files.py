@@ -12,7 +12,7 @@ from trecsim.sources.faults import Faults, unknown_camera
 from trecsim.sources.openpose import camera_folders, read_openpose
 from trecsim.sources.poses_jsonl import read_poses_jsonl
 from trecsim.store.atomic import opened_for_reading
-from trecsim.types import Poses2D
+from trecsim.values import Poses2D
 
 logger = logging.getLogger(__name__)
 

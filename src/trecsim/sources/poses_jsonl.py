@@ -17,13 +17,13 @@ from trecsim.errors import InputError
 from trecsim.skeleton import SKELETONS, Skeleton
 from trecsim.sources import strict_json
 from trecsim.sources.faults import FaultError, sound, unknown_camera
-from trecsim.sources.layouts import MAX_COORDINATE_PX
+from trecsim.sources.keypoint_layouts import MAX_COORDINATE_PX
 from trecsim.store.atomic import opened_for_reading
-from trecsim.types import Poses2D
+from trecsim.store.names import POSES_FORMAT
+from trecsim.values import Poses2D
 
 logger = logging.getLogger(__name__)
 
-FORMAT = "trecsim.poses2d/1"
 MAX_LINE_BYTES = 4 * 2**20  # about ten thousand people in one image
 MAX_ABS_TIME_S = 1e11
 # Regressed scores leave the unit interval by a little, and that is harmless: they are clipped.
@@ -91,7 +91,7 @@ def _read_header(line: bytes, path: Path) -> Skeleton:
         header = _loads(line)
     except FaultError as error:
         raise InputError(f"{path}: line 1: {error}; expected the header {example}") from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
+    if not isinstance(header, dict) or header.get("format") != POSES_FORMAT:
         found = header.get("format") if isinstance(header, dict) else header
         raise InputError(
             f"{path}: line 1: expected the header {example}, found format {brief(found)}"

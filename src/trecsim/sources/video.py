@@ -12,7 +12,7 @@ from jaxtyping import Float64
 
 from trecsim.errors import InputError, SetupError
 from trecsim.sources.orientation import Orientation
-from trecsim.types import Frame
+from trecsim.values import Frame
 
 logger = logging.getLogger(__name__)
 

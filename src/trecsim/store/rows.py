@@ -11,7 +11,7 @@ from jaxtyping import Shaped
 
 from trecsim.errors import InputError
 from trecsim.skeleton import Skeleton
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 SCHEMA = pa.schema(
     [

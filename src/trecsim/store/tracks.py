@@ -20,7 +20,7 @@ from trecsim.store.tracks_parquet import (
     tables_of,
     write_parquet,
 )
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 SUFFIXES = (".csv", ".parquet")
 

@@ -30,7 +30,7 @@ from trecsim.store.rows import (
     snapshots_of,
     table_of,
 )
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 _MISSING = ["", "nan", "NaN", "NA"]  # what we, pandas and R write
 _AS_TEXT = SCHEMA.set(SCHEMA.get_field_index("joint"), pa.field("joint", pa.string(), False))

@@ -42,7 +42,7 @@ from trecsim.store.rows import (
     snapshots_of,
     table_of,
 )
-from trecsim.types import Snapshot
+from trecsim.values import Snapshot
 
 FORMAT = "trecsim.tracks/1"
 

@@ -1,0 +1,1 @@
+"""Readers and writers of calibration files, one module per tool."""

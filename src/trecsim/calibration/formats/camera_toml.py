@@ -1,0 +1,217 @@
+"""The TOML files of Pose2Sim, aniposelib, FreeMoCap and caliscope: one table per camera.
+
+All have ``size``, ``matrix``, ``distortions``, ``rotation`` (a rotation vector; in old caliscope
+files a matrix) and ``translation``, world-to-camera. They differ in what they do not write down:
+
+=========  ==============================  ====================================================
+dialect    told by                         unit
+=========  ==============================  ====================================================
+Pose2Sim   ``fisheye = false``, sizes      metres, z up
+           with a decimal point
+FreeMoCap  ``[metadata]`` with             millimetres
+           ``charuco_square_size``
+caliscope  ``[cameras.1]``, ``cam_id``     metres as a rule, but not said: guessed
+anipose    everything else                 that of the board: guessed
+=========  ==============================  ====================================================
+
+Pose2Sim's own files have four distortion coefficients; five and eight are read and written too,
+since it hands them to OpenCV as they are.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.fields import Entry, Faults, as_numbers
+from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.trecsim_toml import matrix, quoted, vector
+from trecsim.geometry.camera import Camera
+from trecsim.geometry.distortion import DistortionModel
+from trecsim.geometry.rig import Rig
+from trecsim.geometry.rigid import Rotation, rotation_matrix, rotation_vector
+from trecsim.store.atomic import atomic_write
+
+
+def _tables(data: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
+    """Return the tables that are cameras, by the name the camera has without its own."""
+    nested = data.get("cameras")
+    if isinstance(nested, Mapping):
+        tables = {f"cam_{key}": table for key, table in nested.items()}
+    else:
+        tables = dict(data)
+    return {
+        key: table
+        for key, table in tables.items()
+        if isinstance(table, Mapping) and "matrix" in table and key != "metadata"
+    }
+
+
+def is_pose2sim(data: Mapping[str, Any]) -> bool:
+    """Tell whether Pose2Sim wrote the file: then it is in metres."""
+    tables = _tables(data).values()
+    return any(table.get("fisheye") is False and _decimal_size(table) for table in tables)
+
+
+def _decimal_size(table: Mapping[str, Any]) -> bool:
+    size = table.get("size")
+    return isinstance(size, list) and any(isinstance(side, float) for side in size)
+
+
+def is_anipose(data: Mapping[str, Any]) -> bool:
+    """Tell whether a file is of this kind, but not of Pose2Sim."""
+    tables = _tables(data).values()
+    return any("distortions" in table for table in tables) and not is_pose2sim(data)
+
+
+def read_pose2sim(document: Document, wishes: Wishes) -> Rig:
+    """Read a ``Calib*.toml`` of Pose2Sim.
+
+    Raises
+    ------
+    CalibrationError
+        Something is wrong; every fault, with the camera it belongs to.
+    """
+    return _read(document, wishes, 1.0)
+
+
+def read_anipose(document: Document, wishes: Wishes) -> Rig:
+    """Read a calibration of aniposelib, FreeMoCap or caliscope.
+
+    Raises
+    ------
+    CalibrationError
+        Something is wrong; every fault, with the camera it belongs to.
+    """
+    metadata = document.data.get("metadata")
+    freemocap = isinstance(metadata, Mapping) and "charuco_square_size" in metadata
+    return _read(document, wishes, 0.001 if freemocap else None)
+
+
+def _read(document: Document, wishes: Wishes, unit_m: float | None) -> Rig:
+    faults = Faults(document.path)
+    tables = _tables(document.data)
+    posed = {key: table for key, table in tables.items() if _is_posed(table)}
+    if left_out := [key for key in tables if key not in posed]:
+        wishes.remark(f"{document.path}: left out, for they have no pose: {', '.join(left_out)}")
+    if not posed:
+        faults.add("it has no camera with a matrix, a rotation and a translation")
+    found = [_camera(key, table, faults) for key, table in posed.items()]
+    return build_rig(found, faults, wishes, unit_m)
+
+
+def _is_posed(table: Mapping[str, Any]) -> bool:
+    """Tell whether a camera was placed; caliscope writes "null", or nothing, if it was not."""
+    pose = [table.get(key) for key in ("rotation", "translation")]
+    return pose != [None, None] and not any(isinstance(part, str) for part in pose)
+
+
+def _camera(key: str, table: Mapping[str, Any], faults: Faults) -> FoundCamera:
+    entry = Entry(f"camera {key!r}", table, faults)
+    model: DistortionModel = "fisheye" if entry.flag("fisheye") else "brown"
+    coefficients = entry.coefficients("distortions")
+    if model == "fisheye" and len(coefficients) == 5 and coefficients[4] == 0:
+        coefficients = coefficients[:4]  # a fifth that is zero, as some tools pad
+    return FoundCamera(
+        entry,
+        entry.text("name", key),
+        entry.size_px("size"),
+        entry.numbers("matrix", (3, 3)),
+        model,
+        coefficients,
+        _rotation(entry),
+        entry.numbers("translation", (3,)),
+    )
+
+
+def _rotation(entry: Entry) -> Rotation:
+    given = as_numbers(entry.fields.get("rotation"))
+    if given is not None and given.shape == (3, 3):
+        return entry.numbers("rotation", (3, 3))
+    return rotation_matrix(entry.numbers("rotation", (3,)))
+
+
+def write_pose2sim(rig: Rig, path: Path, unit_m: float) -> list[str]:
+    """Write a ``Calib*.toml`` as Pose2Sim reads it.
+
+    Parameters
+    ----------
+    rig
+        The rig.
+    path
+        The file.
+    unit_m
+        Length of its unit [m]; Pose2Sim takes metres.
+
+    Returns
+    -------
+    Remarks: what the format cannot hold.
+    """
+    tables = [_pose2sim_table(camera, unit_m) for camera in rig]
+    return _write(rig, path, tables)
+
+
+def write_anipose(rig: Rig, path: Path, unit_m: float) -> list[str]:
+    """Write a calibration as aniposelib, FreeMoCap and caliscope read it.
+
+    Parameters
+    ----------
+    rig
+        The rig.
+    path
+        The file.
+    unit_m
+        Length of its unit [m].
+
+    Returns
+    -------
+    Remarks: what the format cannot hold.
+    """
+    tables = [_anipose_table(index, camera, unit_m) for index, camera in enumerate(rig)]
+    return _write(rig, path, tables)
+
+
+def _write(rig: Rig, path: Path, tables: Sequence[Iterable[str]]) -> list[str]:
+    with atomic_write(path) as file:
+        for table in tables:
+            file.write("\n".join(table) + "\n\n")
+        file.write("[metadata]\nadjusted = false\nerror = 0.0\n")
+    late = [camera.name for camera in rig if camera.time_offset_s != 0]
+    return [f"the format has no time offsets; left out: {', '.join(late)}"] if late else []
+
+
+def _pose2sim_table(camera: Camera, unit_m: float) -> Iterable[str]:
+    fisheye = camera.distortion_model == "fisheye"
+    coefficients = _coefficients(camera)
+    if not fisheye and len(coefficients) == 5 and coefficients[4] == 0:
+        coefficients = coefficients[:4]
+    yield f"[{quoted(camera.name)}]"
+    yield f"name = {quoted(camera.name)}"
+    yield f"size = {vector(np.array(camera.size_px, dtype=np.float64))}"
+    yield from _shared(camera, coefficients, unit_m)
+    yield f"fisheye = {str(fisheye).lower()}"
+
+
+def _anipose_table(index: int, camera: Camera, unit_m: float) -> Iterable[str]:
+    yield f"[cam_{index}]"
+    yield f"name = {quoted(camera.name)}"
+    yield f"size = [{camera.size_px[0]}, {camera.size_px[1]}]"
+    yield from _shared(camera, _coefficients(camera), unit_m)
+    if camera.distortion_model == "fisheye":
+        yield "fisheye = true"
+
+
+def _coefficients(camera: Camera) -> Float64[np.ndarray, " coef"]:
+    return camera.distortion if len(camera.distortion) else np.zeros(5)
+
+
+def _shared(
+    camera: Camera, coefficients: Float64[np.ndarray, " coef"], unit_m: float
+) -> Iterable[str]:
+    yield f"matrix = {matrix(camera.K)}"
+    yield f"distortions = {vector(coefficients)}"
+    yield f"rotation = {vector(rotation_vector(camera.T_cam_world[:3, :3]))}"
+    yield f"translation = {vector(camera.T_cam_world[:3, 3] / unit_m)}"

@@ -1,0 +1,149 @@
+"""EasyMocap's pair of files in one directory: ``intri.yml`` and ``extri.yml``.
+
+World-to-camera, metres. The size of the images stands there only in newer files (``W_1``,
+``H_1``); without it, the user gives it, or twice the principal point is taken with a remark.
+"""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.calibration.formats.document import Document, read_document
+from trecsim.calibration.formats.fields import Entry, Faults, short
+from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
+from trecsim.geometry.rig import Rig
+from trecsim.geometry.rigid import Rotation, rotation_matrix, rotation_vector
+from trecsim.store.atomic import atomic_write, disk_faults
+
+INTRINSICS, EXTRINSICS = "intri.yml", "extri.yml"
+NAME = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def recognise(data: Mapping[str, Any]) -> bool:
+    """Tell whether this is one of the two files."""
+    return isinstance(data.get("names"), list) and any(
+        key.startswith(("K_", "R_", "Rot_")) for key in data
+    )
+
+
+def read(document: Document, wishes: Wishes) -> Rig:
+    """Read the pair of files, of which one is given.
+
+    Raises
+    ------
+    CalibrationError
+        Something is wrong, or the other file is missing; every fault, with the camera it
+        belongs to.
+    """
+    folder = document.path.parent
+    has_intrinsics = any(key.startswith("K_") for key in document.data)
+    other = read_document(folder / (EXTRINSICS if has_intrinsics else INTRINSICS))
+    fields = {**document.data, **other.data}
+    faults = Faults(folder)
+    names = document.data["names"]
+    if set(map(str, names)) != set(map(str, other.data.get("names", names))):
+        faults.add(
+            f"its files name different cameras: {short(names)} in {document.path.name}, "
+            f"{short(other.data.get('names'))} in {other.path.name}"
+        )
+    if not names:
+        faults.add("it has no camera: its list of names is empty")
+    found = [_camera(str(name), fields, faults, wishes) for name in names]
+    return build_rig(found, faults, wishes, 1.0)
+
+
+def _camera(name: str, fields: Mapping[str, Any], faults: Faults, wishes: Wishes) -> FoundCamera:
+    own = {key.removesuffix(f"_{name}"): value for key, value in fields.items() if key != "names"}
+    entry = Entry(f"camera {name!r}", {k: v for k, v in own.items() if k not in fields}, faults)
+    distortion = next((key for key in ("dist", "D") if entry.has(key)), None)
+    K = entry.numbers("K", (3, 3))
+    return FoundCamera(
+        entry,
+        name,
+        _size_px(entry, K, wishes),
+        K,
+        "brown",
+        entry.coefficients(distortion) if distortion else np.zeros(5),
+        _rotation(entry),
+        entry.numbers("T", (3,)),
+    )
+
+
+def _rotation(entry: Entry) -> Rotation:
+    if entry.has("R") or not entry.has("Rot"):
+        return rotation_matrix(entry.numbers("R", (3,)))
+    return entry.numbers("Rot", (3, 3))
+
+
+def _size_px(entry: Entry, K: Float64[np.ndarray, "3 3"], wishes: Wishes) -> tuple[int, int]:
+    if wishes.size_px is not None:
+        return wishes.size_px
+    if entry.has("W") and entry.has("H") and entry.number("W") > 0:
+        return entry.whole_size_px(np.array([entry.number("W"), entry.number("H")]))
+    if not np.isfinite(K).all():
+        return 0, 0
+    size = entry.whole_size_px((2 * K[:2, 2]).round())
+    wishes.remark(
+        f"{entry.label}: EasyMocap does not say the size of its images; {size[0]} x {size[1]} "
+        "taken, twice the principal point. If that is wrong, give it: --size-px 1920 1080"
+    )
+    return size
+
+
+def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
+    """Write ``intri.yml`` and ``extri.yml`` into a directory, which is made if need be.
+
+    Parameters
+    ----------
+    rig
+        The rig.
+    path
+        The directory.
+    unit_m
+        Length of the unit [m]; EasyMocap takes metres.
+
+    Returns
+    -------
+    Remarks: what the format cannot hold.
+
+    Raises
+    ------
+    CalibrationError
+        A camera has a name or a lens that the format cannot hold.
+    """
+    _check(rig, path)
+    intrinsics: dict[str, Any] = {"names": list(rig.names)}
+    extrinsics: dict[str, Any] = {"names": list(rig.names)}
+    for camera in rig:
+        name, R = camera.name, camera.T_cam_world[:3, :3]
+        intrinsics[f"K_{name}"] = camera.K
+        intrinsics[f"dist_{name}"] = camera.distortion if len(camera.distortion) else np.zeros(5)
+        intrinsics[f"W_{name}"], intrinsics[f"H_{name}"] = camera.size_px
+        extrinsics[f"R_{name}"] = rotation_vector(R)[:, None]
+        extrinsics[f"Rot_{name}"] = R
+        extrinsics[f"T_{name}"] = camera.T_cam_world[:3, 3:] / unit_m
+    with disk_faults(path):
+        path.mkdir(parents=True, exist_ok=True)
+    for name, values in ((INTRINSICS, intrinsics), (EXTRINSICS, extrinsics)):
+        with atomic_write(path / name) as file:
+            file.write(format_opencv_yaml(values))
+    late = [camera.name for camera in rig if camera.time_offset_s != 0]
+    return [f"the format has no time offsets; left out: {', '.join(late)}"] if late else []
+
+
+def _check(rig: Rig, path: Path) -> None:
+    faults = Faults(path)
+    for camera in rig:
+        if not NAME.fullmatch(camera.name):
+            faults.add(
+                f"camera {camera.name!r}: EasyMocap's format takes letters, digits, - and _ in "
+                "names only; rename the camera"
+            )
+        if camera.distortion_model == "fisheye":
+            faults.add(f"camera {camera.name!r}: EasyMocap's format has no fisheye lenses")
+    faults.check()

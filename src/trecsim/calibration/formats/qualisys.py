@@ -1,0 +1,104 @@
+"""Qualisys' ``.qca.txt``, an XML file: read only.
+
+Lengths on the sensor are in 1/64 pixel, positions in millimetres. ``transform`` is
+camera-to-world, its matrix written by columns, and the camera there looks along -z with y up:
+half a turn about x makes it ours. The principal point counts from the sensor's corner, so the
+corner of the video's field of view is taken off.
+
+The distortion coefficients are divided by 64 as well: so Pose2Sim reads them, and the reference
+calibrations were made with it. They have no unit, though, and the checkerboard images of its demo
+recording speak for the undivided values (k1 -0.053 found, -0.046 in the file). With lenses as
+straight as those both agree to two pixels; see `SUBPIXELS_OF_DISTORTION`.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+from xml.etree.ElementTree import Element
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.fields import Entry, Faults
+from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.geometry.rig import Rig
+
+SUBPIXELS = 64.0
+SUBPIXELS_OF_DISTORTION = 64.0  # 1 would take the coefficients as they stand
+UNIT_M = 0.001
+COEFFICIENTS = (
+    "radialDistortion1",
+    "radialDistortion2",
+    "tangentalDistortion1",
+    "tangentalDistortion2",
+    "radialDistortion3",
+)
+HALF_TURN = np.diag([1.0, -1.0, -1.0])  # about x
+
+
+def recognise(data: Mapping[str, Any]) -> bool:
+    """Tell whether the root is a calibration with cameras."""
+    root = data.get("root")
+    return (
+        isinstance(root, Element) and root.tag == "calibration" and root.find("cameras") is not None
+    )
+
+
+def read(document: Document, wishes: Wishes) -> Rig:
+    """Read a ``.qca.txt``; marker cameras, which give no images, are left out.
+
+    Raises
+    ------
+    CalibrationError
+        Something is wrong; every fault, with the camera it belongs to.
+    """
+    faults = Faults(document.path)
+    elements = document.data["root"].findall("cameras/camera")
+    video = [element for element in elements if _gives_images(element)]
+    if left_out := [e.get("serial", "?") for e in elements if e not in video]:
+        wishes.remark(f"{document.path}: left out, not video cameras: {', '.join(left_out)}")
+    if not video:
+        faults.add("it has no video camera (model 'none' or one with 'video' in it)")
+    found = [_camera(element, faults) for element in video]
+    return build_rig(found, faults, wishes, UNIT_M)
+
+
+def _gives_images(element: Element) -> bool:
+    model = element.get("model", "none").lower()
+    return element.get("active", "1") != "0" and ("video" in model or model == "none")
+
+
+def _camera(element: Element, faults: Faults) -> FoundCamera:
+    name = element.get("serial", "")
+    entries = {
+        tag: Entry(
+            f"camera {name!r}, {tag}",
+            child.attrib if (child := element.find(tag)) is not None else {},
+            faults,
+        )
+        for tag in ("fov_video", "intrinsic", "transform")
+    }
+    field, lens, pose = entries.values()
+    left, top, right, bottom = (field.number(key) for key in ("left", "top", "right", "bottom"))
+    # Written by columns, the camera-to-world matrix reads by rows as world-to-camera.
+    rows = [[pose.number(f"r{row}{column}") for column in (1, 2, 3)] for row in (1, 2, 3)]
+    position = np.array([pose.number(key) for key in ("x", "y", "z")])
+    R = HALF_TURN @ np.array(rows)
+    return FoundCamera(
+        lens,
+        name,
+        field.whole_size_px(np.array([right - left + 1, bottom - top + 1])),
+        _intrinsics(lens, left, top),
+        "brown",
+        np.array([lens.number(key, 0.0) / SUBPIXELS_OF_DISTORTION for key in COEFFICIENTS]),
+        R,
+        -R @ position,
+    )
+
+
+def _intrinsics(lens: Entry, left: float, top: float) -> Float64[np.ndarray, "3 3"]:
+    fx, fy, cx, cy = (
+        lens.number(key) / SUBPIXELS
+        for key in ("focalLengthU", "focalLengthV", "centerPointU", "centerPointV")
+    )
+    return np.array([[fx, 0.0, cx - left], [0.0, fy, cy - top], [0.0, 0.0, 1.0]])

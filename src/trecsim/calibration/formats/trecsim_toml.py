@@ -1,0 +1,142 @@
+"""The rig file of trecsim, ``rig.toml``: metres, z up, floor at z = 0; read strictly."""
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.fields import Entry, Faults, short
+from trecsim.calibration.formats.found import Wishes, stand, tell_lost_borders
+from trecsim.errors import CalibrationError
+from trecsim.geometry.camera import Camera
+from trecsim.geometry.rig import Rig
+from trecsim.store.atomic import atomic_write
+
+FORMAT = "trecsim.rig/1"
+KEYS = (
+    "size_px",
+    "K",
+    "distortion_model",
+    "distortion",
+    "T_cam_world",
+    "time_offset_s",
+)
+
+
+def recognise(data: Mapping[str, Any]) -> bool:
+    """Tell whether the file says that it is one of ours, of any version."""
+    return str(data.get("format", "")).startswith("trecsim.rig")
+
+
+def read(document: Document, wishes: Wishes) -> Rig:
+    """Read a ``rig.toml``.
+
+    Raises
+    ------
+    CalibrationError
+        Something is wrong; every fault, with the camera it belongs to.
+    """
+    faults = Faults(document.path)
+    top = Entry("the file", document.data, faults)
+    top.unknown(("format", "cameras"))
+    if document.data.get("format") != FORMAT:
+        top.fault(
+            f"format must be {FORMAT!r}, found {short(document.data.get('format'))}; "
+            "a newer trecsim may have written it"
+        )
+    if wishes.unit_m not in (None, 1.0):
+        top.fault("it is in metres always; do not give a unit")
+    if not top.has("cameras"):
+        top.missing("cameras", "a table [cameras.NAME] for each camera")
+    tables = document.data.get("cameras", {})
+    if not isinstance(tables, Mapping):
+        top.fault(f"cameras must be tables [cameras.NAME], found {short(tables)}")
+        tables = {}
+    elif top.has("cameras") and not tables:
+        top.fault("it has no camera, expected a table [cameras.NAME] for each")
+    cameras = [_camera(name, table, faults) for name, table in tables.items()]
+    faults.check()
+    rig = stand(Rig(tuple(camera for camera in cameras if camera is not None)), wishes)
+    tell_lost_borders(rig, wishes)
+    return rig
+
+
+def _camera(name: str, table: object, faults: Faults) -> Camera | None:
+    entry = Entry(f"camera {name!r}", table, faults)
+    before = len(faults.texts)
+    entry.unknown(KEYS)
+    size_px = entry.size_px("size_px")
+    K = entry.numbers("K", (3, 3))
+    T_cam_world = entry.numbers("T_cam_world", (4, 4))
+    distortion = entry.coefficients("distortion") if entry.has("distortion") else np.empty(0)
+    time_offset_s = entry.number("time_offset_s", 0.0)
+    if len(faults.texts) > before:
+        return None
+    try:
+        return Camera(
+            name,
+            size_px,
+            K,
+            T_cam_world,
+            entry.fields.get("distortion_model", "none"),
+            distortion,
+            time_offset_s,
+        )
+    except CalibrationError as error:
+        faults.add(str(error))
+        return None
+
+
+def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
+    """Write a ``rig.toml``; what is read back is the same to the last bit.
+
+    Parameters
+    ----------
+    rig
+        The rig.
+    path
+        The file.
+    unit_m
+        Must be 1: the format is in metres.
+
+    Returns
+    -------
+    Remarks: none.
+    """
+    if unit_m != 1.0:
+        raise CalibrationError("a trecsim rig file is in metres always; do not give a unit")
+    lines = [f'format = "{FORMAT}"']
+    for camera in rig:
+        lines += ["", *_table(camera)]
+    with atomic_write(path) as file:
+        file.write("\n".join(lines) + "\n")
+    return []
+
+
+def _table(camera: Camera) -> Iterable[str]:
+    yield f"[cameras.{quoted(camera.name)}]"
+    yield f"size_px = [{camera.size_px[0]}, {camera.size_px[1]}]"
+    yield f"K = {matrix(camera.K)}"
+    yield f'distortion_model = "{camera.distortion_model}"'
+    yield f"distortion = {vector(camera.distortion)}"
+    yield f"T_cam_world = {matrix(camera.T_cam_world)}"
+    yield f"time_offset_s = {camera.time_offset_s!r}"
+
+
+def quoted(text: str) -> str:
+    """Return a printable text as TOML writes it."""
+    return json.dumps(text, ensure_ascii=False)
+
+
+def vector(values: Float64[np.ndarray, " number"]) -> str:
+    """Return a list of numbers as TOML writes it."""
+    return "[" + ", ".join(repr(float(value)) for value in values) + "]"
+
+
+def matrix(values: Float64[np.ndarray, "row column"]) -> str:
+    """Return a matrix as TOML writes it, a list of rows."""
+    return "[" + ", ".join(vector(row) for row in values) + "]"

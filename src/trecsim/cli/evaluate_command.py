@@ -1,0 +1,103 @@
+"""The command `trecsim evaluate`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from trecsim.cli.terminal import finish, note, progress_bar
+
+if TYPE_CHECKING:
+    from trecsim.lab.evaluation.evaluating import Evaluation
+
+
+def evaluate(
+    tracks: list[Path],
+    /,
+    *,
+    truth: Path | None = None,
+    shelf: Path | None = None,
+    rig: Path | None = None,
+    poses: Path | None = None,
+    lengths: Path | None = None,
+    from_s: float | None = None,
+    to_s: float | None = None,
+    details: bool = False,
+    json: bool = False,
+) -> None:
+    """Score tracks: against a known truth, or by what needs none.
+
+    Several tracks stand side by side, for example the newest state and the lagged one. Moments
+    at which the tracks have nobody count as well: their times are those in a `timing.csv` beside
+    the tracks, else they lie one median interval apart.
+
+    Parameters
+    ----------
+    tracks
+        Files `*.csv` or `*.parquet`, or directories of recordings.
+    truth
+        Where everybody truly was: `truth.npz`, or the directory of a made scene.
+    shelf
+        Directory of the Shelf recording, to count PCP3D of tracks made of it, over all its frames.
+    rig
+        Calibration, to measure reprojection errors; goes with `--poses`.
+    poses
+        The 2D poses that the tracks were made of; goes with `--rig`.
+    lengths
+        Limb lengths measured with a tape (TOML), to compare with.
+    from_s
+        Score from this time on [s].
+    to_s
+        Score until this time [s].
+    details
+        Show every joint, and every limb of everybody.
+    json
+        Print all scores as one JSON object.
+    """
+    from trecsim.cli.score_table import details_table, score_table
+    from trecsim.lab.evaluation.evaluating import evaluate as run
+
+    results = []
+    with progress_bar("tracks", total=len(tracks), quiet=json) as bar:
+        for path in tracks:
+            results.append(
+                run(
+                    path,
+                    truth,
+                    shelf=shelf,
+                    rig=rig,
+                    poses=poses,
+                    lengths=lengths,
+                    from_s=-float("inf") if from_s is None else from_s,
+                    until_s=float("inf") if to_s is None else to_s,
+                    remark=note,
+                )
+            )
+            bar.advance()
+    text = "\n\n".join([score_table(results), *(map(details_table, results) if details else ())])
+    summary = {"truth": truth, "shelf": shelf, "tracks": [_facts(result) for result in results]}
+    finish(summary, json, text)
+
+
+def _facts(result: "Evaluation") -> dict[str, Any]:
+    shelf, seen = result.shelf, result.reprojection
+    return {
+        "tracks": result.tracks,
+        "moments": result.moments,
+        "people": result.people,
+        "first_s": result.first_s,
+        "last_s": result.last_s,
+        "scores": result.scores,
+        "shelf": shelf and {**shelf.summary(), "actors": [actor.row() for actor in shelf.actors]},
+        "limbs": {
+            **result.limb_summary.row(),
+            "rows": [row.row() for row in result.limbs],
+        },
+        "jitter": [row.row() for row in result.jitter],
+        "support": [row.row() for row in result.support],
+        "lifetimes": [life.row() for life in result.lifetimes],
+        "breaks": [one.row() for one in result.breaks],
+        "reprojection": seen
+        and {
+            "joints": [row.row() for row in seen.rows],
+            "cameras": [row.row() for row in seen.cameras],
+        },
+    }

@@ -1,0 +1,117 @@
+"""The command `trecsim run`."""
+
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from trecsim.cli.models_command import fetch_first
+from trecsim.cli.terminal import counted_people, finish, note, progress_bar
+
+if TYPE_CHECKING:
+    from trecsim.pipeline import RunSummary
+    from trecsim.sites.check import CheckedSite
+    from trecsim.tracking import Tally
+
+
+def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
+    """Run a whole site: recordings in, people in 3D out.
+
+    Keeps in one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), what each
+    frame set cost (`timing.csv`), a summary with all settings (`summary.json`), a picture of
+    everybody's paths (`paths.png`) and, if the site file asks for them, the 2D poses
+    (`poses.jsonl`): all that `trecsim report` shows. Whatever ends it, what was finished is kept;
+    after a crash or power failure the tracks too, but for the last two seconds. Without a terminal
+    it says once a minute how far it is.
+
+    Parameters
+    ----------
+    site
+        The site file; what may stand in it tells `trecsim site schema`.
+    out
+        Directory to make. Without it, one for the present time in `recordings` beside the site
+        file, or where the site file says.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.pipeline import run as run_site
+    from trecsim.sites.check import check_site
+
+    checked = check_site(site)
+    for remark in checked.remarks:
+        note(remark)
+    if checked.videos:
+        fetch_first(checked.file.site.estimator.name, quiet=json)
+    told = json or sys.stderr.isatty()  # there, a bar tells it, or nobody wants to know
+    with progress_bar("images", quiet=json) as bar, _ctrl_c() as stop:
+        summary = run_site(
+            checked, out, progress=bar, stop=stop,
+            tell=_tell_nothing if told else _tell_how_far,
+            picture=partial(_draw_paths, checked),
+        )  # fmt: skip
+    if summary.ended == "stopped":
+        raise KeyboardInterrupt(f"stopped by Ctrl-C; {_told(summary)}")
+    finish(_facts(summary), json, _told(summary))
+
+
+def _tell_nothing(tally: "Tally") -> None:
+    pass
+
+
+def _tell_how_far(tally: "Tally") -> None:
+    """Write a line for a log, where no bar shows how far things are."""
+    ms = tally.fusion_ms()
+    note(
+        f"{tally.frame_sets} frame sets, {counted_people(len(tally.people))} so far; fusion "
+        f"{ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
+    )
+
+
+def _draw_paths(checked: "CheckedSite", summary: "RunSummary") -> None:
+    from trecsim.errors import SetupError
+    from trecsim.lab.plots.paths_plot import plot_paths
+    from trecsim.store.tracks import read_tracks
+
+    tracks, picture = read_tracks(summary.out), summary.out / "paths.png"
+    last_s = checked.file.site.output.paths_s
+    try:
+        plot_paths(tracks, checked.rig, picture, title=summary.site, last_s=last_s)
+    except SetupError as error:  # the picture is an extra, the tracks are not
+        note(f"no picture of the paths: {error}")
+
+
+def _facts(summary: "RunSummary") -> dict[str, object]:
+    from dataclasses import asdict
+
+    return asdict(summary)
+
+
+def _told(summary: "RunSummary") -> str:
+    ms = summary.fusion_ms
+    return (
+        f"{summary.out}: {counted_people(summary.people)} in {summary.frame_sets} frame sets "
+        f"of {summary.images} images, {summary.wall_s:.1f} s; fusion {ms['median']:.2f} ms per set "
+        f"(p95 {ms['p95']:.2f})"
+    )
+
+
+@contextmanager
+def _ctrl_c() -> Iterator[Callable[[], bool]]:
+    """Let the first Ctrl-C end the run in order; the second ends it at once."""
+    asked = False
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        note("stopping; once more to stop at once")
+
+    before = signal.signal(signal.SIGINT, ask)
+    try:
+        yield lambda: asked
+    finally:
+        signal.signal(signal.SIGINT, before)

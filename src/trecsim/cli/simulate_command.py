@@ -1,0 +1,173 @@
+"""The command `trecsim simulate`."""
+
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from trecsim.cli.terminal import counted_people, finish, progress_bar
+from trecsim.errors import InputError
+
+if TYPE_CHECKING:
+    from trecsim.lab.simulation.scene import Scene
+
+
+def simulate(
+    scene: str | None = None,
+    /,
+    *,
+    out: Path | None = None,
+    seed: int | None = None,
+    seconds: float | None = None,
+    list_: Annotated[bool, Parameter(name="--list")] = False,
+    show: str | None = None,
+    pictures: Path | None = None,
+    schema: bool = False,
+    json: bool = False,
+) -> None:
+    """Make 2D poses with known truth: people and cameras of a scene.
+
+    Writes `rig.toml`, `poses.jsonl` and `truth.npz`: what calibrated cameras would give of people
+    who do what the scene says, with the errors of a real pose estimator, and where everybody
+    truly was.
+
+    Parameters
+    ----------
+    scene
+        A scene file, or the name of a built-in scene.
+    out
+        Directory for the files, new or empty; without it `simulated/SCENE`.
+    seed
+        The same number gives the same files, another one other bodies and noise; without it that
+        of the scene.
+    seconds
+        Length [s]; without it that of the scene.
+    list_
+        List the built-in scenes with a small picture of each.
+    show
+        Print the file of a built-in scene, to begin your own with.
+    pictures
+        Directory to draw a picture of each built-in scene into, or of the one scene given.
+    schema
+        Print the JSON schema of scene files, for editors.
+    json
+        Print the summary as one JSON object.
+    """
+    asked = [scene is not None and pictures is None, list_, show is not None, pictures is not None]
+    if sum(asked) + schema != 1:
+        raise InputError(
+            "expected one of: a SCENE to simulate, --list, --show NAME, --pictures DIRECTORY, "
+            "--schema; trecsim simulate --list shows the built-in scenes"
+        )
+    if show is not None:
+        _show(show, json)
+    elif schema:
+        _schema(json)
+    elif list_:
+        _list(json)
+    elif pictures is not None:
+        _draw(scene, pictures, json)
+    elif scene is not None:
+        _simulate(scene, out, seed, seconds, json)
+
+
+def _simulate(
+    source: str, out: Path | None, seed: int | None, seconds: float | None, json: bool
+) -> None:
+    from trecsim.lab.simulation.scene_file import read_scene
+    from trecsim.lab.staging import stage
+
+    scene = read_scene(source)
+    if seconds is not None:
+        scene = replace(scene, seconds=seconds)
+    folder = out or Path("simulated") / scene.name
+    with (
+        progress_bar("cameras", quiet=json) as cameras,
+        progress_bar("images", quiet=json) as images,
+    ):
+        staged = stage(scene, folder, seed=seed, simulating=cameras, writing=images)
+    text = (
+        f"{staged.folder}: {staged.images} images of {staged.cameras} cameras, "
+        f"{counted_people(staged.people)}, {staged.seconds:g} s, seed {staged.seed}"
+    )
+    finish(asdict(staged), json, text)
+
+
+def _show(name: str, json: bool) -> None:
+    from trecsim.lab.simulation.scene_file import built_in_text
+
+    text = built_in_text(name)
+    finish({"scene": name, "text": text}, json, text.rstrip())
+
+
+def _schema(json: bool) -> None:
+    import json as format_json
+
+    from trecsim.lab.simulation.scene_file import scene_schema
+
+    schema = scene_schema()
+    finish(schema, json, format_json.dumps(schema, indent=2))
+
+
+def _list(json: bool) -> None:
+    from trecsim.lab.simulation.scene_file import CHAPTERS, read_scene
+
+    chapters = [
+        (chapter.title, [read_scene(name) for name in chapter.names]) for chapter in CHAPTERS
+    ]
+    facts = {
+        "scenes": [_facts(scene) | {"chapter": title} for title, ones in chapters for scene in ones]
+    }
+    finish(facts, json, "" if json else _told(chapters))
+
+
+def _facts(scene: "Scene") -> dict[str, Any]:
+    return {
+        "name": scene.name,
+        "about": scene.about,
+        "cameras": len(scene.rig),
+        "people": scene.cast.people,
+        "seconds": scene.seconds,
+    }
+
+
+def _told(chapters: "list[tuple[str, list[Scene]]]") -> str:
+    from trecsim.lab.simulation.floor_plan import floor_plan
+
+    lines = []
+    for title, scenes in chapters:
+        lines += [title, ""]
+        for scene in scenes:
+            facts = _facts(scene)
+            people = counted_people(facts["people"])
+            size = f"{facts['cameras']} cameras, {people}, {scene.seconds:g} s"
+            lines.append(f"  {scene.name}: {size}")
+            lines += [f"    {scene.about}", ""]
+            lines += [f"    {row}".rstrip() for row in floor_plan(scene).splitlines()]
+            lines.append("")
+    lines.append("→ camera, o where somebody ends, ▒ obstacle; next: trecsim simulate NAME")
+    return "\n".join(lines)
+
+
+def _draw(source: str | None, folder: Path, json: bool) -> None:
+    from trecsim.lab.plots.scene_plot import plot_scene
+    from trecsim.lab.simulation.floor_plan import ways
+    from trecsim.lab.simulation.scene_file import BUILT_IN, read_scene
+    from trecsim.store.atomic import disk_faults
+
+    with disk_faults(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    names = BUILT_IN if source is None else (source,)
+    drawn = []
+    with progress_bar("scenes", len(names), quiet=json) as bar:
+        for name in names:
+            scene = read_scene(name)
+            picture = folder / f"{scene.name}.png"
+            boxes_m = [(box.low_m[:2], box.high_m[:2]) for box in scene.obstacles]
+            plot_scene(
+                scene.rig, ways(scene), boxes_m, picture, title=scene.name, about=scene.about
+            )
+            drawn.append(picture)
+            bar.advance()
+    finish({"pictures": drawn}, json, "\n".join(map(str, drawn)))

@@ -1,0 +1,275 @@
+"""Tracks from a file, scored with all that is known about them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from trecsim.calibration import read_rig
+from trecsim.errors import InputError
+from trecsim.geometry import Rig
+from trecsim.lab.evaluation.lifetimes import Break, Lifetime, breaks, lifetimes
+from trecsim.lab.evaluation.limbs import (
+    LimbRow,
+    LimbSummary,
+    limb_series,
+    limb_summary,
+    limb_table,
+    true_lengths,
+)
+from trecsim.lab.evaluation.measured import read_measured
+from trecsim.lab.evaluation.moments import (
+    Moments,
+    Recorded,
+    interval_s,
+    read_moments,
+    with_empty_moments,
+    within,
+)
+from trecsim.lab.evaluation.pcp import Pcp
+from trecsim.lab.evaluation.people import PersonTrack, people_of
+from trecsim.lab.evaluation.reprojection import Reprojection, reprojection
+from trecsim.lab.evaluation.scores import Scores, score
+from trecsim.lab.evaluation.shelf import read_annotation, score_shelf
+from trecsim.lab.evaluation.steadiness import JitterRow, SupportRow, jitter, support_of_joints
+from trecsim.skeleton import COCO17
+from trecsim.sources import read_poses
+from trecsim.store.tracks import read_tracks
+from trecsim.store.truth import Truth, read_truth
+
+Remark = Callable[[str], None]
+
+LEFT_OUT_S = 1.0  # more than a lag, or a camera that starts late
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """All that can be said about tracks.
+
+    Attributes
+    ----------
+    tracks
+        The file.
+    moments
+        In it, that count; somebody is there at each of them.
+    people
+        Different identities.
+    first_s, last_s
+        The first and the last moment [s]; NaN without any.
+    scores
+        Against the truth; None without one.
+    shelf
+        After the protocol of the Shelf recording; None without it.
+    limbs, limb_summary
+        Lengths of everybody's limbs.
+    jitter
+        How much joints tremble; the first row is over all of them.
+    support
+        How many cameras support joints; the first row is over all of them.
+    reprojection
+        Against the 2D poses; None without them.
+    lifetimes, breaks
+        When each identity was there, and where one seems to have been lost and another begun.
+    """
+
+    tracks: Path
+    moments: int
+    people: int
+    first_s: float
+    last_s: float
+    scores: Scores | None
+    shelf: Pcp | None
+    limbs: tuple[LimbRow, ...]
+    limb_summary: LimbSummary
+    jitter: tuple[JitterRow, ...]
+    support: tuple[SupportRow, ...]
+    reprojection: Reprojection | None
+    lifetimes: tuple[Lifetime, ...]
+    breaks: tuple[Break, ...]
+
+
+def evaluate(
+    tracks: Path | str,
+    truth: Truth | Path | str | None = None,
+    *,
+    shelf: Path | str | None = None,
+    rig: Rig | Path | str | None = None,
+    poses: Path | str | None = None,
+    lengths: Path | str | None = None,
+    from_s: float = -float("inf"),
+    until_s: float = float("inf"),
+    remark: Remark = lambda text: None,
+) -> Evaluation:
+    """Score tracks with all that is known about them.
+
+    Parameters
+    ----------
+    tracks
+        A CSV or Parquet file of tracks, or the directory of a recording.
+    truth
+        Where everybody truly was: ``truth.npz``, the directory of a made scene, or the arrays.
+    shelf
+        Directory of the Shelf recording, if the tracks are made of it; all its frames count.
+    rig, poses
+        Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
+    lengths
+        Limb lengths measured with a tape, which count more than those of the truth.
+    from_s, until_s
+        Only this time counts, but for `shelf` [s].
+    remark
+        Is called with what is worth knowing without being wrong.
+
+    Returns
+    -------
+    Scores against the truth are None without one; what needs none is always there.
+
+    Raises
+    ------
+    InputError
+        A file is wrong, or tracks and truth have no time in common.
+    SetupError
+        The library that scores identities is not installed.
+    """
+    _check_request(rig, poses, from_s, until_s)
+    if isinstance(truth, (str, Path)):
+        truth = read_truth(truth)
+    recorded = read_moments(tracks)
+    scores = _scores(recorded, truth, from_s, until_s, remark) if truth else None
+    moments = within(recorded.moments, from_s, until_s)
+    people, usual_s = people_of(moments), interval_s(moments)
+    limbs = _limbs(people, truth, lengths)
+    return Evaluation(
+        tracks=recorded.path,
+        moments=len(moments.t_s),
+        people=len(people),
+        first_s=float(moments.t_s[0]) if len(moments.t_s) else float("nan"),
+        last_s=float(moments.t_s[-1]) if len(moments.t_s) else float("nan"),
+        scores=scores,
+        shelf=score_shelf(read_tracks(tracks), read_annotation(shelf)) if shelf else None,
+        limbs=limbs,
+        limb_summary=limb_summary(limbs),
+        jitter=jitter(people, usual_s),
+        support=support_of_joints(people),
+        reprojection=_reprojection(rig, poses, people, usual_s, remark),
+        lifetimes=lifetimes(people, usual_s),
+        breaks=breaks(people),
+    )
+
+
+def _check_request(
+    rig: Rig | Path | str | None, poses: Path | str | None, from_s: float, until_s: float
+) -> None:
+    if (rig is None) != (poses is None):
+        raise InputError("reprojection errors need both, the rig and the poses")
+    if -float("inf") < from_s < 0:
+        raise InputError(f"the time that counts cannot begin before 0 s, got from {from_s:g} s")
+    if not from_s < until_s:
+        raise InputError(f"the time must run forwards, got from {from_s:g} s until {until_s:g} s")
+
+
+def _limbs(
+    people: tuple[PersonTrack, ...], truth: Truth | None, lengths: Path | str | None
+) -> tuple[LimbRow, ...]:
+    true = true_lengths(people, truth) if truth else {}
+    measured = read_measured(lengths) if lengths else {}
+    return limb_table(limb_series(people), {**true, **measured})
+
+
+def _reprojection(
+    rig: Rig | Path | str | None,
+    poses: Path | str | None,
+    people: tuple[PersonTrack, ...],
+    usual_s: float,
+    remark: Remark,
+) -> Reprojection | None:
+    if rig is None or poses is None:
+        return None
+    cameras = rig if isinstance(rig, Rig) else read_rig(Path(rig), remark=remark)
+    images = read_poses(Path(poses), rig_cameras=cameras.names)
+    return reprojection(images, cameras, people, usual_s)
+
+
+def _scores(
+    recorded: Recorded, truth: Truth, from_s: float, until_s: float, remark: Remark
+) -> Scores:
+    found = recorded.moments
+    _check_joints(recorded, truth)
+    _check_overlap(recorded, truth)
+    from_s, until_s = max(from_s, float(truth.t_s[0])), min(until_s, float(truth.t_s[-1]))
+    if from_s > until_s:
+        raise InputError(
+            f"the truth goes from {truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, "
+            "outside the time asked for"
+        )
+    moments = with_empty_moments(recorded, from_s, until_s, truth.t_s)
+    for text in _remarks(recorded, moments, from_s, until_s):
+        remark(f"{recorded.path}: {text}")
+    if not len(moments.t_s):
+        raise InputError(
+            f"{recorded.path}: no moment lies between {from_s:g} s and {until_s:g} s; "
+            f"one comes each {interval_s(found):.3g} s"
+        )
+    scores = score(moments, truth, from_s, until_s)
+    if scores.elsewhere:
+        remark(
+            f"{recorded.path}: hardly anybody in the tracks is near anybody in the truth: is this "
+            "the truth of this recording?"
+        )
+    return scores
+
+
+def _check_joints(recorded: Recorded, truth: Truth) -> None:
+    if truth.xyz_m.shape[2] != len(COCO17.joints):
+        raise InputError(
+            f"the truth has {truth.xyz_m.shape[2]} joints, expected the {len(COCO17.joints)} of "
+            f"{COCO17.name}"
+        )
+
+
+def _check_overlap(recorded: Recorded, truth: Truth) -> None:
+    """Refuse tracks of another time; without anybody they have no time and no error."""
+    t_s = recorded.moments.t_s
+    if len(t_s) and (t_s[-1] < truth.t_s[0] or t_s[0] > truth.t_s[-1]):
+        raise InputError(
+            f"{recorded.path}: tracks and truth have no moment in common: the tracks go from "
+            f"{t_s[0]:.9g} s to {t_s[-1]:.9g} s, the truth from {truth.t_s[0]:.9g} s to "
+            f"{truth.t_s[-1]:.9g} s; were they made of the same recording, by the same clock?"
+        )
+
+
+def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float) -> list[str]:
+    found = recorded.moments.t_s
+    if not len(found):
+        return ["the tracks are empty: nobody was ever found"]
+    counted = (found >= from_s) & (found <= until_s)
+    step_s = interval_s(recorded.moments)
+    remarks = []
+    if recorded.other_timing is not None:
+        remarks.append(
+            f"{recorded.other_timing.name} beside them is of other tracks; moments without anybody "
+            f"are taken to be {step_s:.3g} s apart"
+        )
+    if not counted.all():
+        remarks.append(
+            f"{(~counted).sum()} of {len(found)} moments lie outside the time that counts, "
+            f"{from_s:g} s to {until_s:g} s"
+        )
+    if recorded.frame_set_t_s is None and until_s - found[-1] > 1.5 * step_s:
+        remarks.append(
+            f"the tracks end {until_s - found[-1]:.3g} s before the truth does; until there nobody "
+            "counts as found (tracks with a lag: give --to-s)"
+        )
+    uncovered_s = _uncovered_s(recorded, from_s, until_s)
+    if uncovered_s > LEFT_OUT_S:
+        remarks.append(
+            f"no frame set came in {uncovered_s:.3g} s of the {until_s - from_s:.3g} s that count, "
+            "at the beginning or the end: these are not scored"
+        )
+    return remarks
+
+
+def _uncovered_s(recorded: Recorded, from_s: float, until_s: float) -> float:
+    """Return for how long no frame set was there yet, or any more; 0 where nothing tells."""
+    times_s = recorded.frame_set_t_s
+    if times_s is None:
+        return 0.0
+    return float(max(times_s[0] - from_s, 0.0) + max(until_s - times_s[-1], 0.0))

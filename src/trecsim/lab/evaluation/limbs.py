@@ -1,0 +1,251 @@
+"""Lengths of limbs: a bone cannot change its length, so that its length tells about the tracks.
+
+The fourteen lines are those of the thesis (section 3.7.2, figure 21, table 1).
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Float64
+
+from trecsim.lab.evaluation.people import PersonTrack
+from trecsim.skeleton import COCO17
+from trecsim.store.truth import Truth
+
+_LINES = {
+    "nose - right shoulder": ("nose", "right_shoulder"),
+    "nose - left shoulder": ("nose", "left_shoulder"),
+    "shoulder line": ("left_shoulder", "right_shoulder"),
+    "right brachium": ("right_shoulder", "right_elbow"),
+    "left brachium": ("left_shoulder", "left_elbow"),
+    "right antebrachium": ("right_elbow", "right_wrist"),
+    "left antebrachium": ("left_elbow", "left_wrist"),
+    "right flank": ("right_shoulder", "right_hip"),
+    "left flank": ("left_shoulder", "left_hip"),
+    "waist": ("left_hip", "right_hip"),
+    "right thigh": ("right_hip", "right_knee"),
+    "left thigh": ("left_hip", "left_knee"),
+    "right shin": ("right_knee", "right_ankle"),
+    "left shin": ("left_knee", "left_ankle"),
+}
+LIMBS = tuple(_LINES)
+"""Their names, as in the thesis; the brachium is the upper arm, the antebrachium the forearm."""
+
+_ENDS = np.array([[COCO17.index(joint) for joint in ends] for ends in _LINES.values()])
+_NEAR_M = 0.5  # within this, mean over the joints, a track is that of a true person
+_MOST_MOMENTS = 200  # enough to tell whose track it is
+
+Given = Mapping[int, Float64[np.ndarray, "14"]]
+"""True lengths by identity, in the order of :data:`LIMBS`, NaN where not known [m]."""
+
+
+def limb_lengths(xyz_m: Float[np.ndarray, "*batch 17 3"]) -> Float64[np.ndarray, "*batch 14"]:
+    """Return the length of each of :data:`LIMBS` [m].
+
+    Examples
+    --------
+    >>> standing_m = np.zeros((17, 3))
+    >>> standing_m[COCO17.index("left_knee")] = [0.0, 0.3, 0.4]
+    >>> dict(zip(LIMBS, limb_lengths(standing_m).tolist()))["left shin"]
+    0.5
+    """
+    start_m, end_m = (xyz_m[..., ends, :].astype(np.float64) for ends in _ENDS.T)
+    return np.asarray(np.linalg.norm(end_m - start_m, axis=-1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LimbSeries:
+    """Lengths of one person's limbs over time.
+
+    Attributes
+    ----------
+    person
+        The identity.
+    t_s
+        Moments [s].
+    length_m
+        In the order of :data:`LIMBS`; NaN where an end is not known [m].
+    supported
+        Whether a camera supports both ends then.
+    """
+
+    person: int
+    t_s: Float64[np.ndarray, " time"]
+    length_m: Float64[np.ndarray, "time 14"]
+    supported: Bool[np.ndarray, "time 14"]
+
+
+def limb_series(people: Iterable[PersonTrack]) -> tuple[LimbSeries, ...]:
+    """Return everybody's limb lengths over time."""
+    return tuple(
+        LimbSeries(
+            track.person,
+            track.t_s,
+            limb_lengths(track.xyz_m),
+            np.asarray((track.support[:, _ENDS] > 0).all(axis=-1)),
+        )
+        for track in people
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class LimbRow:
+    """One limb of one person over a recording.
+
+    Attributes
+    ----------
+    person
+        The identity.
+    limb
+        One of :data:`LIMBS`.
+    n
+        Moments that count.
+    mean_m, sd_m
+        Of the length then [m]; NaN if there are none.
+    given_m
+        True length [m]; NaN where not known.
+    """
+
+    person: int
+    limb: str
+    n: int
+    mean_m: float
+    sd_m: float
+    given_m: float
+
+    @property
+    def difference_m(self) -> float:
+        """Mean length minus the true one [m]; NaN where either is not known."""
+        return self.mean_m - self.given_m
+
+    @property
+    def difference_share(self) -> float:
+        """The difference as a share of the true length; NaN where that is not known."""
+        return self.difference_m / self.given_m if self.given_m > 0 else float("nan")
+
+    def row(self) -> dict[str, str | float]:
+        """Return the figures as a row of a table."""
+        return {
+            "person": self.person,
+            "limb": self.limb,
+            "n": self.n,
+            "mean_cm": 100 * self.mean_m,
+            "sd_cm": 100 * self.sd_m,
+            "given_cm": 100 * self.given_m,
+            "difference_cm": 100 * self.difference_m,
+            "difference_percent": 100 * self.difference_share,
+        }
+
+
+def limb_table(
+    series: Iterable[LimbSeries], given: Given | None = None, *, supported_only: bool = True
+) -> tuple[LimbRow, ...]:
+    """Return mean and standard deviation of everybody's limb lengths, the thesis' table 2.
+
+    Parameters
+    ----------
+    series
+        Lengths over time.
+    given
+        True lengths, where known.
+    supported_only
+        Count only the moments at which a camera supports both ends; else all.
+    """
+    return tuple(
+        row for one in series for row in _rows(one, (given or {}).get(one.person), supported_only)
+    )
+
+
+def _rows(
+    series: LimbSeries, given_m: Float64[np.ndarray, "14"] | None, supported_only: bool
+) -> Iterator[LimbRow]:
+    counts = np.isfinite(series.length_m)
+    if supported_only:
+        counts &= series.supported
+    for index, limb in enumerate(LIMBS):
+        length_m = series.length_m[counts[:, index], index]
+        known = length_m if len(length_m) else np.full(1, np.nan)
+        true_m = float("nan") if given_m is None else float(given_m[index])
+        yield LimbRow(
+            series.person, limb, len(length_m), float(known.mean()), float(known.std()), true_m
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class LimbSummary:
+    """All limbs of all people in a few figures; those seen longer weigh more.
+
+    Attributes
+    ----------
+    people
+        How many have a limb that counts.
+    sd_m
+        Mean standard deviation of a limb's length [m].
+    difference_m
+        Mean absolute difference to the true lengths [m]; NaN where none is known.
+    """
+
+    people: int
+    sd_m: float
+    difference_m: float
+
+    def row(self) -> dict[str, float]:
+        """Return the figures as a row of a table."""
+        return {
+            "people": self.people,
+            "limb_sd_cm": 100 * self.sd_m,
+            "limb_difference_cm": 100 * self.difference_m,
+        }
+
+
+def limb_summary(rows: Sequence[LimbRow]) -> LimbSummary:
+    """Sum a table up."""
+    counted = [row for row in rows if row.n]
+    compared = [row for row in counted if np.isfinite(row.difference_m)]
+    return LimbSummary(
+        len({row.person for row in counted}),
+        _weighted([row.sd_m for row in counted], counted),
+        _weighted([abs(row.difference_m) for row in compared], compared),
+    )
+
+
+def _weighted(values: Sequence[float], rows: Sequence[LimbRow]) -> float:
+    return float(np.average(values, weights=[row.n for row in rows])) if rows else float("nan")
+
+
+def true_lengths(people: Iterable[PersonTrack], truth: Truth) -> Given:
+    """Return the true limb lengths of each identity that is the track of a true person.
+
+    A person's true length is the mean over the truth. An identity is the track of whom it is
+    nearest to for most of its time, of those within half a metre, mean over the joints.
+    """
+    of_person = np.array([_mean_length(xyz_m) for xyz_m in truth.xyz_m]).reshape(-1, len(LIMBS))
+    found = {track.person: _whose(track, truth) for track in people}
+    return {identity: of_person[number] for identity, number in found.items() if number is not None}
+
+
+def _mean_length(xyz_m: Float64[np.ndarray, "time 17 3"]) -> Float64[np.ndarray, "14"]:
+    length_m = limb_lengths(xyz_m)
+    known = np.isfinite(length_m)
+    n = known.sum(axis=0)
+    total_m = np.where(known, length_m, 0.0).sum(axis=0)
+    return np.where(n > 0, total_m / np.maximum(n, 1), np.nan)
+
+
+def _whose(track: PersonTrack, truth: Truth) -> int | None:
+    """Return the number of the true person whose track this is, or None."""
+    some = np.unique(np.linspace(0, len(track.t_s) - 1, _MOST_MOMENTS).astype(np.int64))
+    some = some[(track.t_s[some] >= truth.t_s[0]) & (track.t_s[some] <= truth.t_s[-1])]
+    after = np.searchsorted(truth.t_s, track.t_s[some]).clip(0, len(truth.t_s) - 1)
+    before = (after - 1).clip(0)
+    closer = track.t_s[some] - truth.t_s[before] < truth.t_s[after] - track.t_s[some]
+    true_m = truth.xyz_m[:, np.where(closer, before, after)]
+    apart_m = np.linalg.norm(true_m - track.xyz_m[some], axis=-1)
+    known = np.isfinite(apart_m)
+    total_m, joints = np.where(known, apart_m, 0.0).sum(axis=-1), known.sum(axis=-1)
+    mean_m = np.where(joints > 0, total_m / np.maximum(joints, 1), np.inf)
+    near = mean_m.min(axis=0, initial=np.inf) < _NEAR_M
+    if not near.any():
+        return None
+    return int(np.bincount(mean_m.argmin(axis=0)[near]).argmax())

@@ -1,0 +1,95 @@
+"""Limb lengths of real people, measured with a tape, to compare with."""
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from trecsim.lab.evaluation.limbs import LIMBS, Given
+from trecsim.toml_models import Table, file_faults, read_text, validated
+
+KIND = "file of measured limb lengths"
+
+Identity = Annotated[int, Field(ge=0)]
+Fault = tuple[tuple[str | int, ...], str]
+LengthCm = Annotated[float, Field(gt=0, le=200)]
+
+
+class SubjectTable(Table):
+    """One person who was measured."""
+
+    people: Annotated[tuple[Identity, ...], Field(strict=False, min_length=1)]
+    """The identities that the tracks give this person."""
+    lengths_cm: dict[str, LengthCm]
+    """Length by the name of the limb [cm]."""
+
+
+class MeasuredFile(Table):
+    """The whole file."""
+
+    format: Literal["trecsim.limbs/1"]
+    """Names this format."""
+    subjects: dict[str, SubjectTable]
+    """Who was measured, by any name."""
+
+
+def read_measured(path: Path | str) -> Given:
+    """Read measured limb lengths.
+
+    Parameters
+    ----------
+    path
+        A TOML file.
+
+    Raises
+    ------
+    ConfigError
+        It cannot be read, or something in it is wrong; all faults are told with their lines.
+
+    Examples
+    --------
+    >>> path = getfixture("tmp_path") / "measured.toml"
+    >>> _ = path.write_text('''
+    ... format = "trecsim.limbs/1"
+    ... [subjects.one]
+    ... people = [3]
+    ... lengths_cm = { "shoulder line" = 40, "right thigh" = 47 }
+    ... ''')
+    >>> float(read_measured(path)[3][LIMBS.index("right thigh")])
+    0.47
+    """
+    path = Path(path)
+    text = read_text(path, KIND)
+    measured = validated(MeasuredFile, path, text, KIND)
+    faults = [*_unknown_limbs(measured), *_shared_identities(measured)]
+    if faults:
+        raise file_faults(path, text, faults)
+    return {
+        identity: np.array([subject.lengths_cm.get(limb, np.nan) for limb in LIMBS]) / 100.0
+        for subject in measured.subjects.values()
+        for identity in subject.people
+    }
+
+
+def _unknown_limbs(measured: MeasuredFile) -> Iterator[Fault]:
+    for name, subject in measured.subjects.items():
+        for limb in subject.lengths_cm:
+            if limb not in LIMBS:
+                near = get_close_matches(limb, LIMBS, n=1)
+                hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(LIMBS)}"
+                yield ("subjects", name, "lengths_cm", limb), f"no such limb; {hint}"
+
+
+def _shared_identities(measured: MeasuredFile) -> Iterator[Fault]:
+    owner: dict[int, str] = {}
+    for name, subject in measured.subjects.items():
+        for identity in subject.people:
+            if identity in owner:
+                yield (
+                    ("subjects", name, "people"),
+                    f"identity {identity} is also that of {owner[identity]!r}",
+                )
+            owner[identity] = name

@@ -1,0 +1,272 @@
+"""Recorded people as flat arrays, moment by moment, with the moments in which nobody was there."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from jaxtyping import Float, Float64, Int16, Int64
+
+from trecsim.errors import InputError
+from trecsim.skeleton import COCO17
+from trecsim.store.timing_csv import NAME as TIMING
+from trecsim.store.timing_csv import Timing, read_timing
+from trecsim.store.tracks import read_tracks
+from trecsim.values import Snapshot
+
+_MOST_EMPTY = 5_000_000  # two days at 25 a second; more is a slip of a clock
+_SAME_S = 1e-3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moments:
+    """Everybody at every moment; the rows of a moment are those of the people there.
+
+    Attributes
+    ----------
+    t_s
+        The moments, increasing [s].
+    first
+        The rows of moment `i` are ``first[i]`` to ``first[i + 1]``.
+    id
+        Identity of each row.
+    xyz_m
+        Joints in the world frame, NaN where unknown [m].
+    sigma_m
+        One standard deviation of each [m].
+    support
+        Cameras that support each.
+    """
+
+    t_s: Float64[np.ndarray, " moment"]
+    first: Int64[np.ndarray, " edge"]
+    id: Int64[np.ndarray, " row"]
+    xyz_m: Float[np.ndarray, "row joint 3"]
+    sigma_m: Float[np.ndarray, "row joint"]
+    support: Int16[np.ndarray, "row joint"]
+
+    @property
+    def people(self) -> Int64[np.ndarray, " moment"]:
+        """How many people are there at each moment."""
+        return np.diff(self.first)
+
+    @property
+    def moment(self) -> Int64[np.ndarray, " row"]:
+        """The moment of each row."""
+        return np.repeat(np.arange(len(self.t_s)), self.people)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recorded:
+    """Tracks from a file, and the times at which the file may have left somebody out.
+
+    Attributes
+    ----------
+    path
+        Where they came from.
+    moments
+        Those in the file: at each of them somebody is there.
+    frame_set_t_s
+        The times of all moments, with those when nobody was there; None where nothing tells.
+    other_timing
+        A file with times that are not those of the tracks; None when there is none.
+    """
+
+    path: Path
+    moments: Moments
+    frame_set_t_s: Float64[np.ndarray, " step"] | None
+    other_timing: Path | None
+
+
+def gather(snapshots: Iterable[Snapshot], dtype: npt.DTypeLike = np.float64) -> Moments:
+    """Lay snapshots out flat.
+
+    Parameters
+    ----------
+    snapshots
+        In order of time.
+    dtype
+        Of positions and uncertainties; float32 is what files keep.
+
+    Raises
+    ------
+    InputError
+        Their people have different numbers of joints.
+    """
+    t_s: list[float] = []
+    people: list[int] = []
+    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
+    for snapshot in snapshots:
+        t_s.append(snapshot.t_s)
+        people.append(len(snapshot.id))
+        if len(snapshot.id):
+            sigma_m = snapshot.sigma_m.astype(dtype)
+            support = np.minimum(snapshot.support, 2**15 - 1).astype(np.int16)
+            parts.append((snapshot.id, snapshot.xyz_m.astype(dtype), sigma_m, support))
+    joints = {part[1].shape[1] for part in parts} or {len(COCO17.joints)}
+    if len(joints) > 1:
+        raise InputError(f"people have different numbers of joints: {sorted(joints)}")
+    nobody = _nobody(joints.pop(), dtype)
+    identity, xyz_m, sigma_m, support = (
+        np.concatenate(arrays) for arrays in zip(nobody, *parts, strict=True)
+    )
+    first = np.concatenate([[0], np.cumsum(np.array(people, np.int64))])
+    return Moments(np.array(t_s), first, identity, xyz_m, sigma_m, support)
+
+
+def _nobody(
+    joints: int, dtype: npt.DTypeLike
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    return (
+        np.empty(0, np.int64),
+        np.empty((0, joints, 3), dtype),
+        np.empty((0, joints), dtype),
+        np.empty((0, joints), np.int16),
+    )
+
+
+def read_moments(path: Path | str) -> Recorded:
+    """Read tracks and, where a ``timing.csv`` lies beside them, the times of all frame sets.
+
+    Parameters
+    ----------
+    path
+        Tracks as `read_tracks` takes them: a file, or the directory of a recording.
+
+    Raises
+    ------
+    InputError
+        When one of the files is not right.
+    """
+    path = Path(path)
+    moments = gather(read_tracks(path), np.float32)
+    timing = (path if path.is_dir() else path.parent) / TIMING
+    if not timing.is_file():
+        return Recorded(path, moments, None, None)
+    times_s = _times_of(moments, read_timing(timing))
+    return Recorded(path, moments, times_s, timing if times_s is None else None)
+
+
+def _times_of(moments: Moments, timing: Timing) -> Float64[np.ndarray, " step"] | None:
+    """Return the times of all frame sets less the lag, or None when these are other tracks."""
+    for lag_s in (_lag_s(moments, timing), 0.0):
+        times_s = np.unique(timing.t_s) - lag_s
+        if len(times_s) and (_nearest_s(moments.t_s, times_s) <= _SAME_S).all():
+            return times_s
+    return None
+
+
+def _lag_s(moments: Moments, timing: Timing) -> float:
+    """Return by how much the tracks lag behind the frame sets, if they are of the same run.
+
+    Wherever a frame set left somebody, the tracks have a moment; the lag is what lies between.
+    """
+    with_somebody_s = timing.t_s[timing.people > 0]
+    if not len(moments.t_s) or len(with_somebody_s) != len(moments.t_s):
+        return 0.0
+    return float(np.median(with_somebody_s - moments.t_s))
+
+
+def with_empty_moments(
+    recorded: Recorded, from_s: float, until_s: float, otherwise_s: Float64[np.ndarray, " time"]
+) -> Moments:
+    """Return the moments from one time until another, those without anybody among them.
+
+    A file of tracks has no row for a moment in which nobody was there; left out, everybody who was
+    missed then would be forgotten. The times are those of the frame sets where they are known.
+    Elsewhere the moments lie one median interval apart, from the beginning to the end.
+
+    Parameters
+    ----------
+    recorded
+        The tracks.
+    from_s, until_s
+        The time that counts [s].
+    otherwise_s
+        The moments of tracks too short to have an interval [s].
+
+    Raises
+    ------
+    InputError
+        There would be millions of moments without anybody.
+    """
+    there = within(recorded.moments, from_s, until_s)
+    if recorded.frame_set_t_s is not None:
+        times_s = recorded.frame_set_t_s
+        nearest = _nearest_s(times_s, recorded.moments.t_s)
+        empty_s = times_s[nearest > _SAME_S]
+    elif len(recorded.moments.t_s) < 2:
+        empty_s = otherwise_s[~np.isin(otherwise_s, recorded.moments.t_s)]
+    else:
+        step_s = interval_s(recorded.moments)
+        empty_s = _missing_s(there.t_s, step_s, from_s, until_s)
+    return _merged(there, empty_s[(empty_s >= from_s) & (empty_s <= until_s)])
+
+
+def interval_s(moments: Moments) -> float:
+    """Return the median time from one moment to the next [s]; NaN with fewer than two."""
+    return float(np.median(np.diff(moments.t_s))) if len(moments.t_s) > 1 else float("nan")
+
+
+def within(moments: Moments, from_s: float, until_s: float) -> Moments:
+    """Return the moments from one time until another, both included [s]."""
+    begin = int(np.searchsorted(moments.t_s, from_s))
+    end = max(int(np.searchsorted(moments.t_s, until_s, side="right")), begin)
+    rows = slice(moments.first[begin], moments.first[end])
+    return Moments(
+        moments.t_s[begin:end],
+        moments.first[begin : end + 1] - moments.first[begin],
+        *(array[rows] for array in (moments.id, moments.xyz_m, moments.sigma_m, moments.support)),
+    )
+
+
+def _nearest_s(
+    t_s: Float64[np.ndarray, " one"], others_s: Float64[np.ndarray, " other"]
+) -> Float64[np.ndarray, " one"]:
+    """Return how far from each time the nearest of the others is."""
+    if not len(others_s):
+        return np.full(len(t_s), np.inf)
+    after = np.searchsorted(others_s, t_s).clip(0, len(others_s) - 1)
+    before = (after - 1).clip(0)
+    before_s, after_s = np.abs(others_s[before] - t_s), np.abs(others_s[after] - t_s)
+    nearest_s: Float64[np.ndarray, " one"] = np.minimum(before_s, after_s)
+    return nearest_s
+
+
+def _missing_s(
+    t_s: Float64[np.ndarray, " moment"], step_s: float, from_s: float, until_s: float
+) -> Float64[np.ndarray, " empty"]:
+    """Return the moments that are missing before, between and behind those there are."""
+    if not len(t_s):
+        return from_s + step_s * np.arange(_steps(until_s - from_s, step_s) + 1)
+    before = np.arange(_steps(t_s[0] - from_s, step_s), 0, -1)
+    behind = np.arange(1, _steps(until_s - t_s[-1], step_s) + 1)
+    gaps_s = np.diff(t_s)
+    missing = np.maximum(np.rint(gaps_s / step_s) - 1, 0)
+    _steps(float(missing.sum()), 1.0)
+    count = missing.astype(np.int64)
+    start = np.repeat(np.arange(len(gaps_s)), count)
+    number = np.arange(len(start)) - np.repeat(np.cumsum(count) - count, count) + 1
+    inside_s = t_s[start] + gaps_s[start] * number / (count[start] + 1)
+    empty_s = np.concatenate([t_s[0] - step_s * before, inside_s, t_s[-1] + step_s * behind])
+    return empty_s.clip(from_s, until_s)  # rounding
+
+
+def _steps(span_s: float, step_s: float) -> int:
+    """Return how many whole steps fit into a span of time."""
+    steps = span_s / step_s + 1e-6
+    if steps > _MOST_EMPTY:
+        raise InputError(
+            f"at one moment each {step_s:.3g} s, as in the tracks, nobody would be there at "
+            f"{steps:.3g} moments: are the times of tracks and truth right?"
+        )
+    return int(steps)
+
+
+def _merged(there: Moments, empty_s: Float64[np.ndarray, " empty"]) -> Moments:
+    t_s = np.concatenate([there.t_s, empty_s])
+    people = np.concatenate([there.people, np.zeros(len(empty_s), np.int64)])
+    order = np.argsort(t_s, kind="stable")
+    first = np.concatenate([[0], np.cumsum(people[order])])
+    return replace(there, t_s=t_s[order], first=first)

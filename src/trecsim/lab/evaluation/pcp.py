@@ -1,0 +1,316 @@
+"""PCP3D: the share of correct body parts, as the literature counts it on Shelf and Campus."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from trecsim.errors import InputError
+from trecsim.lab.evaluation.assignment import best_pairs
+from trecsim.lab.evaluation.pcp_joints import (
+    GROUP_OF_PART,
+    GROUPS,
+    LIMB_JOINTS,
+    N_PARTS,
+    parts_correct,
+)
+
+Matching = Literal["nearest", "exclusive"]
+
+AVERAGED_ACTORS = 3  # the fourth of Shelf is left out of every published average
+FOUND_M = 0.5  # mean distance over the joints within which somebody counts as found
+
+
+@dataclass(frozen=True, slots=True)
+class ActorPcp:
+    """How one annotated person was found.
+
+    Attributes
+    ----------
+    actor
+        Number, from 1 as in the literature.
+    frames
+        In how many frames the person is annotated.
+    correct, total
+        Parts that are right, of all; ten a frame.
+    group_correct, group_total
+        The same for each of :data:`GROUPS`.
+    found
+        Frames in which somebody is within half a metre, mean over the joints.
+    switches
+        How often another identity was found than the time before.
+    claims
+        People found, in those frames, who are nearer to this person than to any other annotated
+        one, and within half a metre of it.
+    claimed
+        Frames with at least one of them.
+    limb_joints, error_m
+        How many of the 12 limb joints were found in those frames, and the sum of their errors [m].
+    """
+
+    actor: int
+    frames: int
+    correct: int
+    total: int
+    group_correct: tuple[int, ...]
+    group_total: tuple[int, ...]
+    found: int
+    switches: int
+    claims: int
+    claimed: int
+    limb_joints: int
+    error_m: float
+
+    @property
+    def pcp(self) -> float:
+        """Correct parts of all [%]; NaN if never annotated."""
+        return _percent(self.correct, self.total)
+
+    @property
+    def missed(self) -> int:
+        """Frames in which nobody was found within half a metre."""
+        return self.frames - self.found
+
+    @property
+    def precision(self) -> float:
+        """Of those found at this person the share that is not one too many; NaN if none."""
+        return self.claimed / self.claims if self.claims else float("nan")
+
+    @property
+    def mpjpe_m(self) -> float:
+        """Mean error of the 12 limb joints where found [m]; NaN if never."""
+        return self.error_m / self.limb_joints if self.limb_joints else float("nan")
+
+    def row(self) -> dict[str, float]:
+        """Return the figures as a row of a table."""
+        groups = zip(GROUPS, self.group_correct, self.group_total, strict=True)
+        return {
+            "actor": self.actor,
+            "frames": self.frames,
+            "correct": self.correct,
+            "total": self.total,
+            "pcp": self.pcp,
+            **{group: _percent(correct, total) for group, correct, total in groups},
+            "missed": self.missed,
+            "switches": self.switches,
+            "precision": self.precision,
+            "mpjpe_mm": 1e3 * self.mpjpe_m,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Pcp:
+    """PCP3D of a recording.
+
+    Attributes
+    ----------
+    actors
+        In the order of the annotation.
+    """
+
+    actors: tuple[ActorPcp, ...]
+
+    @property
+    def average(self) -> float:
+        """Mean PCP of the first three actors [%], each with the same weight; the figure quoted."""
+        return _mean([actor.pcp for actor in self.actors[:AVERAGED_ACTORS]])
+
+    @property
+    def groups(self) -> dict[str, float]:
+        """PCP per group of parts, mean over the first three actors [%]."""
+        rows = [actor.row() for actor in self.actors[:AVERAGED_ACTORS]]
+        return {group: _mean([row[group] for row in rows]) for group in GROUPS}
+
+    @property
+    def recall(self) -> float:
+        """Share of all annotated person-frames in which somebody is within half a metre."""
+        frames = sum(actor.frames for actor in self.actors)
+        return self.found / frames if frames else float("nan")
+
+    @property
+    def found(self) -> int:
+        """Person-frames in which somebody is within half a metre."""
+        return sum(actor.found for actor in self.actors)
+
+    @property
+    def missed(self) -> int:
+        """Person-frames in which nobody is."""
+        return sum(actor.missed for actor in self.actors)
+
+    @property
+    def switches(self) -> int:
+        """How often another identity was found than the time before, over all actors."""
+        return sum(actor.switches for actor in self.actors)
+
+    @property
+    def mpjpe_m(self) -> float:
+        """Mean error of the 12 limb joints over all person-frames found [m]; NaN if none."""
+        joints = sum(actor.limb_joints for actor in self.actors)
+        return sum(actor.error_m for actor in self.actors) / joints if joints else float("nan")
+
+    def summary(self) -> dict[str, float]:
+        """Return the figures of all actors together."""
+        return {
+            "pcp": self.average,
+            **{f"pcp_actor_{actor.actor}": actor.pcp for actor in self.actors},
+            "recall_500mm": self.recall,
+            "missed": self.missed,
+            "switches": self.switches,
+            "mpjpe_mm": 1e3 * self.mpjpe_m,
+        }
+
+
+def _percent(part: int, whole: int) -> float:
+    return 100.0 * part / whole if whole else float("nan")
+
+
+def _mean(values: Sequence[float]) -> float:
+    known = [value for value in values if not np.isnan(value)]
+    return sum(known) / len(known) if known else float("nan")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """Who was found in one frame.
+
+    Attributes
+    ----------
+    id
+        Identities.
+    joints_m
+        Their joints as annotated, see :func:`annotated_joints` [m].
+    """
+
+    id: Int64[np.ndarray, " person"]
+    joints_m: Float64[np.ndarray, "person 14 3"]
+
+
+def count_pcp(
+    frames: Sequence[Found],
+    truth_m: Float64[np.ndarray, "actor frame 14 3"],
+    matching: Matching = "nearest",
+) -> Pcp:
+    """Count correct parts.
+
+    Parameters
+    ----------
+    frames
+        Who was found, one entry per frame of the annotation; nobody where nothing is known.
+    truth_m
+        The annotation; a person of whom any joint is NaN in a frame is not annotated there [m].
+    matching
+        ``"nearest"``: everybody annotated takes whoever is nearest, mean over the joints, and two
+        may take the same. ``"exclusive"``: the pairs with the least sum of distances, nobody twice.
+
+    Raises
+    ------
+    InputError
+        The two have not equally many frames.
+
+    Notes
+    -----
+    How far somebody is takes the mean over the joints that are not NaN. Identities count where
+    somebody was found within half a metre.
+    """
+    if len(frames) != truth_m.shape[1]:
+        raise InputError(
+            f"expected who was found in {truth_m.shape[1]} frames, as many as are annotated, "
+            f"got {len(frames)}"
+        )
+    counts = [_Count() for _ in truth_m]
+    there = np.isfinite(truth_m).all(axis=(2, 3))
+    for frame, found in enumerate(frames):
+        actors = np.flatnonzero(there[:, frame])
+        bodies_m = truth_m[actors, frame]
+        apart_m = _apart(bodies_m, found.joints_m)
+        for row, column in _matches(apart_m, matching):
+            counts[actors[row]].add(bodies_m[row], found, column, float(apart_m[row, column]))
+        _claim([counts[actor] for actor in actors], apart_m)
+    return Pcp(
+        tuple(
+            count.result(number + 1, int(there[number].sum()))
+            for number, count in enumerate(counts)
+        )
+    )
+
+
+def _apart(
+    truth_m: Float64[np.ndarray, "actor 14 3"], found_m: Float64[np.ndarray, "found 14 3"]
+) -> Float64[np.ndarray, "actor found"]:
+    """Return the mean distance over the joints both know; infinite where there is none."""
+    distance_m = np.linalg.norm(truth_m[:, None] - found_m[None], axis=-1)
+    known = np.isfinite(distance_m)
+    total_m, joints = np.where(known, distance_m, 0.0).sum(axis=-1), known.sum(axis=-1)
+    return np.where(joints > 0, total_m / np.maximum(joints, 1), np.inf)
+
+
+def _matches(
+    apart_m: Float64[np.ndarray, "actor found"], matching: Matching
+) -> Iterator[tuple[int, int]]:
+    if not apart_m.shape[1]:
+        return
+    if matching == "nearest":
+        yield from ((row, int(column)) for row, column in enumerate(apart_m.argmin(axis=1)))
+        return
+    finite_m = np.where(np.isfinite(apart_m), apart_m, np.nan)
+    yield from best_pairs(finite_m, gate=float(np.nanmax(finite_m, initial=0.0)))
+
+
+def _claim(counts: "Sequence[_Count]", apart_m: Float64[np.ndarray, "actor found"]) -> None:
+    if not apart_m.size:
+        return
+    nearest = apart_m.argmin(axis=0)[apart_m.min(axis=0) < FOUND_M]
+    for row, count in enumerate(counts):
+        claims = int((nearest == row).sum())
+        count.claims += claims
+        count.claimed += claims > 0
+
+
+@dataclass(slots=True)
+class _Count:
+    parts: Int64[np.ndarray, " group"] = field(
+        default_factory=lambda: np.zeros(len(GROUPS), np.int64)
+    )
+    found: int = 0
+    switches: int = 0
+    claims: int = 0
+    claimed: int = 0
+    limb_joints: int = 0
+    error_m: float = 0.0
+    identity: int | None = None
+
+    def add(
+        self, truth_m: Float64[np.ndarray, "14 3"], found: Found, column: int, apart_m: float
+    ) -> None:
+        body_m = found.joints_m[column]
+        right = parts_correct(body_m, truth_m)
+        self.parts += np.bincount(GROUP_OF_PART[right], minlength=len(GROUPS))
+        if not apart_m < FOUND_M:
+            return
+        self.found += 1
+        error_m = np.linalg.norm(body_m - truth_m, axis=-1)[:LIMB_JOINTS]
+        known = np.isfinite(error_m)
+        self.limb_joints += int(known.sum())
+        self.error_m += float(error_m[known].sum())
+        identity = int(found.id[column])
+        self.switches += self.identity not in (None, identity)
+        self.identity = identity
+
+    def result(self, actor: int, frames: int) -> ActorPcp:
+        group_total = frames * np.bincount(GROUP_OF_PART)
+        return ActorPcp(
+            actor=actor,
+            frames=frames,
+            correct=int(self.parts.sum()),
+            total=N_PARTS * frames,
+            group_correct=tuple(self.parts.tolist()),
+            group_total=tuple(group_total.tolist()),
+            found=self.found,
+            switches=self.switches,
+            claims=self.claims,
+            claimed=self.claimed,
+            limb_joints=self.limb_joints,
+            error_m=self.error_m,
+        )

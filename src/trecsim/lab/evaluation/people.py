@@ -1,0 +1,56 @@
+"""Tracks person by person, as arrays over time."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Float64, Int16, Int64
+
+from trecsim.lab.evaluation.moments import Moments
+
+GAP_PERIODS = 1.5  # a longer step than this is a gap, not the next moment
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PersonTrack:
+    """Where one identity was.
+
+    Attributes
+    ----------
+    person
+        The identity.
+    t_s
+        The moments at which it was there, increasing [s].
+    xyz_m
+        Its joints in the world frame; NaN where not known [m].
+    support
+        Cameras that support each joint; 0 means it is carried along.
+    """
+
+    person: int
+    t_s: Float64[np.ndarray, " time"]
+    xyz_m: Float[np.ndarray, "time joint 3"]
+    support: Int16[np.ndarray, "time joint"]
+
+
+def people_of(moments: Moments) -> tuple[PersonTrack, ...]:
+    """Return everybody's track, in order of their identities."""
+    order = np.argsort(moments.id, kind="stable")
+    identity, first = np.unique(moments.id[order], return_index=True)
+    t_s = moments.t_s[moments.moment[order]]
+    xyz_m, support = moments.xyz_m[order], moments.support[order]
+    edges = np.append(first, len(order))
+    return tuple(
+        PersonTrack(int(person), t_s[rows], xyz_m[rows], support[rows])
+        for person, rows in zip(identity, map(slice, edges, edges[1:]), strict=False)
+    )
+
+
+def pieces(t_s: Float64[np.ndarray, " time"], usual_s: float) -> Int64[np.ndarray, " time"]:
+    """Return for each moment of a track the number of the piece without a gap it belongs to.
+
+    Examples
+    --------
+    >>> pieces(np.array([0.0, 0.04, 0.08, 0.2, 0.24]), 0.04)
+    array([0, 0, 0, 1, 1])
+    """
+    return np.cumsum(np.diff(t_s, prepend=t_s[:1]) > GAP_PERIODS * usual_s)

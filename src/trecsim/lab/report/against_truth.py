@@ -1,0 +1,108 @@
+"""How far a recording is from the known truth."""
+
+from trecsim.errors import SetupError
+from trecsim.lab.evaluation.evaluating import evaluate
+from trecsim.lab.evaluation.latency import Delay
+from trecsim.lab.evaluation.scores import JointScore, Scores
+from trecsim.lab.report.page import Block, Fact, Facts, Figure, Section, Table, Text
+from trecsim.lab.report.recording import Recording
+from trecsim.lab.report.style import ACCENT, PAPER, as_svg, figure, quiet
+
+TITLE = "Against the truth"
+LEAD = "Where everybody truly was is known for this recording, made or annotated."
+
+
+def scores_of(recording: Recording) -> Scores | str | None:
+    """Return the scores; what is lacking to compute them; None without a truth.
+
+    Raises
+    ------
+    InputError
+        Tracks and truth do not belong together.
+    """
+    if recording.truth is None:
+        return None
+    from_s, until_s = recording.range_s
+    try:
+        return evaluate(
+            recording.places.tracks, recording.truth, from_s=from_s, until_s=until_s
+        ).scores
+    except SetupError as error:
+        return str(error)
+
+
+def section(scores: Scores | str) -> Section:
+    """Return errors, what was missed, and how well identities were kept."""
+    if isinstance(scores, str):
+        return Section(TITLE, [Text(f"The scores could not be computed: {scores}", "missing")])
+    blocks: list[Block] = [Facts(_facts(scores))]
+    if scores.error.found:
+        blocks.append(Figure(_errors(scores), _CAPTION, "Error by joint"))
+    blocks.append(_table(scores))
+    return Section(TITLE, blocks, LEAD)
+
+
+_CAPTION = (
+    "Distance of each joint from where it truly was, of people found: the dot is the median, the "
+    "bar reaches to where 95 % are."
+)
+
+
+def _facts(scores: Scores) -> list[Fact]:
+    error, identity = scores.error, scores.identity
+    return [
+        Fact("error of a joint", _cm(error.median_m), f"median; 95 % within {_cm(error.p95_m)}"),
+        Fact("found within 15 cm", _percent(error.recall_15cm), "of all true joints"),
+        Fact("missed", _percent(scores.missed_share), "of everybody's time"),
+        Fact("ghosts", _percent(scores.ghosts_share), "as a share of the same"),
+        Fact("identity switches", f"{identity.switches}", f"IDF1 {_number(identity.idf1)}"),
+        Fact("right count", _percent(scores.right_count), "of the moments"),
+    ]
+
+
+def _cm(length_m: float) -> str:
+    return f"{100 * length_m:.1f} cm" if length_m == length_m else "–"
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %" if share == share else "–"
+
+
+def _number(score: float) -> str:
+    return f"{score:.3f}" if score == score else "–"
+
+
+def _seconds(delay: Delay) -> str:
+    return f"{delay.median_s:.2f} s" if delay.median_s == delay.median_s else "–"
+
+
+def _errors(scores: Scores) -> str:
+    joints: tuple[JointScore, ...] = scores.joints
+    with figure(3.9) as drawing:
+        axes = drawing.add_subplot()
+        for row, joint in enumerate(joints):
+            axes.plot([0, 100 * joint.p95_m], [row, row], color=ACCENT, linewidth=4.5, alpha=0.3)
+            axes.plot(100 * joint.median_m, row, "o", color=ACCENT, ms=6, mec=PAPER, mew=0.8)
+        axes.set_yticks(range(len(joints)), [joint.joint.replace("_", " ") for joint in joints])
+        axes.set(ylim=(len(joints) - 0.4, -0.6), xlabel="error [cm]")
+        axes.set_xlim(left=0)
+        quiet(axes, grid="x")
+        return as_svg(drawing, "truth")
+
+
+def _table(scores: Scores) -> Table:
+    identity, honesty, latency = scores.identity, scores.honesty, scores.latency
+    rows = [
+        ("mean error of a joint (MPJPE)", _cm(scores.error.mean_m), "of people found"),
+        ("IDF1", _number(identity.idf1), "share of the time with the right identity"),
+        ("MOTA", _number(identity.mota), "1 less the shares of missed, ghosts and switches"),
+        ("HOTA", _number(identity.hota), "detection and association together"),
+        (
+            "truth within the stated 90 % region",
+            _percent(honesty.within_90),
+            "90 % is honest, less is too sure, more is too modest",
+        ),
+        ("found after coming", _seconds(latency.birth), "median time until somebody is followed"),
+        ("forgotten after leaving", _seconds(latency.death), "median time until a track ends"),
+    ]
+    return Table(("score", "value", "meaning"), rows, align=("left", "right", "left"))

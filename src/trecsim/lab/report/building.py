@@ -1,0 +1,153 @@
+"""A report on a recording, from its files to one page."""
+
+import math
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+from trecsim.lab.evaluation.limbs import Given, limb_series, limb_summary, limb_table, true_lengths
+from trecsim.lab.evaluation.measured import read_measured
+from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.report import (
+    against_truth,
+    cameras_section,
+    floor_section,
+    limbs_section,
+    people_section,
+    summary,
+    uncertainty,
+)
+from trecsim.lab.report.coverage import facts_of
+from trecsim.lab.report.page import Section, Text, page
+from trecsim.lab.report.places import find
+from trecsim.lab.report.recording import Progress, Recording, read_recording
+from trecsim.lab.report.style import need_matplotlib
+from trecsim.store.atomic import atomic_write
+
+
+@dataclass(frozen=True, slots=True)
+class ReportSummary:
+    """What came of a report.
+
+    Attributes
+    ----------
+    out
+        The page; None is `report.html` in the folder of the recording.
+    bytes
+        Its size.
+    sections
+        Headings of its parts.
+    moments, identities
+        In the recording.
+    length_s
+        How long that is [s].
+    warnings
+        What should make one look twice.
+    """
+
+    out: Path
+    bytes: int
+    sections: tuple[str, ...]
+    moments: int
+    identities: int
+    length_s: float
+    warnings: tuple[str, ...]
+
+
+def report(
+    recording: Path | str,
+    out: Path | str | None = None,
+    *,
+    rig: Path | None = None,
+    poses: Path | None = None,
+    truth: Path | None = None,
+    lengths: Path | None = None,
+    from_s: float = 0.0,
+    to_s: float = math.inf,
+    progress: Progress | None = None,
+) -> ReportSummary:
+    """Write a page about a recording: what happened, and how far it can be trusted.
+
+    Parameters
+    ----------
+    recording
+        A folder that `trecsim run` has made or one with tracks beside rig and poses, or a file of
+        tracks.
+    out
+        The page; None is `report.html` in the folder of the recording.
+    rig, poses, truth
+        Where they lie, if not in the folder.
+    lengths
+        Limb lengths measured with a tape, to compare with (TOML).
+    from_s, to_s
+        The part of the recording to take, counted from its start [s].
+    progress
+        Told the number of moments read.
+
+    Raises
+    ------
+    InputError
+        A file is not right.
+    SetupError
+        Matplotlib or Jinja is not installed, or the disk is full.
+    """
+    need_matplotlib()
+    recording = Path(recording)
+    folder = recording if recording.is_dir() else recording.parent
+    out = Path(out) if out is not None else folder / "report.html"
+    places = find(recording, rig=rig, poses=poses, truth=truth)
+    measured = read_measured(lengths) if lengths is not None else None
+    read = read_recording(places, from_s=from_s, to_s=to_s, progress=progress)
+    sections = _sections(read, measured)
+    now = datetime.now(UTC)
+    text = page(
+        f"Report on {read.name}",
+        sections,
+        subtitle=summary.subtitle(read),
+        footer=f"Made by trecsim {version('mc3d-trecsim')} on {now:%d %B %Y} from {places.tracks}",
+    )
+    with atomic_write(out) as file:
+        file.write(text)
+    return ReportSummary(
+        out=out,
+        bytes=len(text.encode()),
+        sections=tuple(section.title for section in sections),
+        moments=read.moment_count,
+        identities=len(read.stays),
+        length_s=read.length_s,
+        warnings=tuple(
+            block.text
+            for block in sections[0].blocks
+            if isinstance(block, Text) and block.kind == "warning"
+        ),
+    )
+
+
+def _sections(recording: Recording, measured: Given | None) -> list[Section]:
+    given, source = _given(recording, measured)
+    seen = facts_of(recording)
+    series = limb_series(people_of(recording.sample))
+    table = limb_table(series, given)
+    scores = against_truth.scores_of(recording)
+    known = None if isinstance(scores, str) else scores
+    sections = [summary.section(recording, seen, limb_summary(table), known, series)]
+    if scores is not None:
+        sections.append(against_truth.section(scores))
+    return [
+        *sections,
+        people_section.section(recording),
+        floor_section.section(recording),
+        limbs_section.section(recording, given, source),
+        cameras_section.section(recording, seen),
+        uncertainty.section(recording),
+    ]
+
+
+def _given(recording: Recording, measured: Given | None) -> tuple[Given, str]:
+    """Return lengths to compare with, and where they come from."""
+    if measured is not None:
+        return measured, "measured"
+    if recording.truth is not None:
+        return true_lengths(people_of(recording.sample), recording.truth), "true"
+    return {}, ""

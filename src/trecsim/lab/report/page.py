@@ -1,0 +1,184 @@
+"""One self-contained HTML page: no outside request, light and dark, good on paper."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from typing import Literal
+
+from trecsim.errors import SetupError
+from trecsim.lab.report.style import css_variables
+
+Alignment = Literal["left", "right"]
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A paragraph.
+
+    Attributes
+    ----------
+    text
+        What it says.
+    kind
+        ``"warning"`` stands out, ``"missing"`` says what would be needed for more, ``"good"``
+        that all is well.
+    """
+
+    text: str
+    kind: Literal["plain", "warning", "missing", "good"] = "plain"
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One number that shall be seen first.
+
+    Attributes
+    ----------
+    label
+        What it is, a few words.
+    value
+        The number with its unit.
+    detail
+        What helps to judge it; may be empty.
+    """
+
+    label: str
+    value: str
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """Some facts, side by side."""
+
+    facts: Sequence[Fact]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows of text under column names.
+
+    Attributes
+    ----------
+    columns
+        Their names.
+    rows
+        As many texts each as there are columns; a number is written as the reader shall see it.
+    caption
+        What one sees.
+    align
+        Of each column; without it the first stands left and the others right.
+    groups
+        Texts over several columns each, with how many; none if empty.
+    swatches
+        A colour per row, drawn before its first text, as `css_colour` returns it.
+    """
+
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+    align: Sequence[Alignment] = ()
+    groups: Sequence[tuple[str, int]] = ()
+    swatches: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        if any(len(row) != len(self.columns) for row in self.rows):
+            raise ValueError(f"every row needs {len(self.columns)} texts")
+
+    @property
+    def classes(self) -> Sequence[str]:
+        """Alignment of each column as the style sheet calls it."""
+        return self.align or ("left", *["right"] * (len(self.columns) - 1))
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A drawing with what one sees in it.
+
+    Attributes
+    ----------
+    svg
+        The drawing as `trecsim.lab.report.style.as_svg` returns it; goes into the page as it is, so
+        it must never be somebody else's file.
+    caption
+        What one sees, in a sentence or two.
+    title
+        A line over it; may be empty.
+    """
+
+    svg: str
+    caption: str
+    title: str = ""
+
+
+Block = Text | Facts | Table | Figure
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A part of the page under a heading.
+
+    Attributes
+    ----------
+    title
+        The heading.
+    blocks
+        What stands in it, in order.
+    lead
+        A sentence under the heading that says what the section is for; may be empty.
+    """
+
+    title: str
+    blocks: Sequence[Block] = field(default_factory=tuple)
+    lead: str = ""
+
+
+def page(
+    title: str, sections: Sequence[Section], *, subtitle: str = "", footer: str = "made by trecsim"
+) -> str:
+    """Return a whole HTML page.
+
+    Parameters
+    ----------
+    title
+        Of the page.
+    sections
+        Its parts.
+    subtitle
+        A line under the title; may be empty.
+    footer
+        The last line.
+
+    Raises
+    ------
+    SetupError
+        Jinja is not installed.
+
+    Examples
+    --------
+    >>> text = page("Trial <1>", [Section("Result", [Text("All went well.")])])
+    >>> "<h1>Trial &lt;1&gt;</h1>" in text, "://" in text
+    (True, False)
+    """
+    try:
+        from jinja2 import Environment, PackageLoader, StrictUndefined
+        from markupsafe import Markup
+    except ImportError:
+        raise SetupError("reports need Jinja: pip install 'mc3d-trecsim[report]'") from None
+    environment = Environment(
+        loader=PackageLoader("trecsim.lab.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals["kind_of"] = lambda block: type(block).__name__
+    style = css_variables() + "\n" + files("trecsim.lab.report").joinpath("page.css").read_text()
+    return environment.get_template("page.html").render(
+        title=title,
+        subtitle=subtitle,
+        sections=sections,
+        footer=footer,
+        style=Markup(style),  # ours: nothing of the input is in it
+        drawing=Markup,
+    )

@@ -1,0 +1,86 @@
+"""Where the pieces of a recording lie."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from trecsim.errors import InputError
+from trecsim.store.names import POSES, RIG, TRUTH
+from trecsim.store.timing_csv import NAME as TIMING
+from trecsim.store.tracks_parquet import parts_of
+
+PIECES = {
+    "rig": RIG,
+    "poses": POSES,
+    "truth": TRUTH,
+    "timing": TIMING,
+    "summary": "summary.json",
+}
+RUN = "run"
+
+
+@dataclass(frozen=True, slots=True)
+class Places:
+    """Where the pieces of a recording lie; None where there is none.
+
+    Attributes
+    ----------
+    tracks
+        A file of tracks, or a directory of parts.
+    rig, poses, truth, timing, summary
+        What else there is.
+    """
+
+    tracks: Path
+    rig: Path | None = None
+    poses: Path | None = None
+    truth: Path | None = None
+    timing: Path | None = None
+    summary: Path | None = None
+
+
+def find(
+    path: Path, *, rig: Path | None = None, poses: Path | None = None, truth: Path | None = None
+) -> Places:
+    """Return where the pieces of a recording lie.
+
+    Parameters
+    ----------
+    path
+        A folder of a recording or of a demo, or a file of tracks; a file stands for itself only.
+    rig, poses, truth
+        Where they lie instead, or in addition.
+
+    Raises
+    ------
+    InputError
+        There are no tracks.
+    """
+    if not path.is_dir() or path.suffix == ".parts":
+        if not path.exists() and not parts_of(path).is_dir():
+            raise InputError(
+                f"there is no recording at {path}; give a folder that `trecsim run` has made, "
+                "or a file of tracks"
+            )
+        return Places(path, rig, poses, truth)
+    folders = (path, path / RUN)  # a demo keeps its run in a folder of its own
+    present = {
+        name: next(folder / file for folder in folders if (folder / file).exists())
+        for name, file in PIECES.items()
+        if any((folder / file).exists() for folder in folders)
+    }
+    given = {"rig": rig, "poses": poses, "truth": truth}
+    present |= {name: place for name, place in given.items() if place is not None}
+    return Places(_tracks_in(folders), **present)
+
+
+def _tracks_in(folders: Sequence[Path]) -> Path:
+    for folder in folders:
+        whole = folder / "tracks.parquet"
+        for tracks in (whole, folder / "tracks.csv", folder / "tracks.csv.partial"):
+            if tracks.exists() or (tracks == whole and parts_of(whole).is_dir()):
+                return tracks
+    raise InputError(
+        f"there are no tracks in {folders[0]}: expected tracks.parquet or tracks.csv, as "
+        "`trecsim run` and `trecsim track` write them"
+    )

@@ -1,0 +1,244 @@
+"""Reads what a report is about: a folder of a recording, or a file of tracks."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.calibration import read_rig
+from trecsim.errors import InputError
+from trecsim.geometry import Rig
+from trecsim.lab.evaluation.moments import Moments
+from trecsim.lab.report.places import Places
+from trecsim.lab.report.thinning import Sampler, Stay
+from trecsim.store.atomic import opened_for_reading
+from trecsim.store.timing_csv import Timing, read_timing
+from trecsim.store.tracks import read_tracks
+from trecsim.store.truth import Truth, read_truth
+
+Progress = Callable[[int, int | None], None]
+
+EARLIEST_UNIX_S = 1e9  # times from here on are dates, others count from some start
+MOST_SHOWN = 8  # people in tables and curves; as many colours can be told apart
+_LARGEST_SUMMARY_BYTES = 10_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """How a report writes times: from the start, in a unit that suits the length.
+
+    Attributes
+    ----------
+    start_s
+        Time zero [s].
+    unit_s, unit
+        Length of the unit [s] and its name.
+    """
+
+    start_s: float
+    unit_s: float = 1.0
+    unit: str = "s"
+
+    def __call__(self, t_s: Float64[np.ndarray, "..."]) -> Float64[np.ndarray, "..."]:
+        """Return times in the unit, from the start."""
+        return np.asarray((t_s - self.start_s) / self.unit_s)
+
+    @property
+    def label(self) -> str:
+        """What stands at an axis."""
+        return f"time from the start [{self.unit}]"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """A recording as a report needs it: all counts, and evenly chosen moments of it.
+
+    Attributes
+    ----------
+    name
+        Of the site, the folder or the file.
+    places
+        Where its pieces lie.
+    start_s, end_s
+        First and last time, of all pieces [s]; NaN if nobody was followed and nothing timed.
+    range_s
+        From when until when moments were taken [s]; may be infinite.
+    moment_count
+        Times at which somebody was there.
+    person_moments
+        Sum of the people over those times.
+    stays
+        When and how often each identity was there, longest first.
+    every
+        Of so many moments two that follow each other are in the sample; 1: all are.
+    period_s
+        Usual time from one moment to the next, of all moments [s]; NaN for fewer than two.
+    sample
+        Evenly chosen moments.
+    rig, timing, truth
+        As their files say; None where there is none.
+    summary
+        What the run said of itself; empty where there is none.
+    """
+
+    name: str
+    places: Places
+    start_s: float
+    end_s: float
+    range_s: tuple[float, float]
+    moment_count: int
+    person_moments: int
+    stays: tuple[Stay, ...]
+    every: int
+    period_s: float
+    sample: Moments
+    rig: Rig | None
+    timing: Timing | None
+    truth: Truth | None
+    summary: dict[str, Any]
+
+    @property
+    def length_s(self) -> float:
+        """How long it is [s]; 0 where nothing is known."""
+        length_s = self.end_s - self.start_s
+        return length_s if math.isfinite(length_s) else 0.0
+
+    @property
+    def length(self) -> float:
+        """How long it is in the unit of its clock, never quite nothing: the end of a time axis."""
+        return max(self.length_s / self.clock.unit_s, 1e-3)
+
+    @property
+    def unfinished(self) -> bool:
+        """Whether the tracks are what an interrupted run left."""
+        tracks = self.places.tracks
+        return tracks.suffix in (".partial", ".parts") or not tracks.exists()
+
+    @property
+    def clock(self) -> Clock:
+        """How to write its times."""
+        start_s = self.start_s if math.isfinite(self.start_s) else 0.0
+        if self.length_s < 300:
+            return Clock(start_s)
+        return (
+            Clock(start_s, 60.0, "min") if self.length_s < 3 * 3600 else Clock(start_s, 3600, "h")
+        )
+
+    @property
+    def shown(self) -> tuple[Stay, ...]:
+        """The people whom tables and curves show: those who were there longest, by arrival."""
+        return tuple(sorted(self.stays[:MOST_SHOWN], key=lambda stay: (stay.first_s, stay.person)))
+
+    @property
+    def number(self) -> dict[int, int]:
+        """Everybody's number, by which colours are given: the shown first, then by arrival."""
+        rest = sorted(self.stays[MOST_SHOWN:], key=lambda stay: (stay.first_s, stay.person))
+        return {stay.person: number for number, stay in enumerate((*self.shown, *rest))}
+
+    @property
+    def t_s(self) -> Float64[np.ndarray, " row"]:
+        """Time of each person-moment of the sample [s]."""
+        return np.repeat(self.sample.t_s, self.sample.people)
+
+    @property
+    def moment_s(self) -> float:
+        """How much time a moment of the sample stands for [s]; 0 where nothing tells."""
+        usual_s = self.moment_count * self.period_s / max(len(self.sample.t_s), 1)
+        return usual_s if math.isfinite(usual_s) else 0.0
+
+
+def read_recording(
+    places: Places,
+    *,
+    from_s: float = 0.0,
+    to_s: float = math.inf,
+    progress: Progress | None = None,
+) -> Recording:
+    """Read a recording, one moment at a time, in little memory.
+
+    Parameters
+    ----------
+    places
+        Where its pieces lie.
+    from_s, to_s
+        The part of it to take, counted from its start [s].
+    progress
+        Told the number of moments read.
+
+    Raises
+    ------
+    InputError
+        A piece is not right, or there is nothing in that part of time.
+    """
+    if not 0.0 <= from_s < to_s:
+        raise InputError(f"the part to take must have a length, got from {from_s:g} to {to_s:g} s")
+    rig = read_rig(places.rig) if places.rig is not None else None
+    truth = read_truth(places.truth) if places.truth is not None else None
+    timing = read_timing(places.timing) if places.timing is not None else None
+    summary = _read_summary(places.summary) if places.summary is not None else {}
+    start_s = float(timing.t_s[0]) if timing is not None and len(timing.t_s) else None
+    sampler = Sampler(start_s, from_s, to_s)
+    for number, snapshot in enumerate(read_tracks(places.tracks), start=1):
+        if snapshot.xyz_m.shape[1] != 17:
+            raise InputError(f"{places.tracks}: expected the 17 joints of coco17")
+        sampler.add(snapshot)
+        if progress is not None:
+            progress(number, None)
+    if (from_s > 0 or math.isfinite(to_s)) and not sampler.moments:
+        raise InputError(
+            f"{places.tracks}: there is nobody from {from_s:g} s to {to_s:g} s after the start"
+        )
+    timing = _part(timing, sampler)
+    seen_s = [*sampler.span_s, *(timing.t_s[[0, -1]] if timing and len(timing.t_s) else ())]
+    known_s = [t_s for t_s in seen_s if math.isfinite(t_s)] or [math.nan]
+    return Recording(
+        name=_name(places, summary),
+        places=places,
+        start_s=float(min(known_s)),
+        end_s=float(max(known_s)),
+        range_s=sampler.range_s,
+        moment_count=sampler.moments,
+        person_moments=sampler.person_moments,
+        stays=sampler.stays(),
+        every=sampler.every,
+        period_s=sampler.period_s,
+        sample=sampler.sample(),
+        rig=rig,
+        timing=timing,
+        truth=truth,
+        summary=summary,
+    )
+
+
+def _part(timing: Timing | None, sampler: Sampler) -> Timing | None:
+    if timing is None or not len(timing.t_s):
+        return timing
+    low_s, high_s = sampler.range_s
+    chosen = (timing.t_s >= low_s) & (timing.t_s <= high_s)
+    columns = (timing.t_s, timing.images, timing.people, timing.fusion_ms)
+    return Timing(*(column[chosen] for column in columns))
+
+
+def _name(places: Places, summary: dict[str, Any]) -> str:
+    site = summary.get("site")
+    if isinstance(site, str) and site:
+        return site[:100]
+    tracks = places.tracks.resolve()
+    return tracks.parent.name if tracks.name.startswith("tracks.") else tracks.stem
+
+
+def _read_summary(path: Path) -> dict[str, Any]:
+    with opened_for_reading(path) as file:
+        text = file.read(_LARGEST_SUMMARY_BYTES + 1)
+    try:
+        summary = json.loads(text) if len(text) <= _LARGEST_SUMMARY_BYTES else None
+    except (ValueError, RecursionError):
+        summary = None
+    if not isinstance(summary, dict):
+        raise InputError(f"{path} is not a summary of a run: expected one JSON object")
+    return summary

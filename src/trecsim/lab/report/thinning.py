@@ -1,0 +1,149 @@
+"""Evenly chosen moments of a recording, however long, in little memory."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float32, Int16, Int64
+
+from trecsim.lab.evaluation.moments import Moments
+from trecsim.values import Snapshot
+
+MOST_ROWS = 60_000  # person-moments that are kept; beyond, half of the moments are dropped
+
+
+@dataclass(slots=True)
+class Stay:
+    """When one identity was there.
+
+    Attributes
+    ----------
+    person
+        The identity.
+    first_s, last_s
+        First and last time [s].
+    moments
+        At how many times.
+    """
+
+    person: int
+    first_s: float
+    last_s: float
+    moments: int = 0
+
+
+Kept = tuple[
+    int,
+    float,
+    Int64[np.ndarray, " person"],
+    Float32[np.ndarray, "person 17 3"],
+    Float32[np.ndarray, "person 17"],
+    Int16[np.ndarray, "person 17"],
+]
+"""Number, time, identities, joints, their uncertainty and support: a snapshot in little memory."""
+
+
+@dataclass(slots=True)
+class Sampler:
+    """Takes snapshots, counts all of them and keeps one of every so many.
+
+    Attributes
+    ----------
+    start_s
+        From when `from_s` and `to_s` count [s]; None: from the first snapshot.
+    from_s, to_s
+        The part of the recording to take [s].
+    most_rows
+        Person-moments to keep at most.
+    every
+        Of so many moments two that follow each other are kept; 1: all are.
+    moments, person_moments
+        How many there were in all.
+    """
+
+    start_s: float | None = None
+    from_s: float = 0.0
+    to_s: float = math.inf
+    most_rows: int = MOST_ROWS
+    every: int = 1
+    moments: int = 0
+    person_moments: int = 0
+    _kept: list[Kept] = field(default_factory=list)
+    _rows: int = 0
+    _stays: dict[int, Stay] = field(default_factory=dict)
+
+    def add(self, snapshot: Snapshot) -> None:
+        """Take in one moment."""
+        if self.start_s is None:
+            self.start_s = snapshot.t_s
+        low_s, high_s = self.range_s
+        if not low_s <= snapshot.t_s <= high_s:
+            return
+        if self._chosen(self.moments):
+            self._keep(snapshot)
+        self.moments += 1
+        self.person_moments += len(snapshot.id)
+        for person in snapshot.id.tolist():
+            stay = self._stays.setdefault(person, Stay(person, snapshot.t_s, snapshot.t_s))
+            stay.last_s = snapshot.t_s
+            stay.moments += 1
+
+    @property
+    def range_s(self) -> tuple[float, float]:
+        """From when until when moments count [s]."""
+        start_s = self.start_s if self.start_s is not None else 0.0
+        # The first snapshot may be a lag older than the first frame set.
+        return (start_s + self.from_s if self.from_s > 0 else -math.inf), start_s + self.to_s
+
+    @property
+    def span_s(self) -> tuple[float, float]:
+        """First and last time at which somebody was there [s]; NaN if nobody was."""
+        stays = self._stays.values()
+        nobody = (math.nan, math.nan)
+        return (min(s.first_s for s in stays), max(s.last_s for s in stays)) if stays else nobody
+
+    def stays(self) -> tuple[Stay, ...]:
+        """Return when each identity was there, longest first."""
+        return tuple(sorted(self._stays.values(), key=lambda stay: (-stay.moments, stay.person)))
+
+    def sample(self) -> Moments:
+        """Return the kept moments."""
+        nobody = np.empty((0, 17))
+        columns = zip(*self._kept, strict=True) if self._kept else [()] * 6
+        _, t_s, identity, xyz_m, sigma_m, support = columns
+        return Moments(
+            np.array(t_s, np.float64),
+            np.cumsum([0, *map(len, identity)]),
+            np.concatenate([np.empty(0, np.int64), *identity]),
+            np.concatenate([np.empty((0, 17, 3), np.float32), *xyz_m]),
+            np.concatenate([nobody.astype(np.float32), *sigma_m]),
+            np.concatenate([nobody.astype(np.int16), *support]),
+        )
+
+    @property
+    def period_s(self) -> float:
+        """Usual time from one moment to the next [s]; NaN for fewer than two."""
+        number = np.array([kept[0] for kept in self._kept])
+        t_s = np.array([kept[1] for kept in self._kept])
+        steps_s = np.diff(t_s)[np.diff(number) == 1]
+        return float(np.median(steps_s)) if len(steps_s) else math.nan
+
+    def _chosen(self, number: int) -> bool:
+        return number % self.every < 2
+
+    def _keep(self, snapshot: Snapshot) -> None:
+        self._kept.append(
+            (
+                self.moments,
+                snapshot.t_s,
+                snapshot.id,
+                snapshot.xyz_m.astype(np.float32),
+                snapshot.sigma_m.astype(np.float32),
+                np.minimum(snapshot.support, 2**15 - 1).astype(np.int16),
+            )
+        )
+        self._rows += len(snapshot.id)
+        while self._rows > self.most_rows and len(self._kept) > 2:
+            self.every = max(2 * self.every, 4)
+            self._kept = [kept for kept in self._kept if self._chosen(kept[0])]
+            self._rows = sum(len(kept[2]) for kept in self._kept)

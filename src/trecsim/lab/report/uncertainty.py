@@ -1,0 +1,106 @@
+"""How sure the tracks say they are: over time, and joint by joint."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.evaluation.steadiness import support_of_joints
+from trecsim.lab.report.curves import curve, draw_curve
+from trecsim.lab.report.page import Figure, Section, Text
+from trecsim.lab.report.recording import Recording
+from trecsim.lab.report.style import ACCENT, PAPER, SOFT, as_svg, figure, quiet
+from trecsim.skeleton import COCO17
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TITLE = "Uncertainty"
+LEAD = (
+    "Each joint comes with one standard deviation. Where it is large, fewer cameras saw the joint, "
+    "or from unfavourable sides: believe it less."
+)
+
+
+def section(recording: Recording) -> Section:
+    """Return the stated uncertainty over time and per joint, beside the support."""
+    sigma_m = recording.sample.sigma_m
+    if not np.isfinite(sigma_m).any():
+        return Section(TITLE, [Text("The tracks state no uncertainty.", "missing")])
+    over_time = Figure(_over_time(recording), _OVER_TIME_CAPTION, "Over time")
+    per_joint = Figure(_per_joint(recording), _PER_JOINT_CAPTION, "Joint by joint")
+    return Section(TITLE, [over_time, per_joint], LEAD)
+
+
+_OVER_TIME_CAPTION = (
+    "Stated standard deviation over everybody and all joints, per axis: the line is the median, "
+    "the band holds 90 % of the joints. Below, the share of joints that two or more cameras "
+    "supported; the others are held by one camera and by the body's known shape, or carried along."
+)
+_PER_JOINT_CAPTION = (
+    "Left: stated standard deviation per axis of each joint; the dot is the median, the bar holds "
+    "90 %. Right: how many cameras supported the joint, as shares of the time."
+)
+
+
+def _over_time(recording: Recording) -> str:
+    sample = recording.sample
+    t = np.repeat(recording.clock(recording.t_s), len(COCO17.joints))
+    supported = np.where(np.isfinite(sample.xyz_m[..., 0]), sample.support >= 2, np.nan)
+    rows = np.isfinite(supported).any(axis=1)
+    share = 100 * np.nanmean(supported[rows], axis=1)
+    with figure(3.8) as drawing:
+        above, below = drawing.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
+        sigma = curve(t, 100 * sample.sigma_m.ravel().astype(np.float64), together=True)
+        draw_curve(above, sigma, ACCENT)
+        above.set(ylabel="std. deviation [cm]", ylim=(0, _ceiling(sigma.high)))
+        firm = curve(recording.clock(recording.t_s[rows]), share, together=True)
+        below.plot(firm.t, firm.middle, color=SOFT)
+        below.set(ylabel="2+ cameras [%]", ylim=(0, 105), xlabel=recording.clock.label)
+        below.set_xlim(0, recording.length)
+        for axes in (above, below):
+            quiet(axes)
+        drawing.align_ylabels()
+        return as_svg(drawing, "sigma")
+
+
+def _ceiling(high: Float64[np.ndarray, " point"]) -> float:
+    """Return how far up to draw: the first moments of somebody must not flatten the rest."""
+    known = high[np.isfinite(high)]
+    return float(1.15 * min(known.max(), 2.5 * np.quantile(known, 0.9))) or 1.0
+
+
+def _per_joint(recording: Recording) -> str:
+    names = [name.replace("_", " ") for name in COCO17.joints]
+    with figure(4.1) as drawing:
+        sigma, support = drawing.subplots(1, 2, sharey=True)
+        for row, values in enumerate(100 * recording.sample.sigma_m.T.astype(np.float64)):
+            known = values[np.isfinite(values)]
+            if len(known):
+                low, middle, high = np.quantile(known, (0.05, 0.5, 0.95))
+                sigma.plot([low, high], [row, row], color=ACCENT, linewidth=4.5, alpha=0.3)
+                sigma.plot(middle, row, "o", color=ACCENT, ms=6, mec=PAPER, mew=0.8)
+        sigma.set_yticks(range(len(names)), names)
+        sigma.set(ylim=(len(names) - 0.4, -0.6), xlabel="standard deviation [cm]")
+        sigma.set_xlim(left=0)
+        _draw_support(support, recording)
+        for axes in (sigma, support):
+            quiet(axes, grid="x")
+        return as_svg(drawing, "joints")
+
+
+def _draw_support(axes: "Axes", recording: Recording) -> None:
+    _, *joints = support_of_joints(people_of(recording.sample))
+    shares = 100 * np.nan_to_num([joint.shares for joint in joints])
+    begin = np.zeros(len(shares))
+    for column, (name, alpha) in enumerate(
+        (("none", 0.12), ("1 camera", 0.35), ("2 cameras", 0.6), ("3 and more", 0.95))
+    ):
+        rows = np.arange(len(shares))
+        axes.barh(
+            rows, shares[:, column], left=begin, height=0.66, color=ACCENT, alpha=alpha, label=name
+        )
+        begin += shares[:, column]
+    axes.set(xlim=(0, 100), xlabel="share of the time [%]")
+    axes.legend(loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=4, handlelength=1.0)

@@ -1,0 +1,71 @@
+"""Where an estimator believes joints to be: wrong in the same way in all cameras.
+
+An estimator was taught by people who marked joints in images, and truth that was marked by other
+people differs from that: hips are set higher, for one. What differs is fixed to the body, it
+changes slowly, and all cameras agree on it, so that no tracker can tell it from the truth.
+"""
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.lab.simulation.noise import ornstein_uhlenbeck
+
+STEP_S = 0.08  # coarse on purpose: what habit adds does not tremble
+FAST, FAST_S, SLOW_S = 0.7, 0.3, 8.0  # share of the variance that changes quickly; memories
+
+Joints = Float64[np.ndarray, "time person 17 3"]
+
+
+def misplaced(
+    t_s: Float64[np.ndarray, " time"],
+    xyz_m: Joints,
+    up_m: tuple[float, ...],
+    spread_m: tuple[float, ...],
+    rng: np.random.Generator,
+) -> Joints:
+    """Return where an estimator believes joints to be.
+
+    Parameters
+    ----------
+    t_s
+        Times; before 0 nothing changes [s].
+    xyz_m
+        Everybody's joints then, NaN while absent [m].
+    up_m
+        How far too high each joint is set, from the hips towards the shoulders [m].
+    spread_m
+        Standard deviation about that, over people and time, per axis and joint [m].
+    rng
+        Source of chance. The same one gives the same at any time, whatever the other times are:
+        so cameras agree.
+    """
+    offset_m = np.array(spread_m)[:, None] * _wandering(t_s, xyz_m.shape[1], rng)
+    offset_m[..., 2] += np.array(up_m)
+    believed_m: Joints = xyz_m + np.einsum("tpia,tpja->tpji", _body_axes(xyz_m), offset_m)
+    return believed_m
+
+
+def _wandering(t_s: Float64[np.ndarray, " time"], people: int, rng: np.random.Generator) -> Joints:
+    """Return unit processes at any times: made on a grid from 0, linear between."""
+    grid_s = np.arange(int(np.ceil(t_s.max(initial=0.0) / STEP_S)) + 2) * STEP_S
+    of_fast, of_slow = rng.spawn(2)
+    fast = ornstein_uhlenbeck(of_fast, grid_s, FAST_S, people, 17, 3)
+    slow = ornstein_uhlenbeck(of_slow, grid_s, SLOW_S, people, 17, 3)
+    grid = np.sqrt(FAST) * fast + np.sqrt(1.0 - FAST) * slow
+    step = np.maximum(t_s, 0.0) / STEP_S
+    before = np.floor(step).astype(np.intp)
+    share = (step - before)[:, None, None, None]
+    at: Joints = (1.0 - share) * grid[before] + share * grid[before + 1]
+    return at
+
+
+def _body_axes(xyz_m: Joints) -> Float64[np.ndarray, "time person 3 axis"]:
+    """Return forward, left and up of everybody's trunk, as columns."""
+    up = _unit(xyz_m[..., 5:7, :].mean(axis=-2) - xyz_m[..., 11:13, :].mean(axis=-2))
+    forward = _unit(np.cross(xyz_m[..., 11, :] - xyz_m[..., 12, :], up))
+    return np.stack((forward, np.cross(up, forward), up), axis=-1)
+
+
+def _unit(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3"]:
+    unit: Float64[np.ndarray, "*batch 3"] = vector / np.linalg.norm(vector, axis=-1, keepdims=True)
+    return unit

@@ -1,0 +1,184 @@
+"""Who is in a scene: people with a script, people who wander about, or both."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from trecsim.errors import InputError
+from trecsim.lab.simulation.actions import Clip
+from trecsim.lab.simulation.body_shape import Body, bodies, body
+from trecsim.lab.simulation.paths import FloorPath
+from trecsim.lab.simulation.roles import Role
+from trecsim.lab.simulation.sampled import sampled
+from trecsim.lab.simulation.walkers import Motion, walker
+from trecsim.lab.simulation.wandering import wander
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Person:
+    """Somebody in a scene.
+
+    Attributes
+    ----------
+    stature_m
+        Height standing upright [m].
+    motion
+        Joints at any time.
+    """
+
+    stature_m: float
+    motion: Motion
+
+
+@runtime_checkable
+class Cast(Protocol):
+    """Decides who is in a scene."""
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        ...
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Wanderers:
+    """People who wander about a floor, come and go.
+
+    Attributes
+    ----------
+    people
+        How many.
+    width_m, depth_m
+        Floor they use, along x and y [m].
+    centre_m
+        Its middle, x and y [m].
+    """
+
+    people: int
+    width_m: float
+    depth_m: float
+    centre_m: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if self.people < 0 or not min(self.width_m, self.depth_m) > 0:
+            raise InputError(
+                "wanderers need a number of people from 0 and a floor with positive sides, got "
+                f"{self.people} on {self.width_m:g} m x {self.depth_m:g} m"
+            )
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]."""
+        paths = wander(self.people, self.width_m, self.depth_m, seconds, rng)
+        moved = tuple(replace(path, xy_m=path.xy_m + self.centre_m) for path in paths)
+        return _walking(bodies(self.people, rng), moved, rng)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scripted:
+    """People who walk along given paths.
+
+    Attributes
+    ----------
+    paths
+        One per person; see :func:`trecsim.lab.simulation.paths.through`.
+    """
+
+    paths: tuple[FloorPath, ...]
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        return len(self.paths)
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody; the paths say when each is there."""
+        return _walking(bodies(len(self.paths), rng), self.paths, rng)
+
+
+@dataclass(frozen=True, slots=True)
+class Players:
+    """People with scripts.
+
+    Attributes
+    ----------
+    roles
+        One per person.
+    """
+
+    roles: tuple[Role, ...]
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        return len(self.roles)
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]."""
+        return tuple(
+            _player(role, any_body, seconds, rng)
+            for role, any_body in zip(self.roles, bodies(len(self.roles), rng), strict=True)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Company:
+    """Several casts in one scene.
+
+    Attributes
+    ----------
+    casts
+        Who comes first in the truth is first here.
+    """
+
+    casts: tuple[Cast, ...]
+
+    @property
+    def people(self) -> int:
+        """How many."""
+        return sum(cast.people for cast in self.casts)
+
+    def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
+        """Return everybody for a scene of this length [s]; one cast does not change another."""
+        sources = rng.spawn(len(self.casts))
+        return tuple(
+            person
+            for cast, own in zip(self.casts, sources, strict=True)
+            for person in cast(seconds, own)
+        )
+
+
+def clips_of(cast: Cast) -> tuple[Path, ...]:
+    """Return the files of recorded motion that people of a cast play, each once, in order.
+
+    Parameters
+    ----------
+    cast
+        Any; what is not known here plays none.
+    """
+    if isinstance(cast, Company):
+        return tuple(dict.fromkeys(path for one in cast.casts for path in clips_of(one)))
+    if not isinstance(cast, Players):
+        return ()
+    actions = (action for role in cast.roles for visit in role.visits for action in visit.actions)
+    return tuple(dict.fromkeys(action.path for action in actions if isinstance(action, Clip)))
+
+
+def _player(role: Role, any_body: Body, seconds: float, rng: np.random.Generator) -> Person:
+    own = any_body if role.stature_m is None else body(role.stature_m, rng)
+    style = float(rng.uniform(0, 2 * np.pi))
+    return Person(own.stature_m, role.motion(own, seconds, style))
+
+
+def _walking(
+    bodies_: tuple[Body, ...], paths: tuple[FloorPath, ...], rng: np.random.Generator
+) -> tuple[Person, ...]:
+    return tuple(
+        Person(body.stature_m, sampled(walker(body, path, float(rng.uniform(0, 2 * np.pi)))))
+        for body, path in zip(bodies_, paths, strict=True)
+    )

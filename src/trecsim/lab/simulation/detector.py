@@ -1,0 +1,395 @@
+"""What a 2D pose estimator would report: the truth, seen through its habits.
+
+The figures are those of a real estimator, OpenPose on a recording with five cameras; see
+``docs/reference/simulated-detector.md``. Its errors are no white noise: most of an error lasts for
+seconds, so it does not average out over time. And part of it is the same in all cameras (where an
+estimator thinks a hip is): no tracker can see that, so it is made on demand only (`ANNOTATED`).
+"""
+
+from dataclasses import dataclass, replace
+from typing import get_type_hints
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from trecsim.errors import InputError
+from trecsim.geometry.camera import Camera
+from trecsim.lab.simulation.agreement import misplaced
+from trecsim.lab.simulation.mistakes import exchanged, false_person
+from trecsim.lab.simulation.noise import ornstein_uhlenbeck, spells
+from trecsim.lab.simulation.occlusion import (
+    Obstacle,
+    faces_away,
+    hidden_behind_obstacles,
+    hidden_behind_others,
+)
+from trecsim.values import Poses2D
+
+HEAD, LIMBS = slice(0, 5), slice(5, 17)
+FEWEST_JOINTS = 6  # with fewer joints in the image nobody is found
+MOSTLY_HIDDEN = 0.8  # somebody of whom more is hidden is not found
+
+Times = Float64[np.ndarray, " time"]
+Points = Float64[np.ndarray, "time person 17 2"]
+Values = Float64[np.ndarray, "time person 17"]
+Heights = Float64[np.ndarray, "time person"]
+Flags = Bool[np.ndarray, "time person 17"]
+
+
+JOINTS = 17
+
+
+def _per_joint(
+    head: float,
+    shoulder: float,
+    elbow: float,
+    wrist: float,
+    hip: float,
+    knee: float,
+    ankle: float,
+) -> tuple[float, ...]:
+    pairs = (shoulder, elbow, wrist, hip, knee, ankle)
+    return (head,) * 5 + tuple(value for value in pairs for _ in range(2))
+
+
+@dataclass(frozen=True, slots=True)
+class Detector:
+    """How good, or bad, the simulated 2D pose estimator is.
+
+    Attributes
+    ----------
+    sigma
+        Error per axis and joint that differs between cameras, as a share of the person's height
+        in the image: root mean square over time.
+    white, fast, slow
+        Shares of its variance: without memory, and with the two times below.
+    fast_s, slow_s
+        Memory of the two correlated parts [s].
+    doubt
+        One less the usual score, per joint.
+    missing_joint
+        Share of the images in which a joint is missing though the person is found and nobody
+        hides it.
+    missing_person
+        Share of the images in which somebody is not found though well visible.
+    swapped
+        Share of the images in which left and right of a person, or of a pair of limbs, are
+        swapped.
+    stray, stray_sigma
+        Share of the images in which a joint is somewhere else altogether, and how far, as `sigma`.
+    hidden_missing
+        Of the joints behind somebody or something, the share that is missing; the others are
+        guessed. If none is missing, nothing hides anything.
+    hidden_sigma
+        How much worse a guess is than `sigma`.
+    small_px
+        Of people who are so tall in the image, doubt is twice the usual; much smaller ones are
+        not found.
+    false_people
+        Share of the images in which a camera reports a person where there is none.
+    common_up_m
+        How far too high it sets each joint, from the hips towards the shoulders, in all cameras
+        [m].
+    common_spread_m
+        Standard deviation about that, per axis and joint, the same in all cameras [m].
+    """
+
+    sigma: tuple[float, ...] = _per_joint(0.010, 0.0145, 0.0105, 0.013, 0.019, 0.0175, 0.0135)
+    white: float = 0.05
+    fast: float = 0.30
+    slow: float = 0.65
+    fast_s: float = 0.17
+    slow_s: float = 7.0
+    doubt: tuple[float, ...] = _per_joint(0.12, 0.17, 0.14, 0.18, 0.33, 0.225, 0.215)
+    missing_joint: tuple[float, ...] = _per_joint(0.03, 0.017, 0.145, 0.19, 0.0045, 0.0115, 0.009)
+    missing_person: float = 0.01
+    swapped: float = 0.0056
+    stray: tuple[float, ...] = _per_joint(0.005, 0.001, 0.0105, 0.015, 0.0, 0.006, 0.034)
+    stray_sigma: float = 0.15
+    hidden_missing: tuple[float, ...] = _per_joint(0.5, 0.33, 0.63, 0.61, 0.15, 0.21, 0.40)
+    hidden_sigma: float = 1.9
+    small_px: float = 60.0
+    false_people: float = 0.01
+    common_up_m: tuple[float, ...] = (0.0,) * 17
+    common_spread_m: tuple[float, ...] = (0.0,) * 17
+
+    def __post_init__(self) -> None:
+        faults = [*self._wrong_shares(), *self._wrong_sizes()]
+        if faults:
+            raise InputError(f"a simulated detector cannot be like that: {'; '.join(faults)}")
+
+    def _wrong_shares(self) -> list[str]:
+        names = ["white", "fast", "slow", "missing_person", "swapped", "false_people"]
+        names += ["doubt", "missing_joint", "stray", "hidden_missing"]
+        return [
+            f"{name} needs shares from 0 to 1, got {getattr(self, name)}"
+            for name in names
+            if not all(0.0 <= share <= 1.0 for share in np.ravel(getattr(self, name)))
+        ]
+
+    def _wrong_sizes(self) -> list[str]:
+        least = {"sigma": 0.0, "stray_sigma": 0.0, "hidden_sigma": 1.0, "small_px": 0.0}
+        least |= {"fast_s": 1e-3, "slow_s": 1e-3, "common_up_m": -10.0, "common_spread_m": 0.0}
+        faults = [
+            f"{name} needs to be at least {low:g} and finite, got {getattr(self, name)}"
+            for name, low in least.items()
+            if not all(low <= size < np.inf for size in np.ravel(getattr(self, name)))
+        ]
+        return faults + [
+            f"{name} needs one number per joint, {JOINTS}, got {len(getattr(self, name))}"
+            for name, kind in get_type_hints(Detector).items()
+            if kind == tuple[float, ...] and len(getattr(self, name)) != JOINTS
+        ]
+
+
+REAL = Detector()
+"""Errs like a real one, without what no tracker can see."""
+
+ANNOTATED = replace(
+    REAL,
+    # Habit differs between cameras as doubt does, so that less is left for the errors of each.
+    sigma=_per_joint(0.010, 0.0135, 0.0110, 0.0138, 0.0095, 0.0165, 0.0107),
+    common_up_m=_per_joint(0.0, 0.032, 0.0155, 0.023, 0.069, 0.0215, 0.019),
+    common_spread_m=_per_joint(0.010, 0.018, 0.0185, 0.0285, 0.019, 0.0145, 0.0135),
+)
+"""Errs like a real one that is compared with what people marked in the images."""
+
+PERFECT = Detector(
+    sigma=(0.0,) * 17,
+    doubt=(0.0,) * 17,
+    missing_joint=(0.0,) * 17,
+    missing_person=0.0,
+    swapped=0.0,
+    stray=(0.0,) * 17,
+    hidden_missing=(0.0,) * 17,
+    hidden_sigma=1.0,
+    small_px=0.0,
+    false_people=0.0,
+)
+"""Sees everything that is in the image, exactly, even through walls."""
+
+# Doubt (one less the score) varies like exp(DOUBT_SPREAD n), slowly, partly for the whole person;
+# the score quivers about that by QUICK. What stays wrong grows with a power of doubt, what trembles
+# with a higher one.
+DOUBT_SPREAD, OF_PERSON = 0.38, 0.43
+QUICK, QUICK_S = 0.2, 0.1
+SLOW_POWER, FAST_POWER, HABIT_POWER = 1.0, 2.8, 0.8
+MOST_DOUBT, MOST_HABIT = 0.9, 1.4
+STRAY_KNOWN, STRAY_DOUBT = 0.35, 2.0  # so many of the joints gone astray have more doubt
+STEEPNESS = 2.35  # with which somebody who gets smaller is lost
+MISSING_S, STRAY_S, UNFOUND_S = 2.5, 0.15, 0.3  # about how long
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Footage:
+    """What happens before one camera.
+
+    Attributes
+    ----------
+    camera
+        Who looks.
+    taken_s
+        When its images are taken [s].
+    stamp_s
+        The times it writes on them [s].
+    xyz_m
+        Everybody's joints at those moments, NaN while absent [m].
+    stature_m
+        Heights of the people [m].
+    obstacles
+        Things that hide people.
+    common_seed
+        The same for all cameras of a scene: it decides in what they agree to be wrong.
+    """
+
+    camera: Camera
+    taken_s: Float64[np.ndarray, " time"]
+    stamp_s: Float64[np.ndarray, " time"]
+    xyz_m: Float64[np.ndarray, "person time 17 3"]
+    stature_m: Float64[np.ndarray, " person"]
+    obstacles: tuple[Obstacle, ...] = ()
+    common_seed: int = 0
+
+
+def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> list[Poses2D]:
+    """Return what the estimator reports for each image of one camera.
+
+    Parameters
+    ----------
+    footage
+        What happens before the camera.
+    detector
+        How good the estimator is.
+    rng
+        Source of chance.
+    """
+    camera, t_s = footage.camera, footage.taken_s
+    xyz_m = np.ascontiguousarray(np.moveaxis(footage.xyz_m, 0, 1))
+    height_px = _height_in_image(camera, xyz_m, footage.stature_m)
+    hidden = _hidden(footage, xyz_m, detector)
+    unsure = _unsureness(t_s, height_px, hidden, detector, rng)
+    xy_px = _seen(footage, xyz_m, unsure, detector)
+    share = _usual_errors(t_s, unsure, detector, rng)
+    away, dubious = _strays(t_s, len(footage.stature_m), detector, rng)
+    xy_px += (share + away) * height_px[..., None, None]
+    unsure += QUICK * ornstein_uhlenbeck(rng, t_s, QUICK_S, *unsure.shape[1:])
+    unsure += np.log(STRAY_DOUBT) * dubious
+    doubt = np.array(detector.doubt) * np.exp(unsure)
+    score = 1.0 - np.minimum(doubt, MOST_DOUBT)
+    xy_px, score = exchanged(t_s, xy_px, score, detector.swapped, rng)
+    xy_px[_missing(t_s, hidden, detector, rng)] = np.nan
+    found = _found(t_s, xy_px, hidden, height_px, detector, rng)
+    false = false_person(camera.size_px, t_s, detector.false_people, rng)
+    xy_px = _inside(camera, np.concatenate((xy_px, false.xy_px), axis=1))
+    score = np.concatenate((score, false.score), axis=1)
+    score = np.where(np.isnan(xy_px[..., 0]), 0.0, score)
+    found = np.concatenate((found, false.found), axis=1) & (score > 0).any(axis=-1)
+    return [
+        _shuffled(camera.name, float(stamp_s), xy_px[i, found[i]], score[i, found[i]], rng)
+        for i, stamp_s in enumerate(footage.stamp_s)
+    ]
+
+
+def _shuffled(
+    name: str,
+    t_s: float,
+    xy_px: Float64[np.ndarray, "person 17 2"],
+    score: Float64[np.ndarray, "person 17"],
+    rng: np.random.Generator,
+) -> Poses2D:
+    order = rng.permutation(len(xy_px))
+    mean = score.sum(axis=1) / np.maximum((score > 0).sum(axis=1), 1)
+    return Poses2D(name, t_s, xy_px[order], score[order], mean[order])
+
+
+def _seen(
+    footage: Footage,
+    xyz_m: Float64[np.ndarray, "time person 17 3"],
+    unsure: Values,
+    detector: Detector,
+) -> Points:
+    """Return where joints would be in the images without any error that differs between cameras."""
+    camera = footage.camera
+    xy_px = camera.project(xyz_m)
+    if any(detector.common_up_m) or any(detector.common_spread_m):
+        rng = np.random.default_rng(footage.common_seed)
+        up_m, spread_m = detector.common_up_m, detector.common_spread_m
+        believed_m = misplaced(footage.taken_s, xyz_m, up_m, spread_m, rng)
+        # Who sees badly trusts habit more than the image.
+        trust = np.minimum(np.exp(HABIT_POWER * unsure), MOST_HABIT)
+        xy_px += (camera.project(believed_m) - xy_px) * trust[..., None]
+    xy_px = _inside(camera, xy_px)
+    if any(detector.hidden_missing):
+        xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan
+    return xy_px
+
+
+def _hidden(
+    footage: Footage, xyz_m: Float64[np.ndarray, "time person 17 3"], detector: Detector
+) -> Flags:
+    """Return which joints somebody or something hides from the camera."""
+    if not any(detector.hidden_missing):
+        return np.zeros(xyz_m.shape[:3], dtype=bool)
+    position_m = footage.camera.position_m
+    hidden = hidden_behind_others(position_m, xyz_m)
+    hidden |= hidden_behind_obstacles(position_m, xyz_m, footage.obstacles)
+    return hidden
+
+
+def _inside(camera: Camera, xy_px: Points) -> Points:
+    """Return the key points that lie in the image; the others are NaN."""
+    x_px, y_px = xy_px[..., 0], xy_px[..., 1]
+    width_px, height_px = camera.size_px
+    inside = (x_px >= -0.5) & (x_px <= width_px - 0.5)
+    inside &= (y_px >= -0.5) & (y_px <= height_px - 0.5)
+    return np.where(inside[..., None], xy_px, np.nan)
+
+
+def _height_in_image(
+    camera: Camera,
+    xyz_m: Float64[np.ndarray, "time person 17 3"],
+    stature_m: Float64[np.ndarray, " person"],
+) -> Heights:
+    """Return how tall everybody would be in the image, standing upright and facing it [px]."""
+    distance_m = np.linalg.norm(xyz_m[..., 11:13, :].mean(axis=-2) - camera.position_m, axis=-1)
+    height_px: Heights = camera.K[1, 1] * stature_m / distance_m
+    return height_px
+
+
+def _unsureness(
+    t_s: Times, height_px: Heights, hidden: Flags, detector: Detector, rng: np.random.Generator
+) -> Values:
+    """Return the logarithm of doubt per key point, in multiples of the joint's usual doubt."""
+    shape = hidden.shape[1:]
+    own = np.sqrt(1.0 - OF_PERSON)
+    unsure: Values = own * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    unsure += np.sqrt(OF_PERSON) * ornstein_uhlenbeck(rng, t_s, detector.slow_s, shape[0], 1)
+    unsure *= DOUBT_SPREAD
+    unsure += hidden * (np.log(detector.hidden_sigma) / SLOW_POWER)
+    unsure += np.log1p((detector.small_px / height_px) ** 2)[..., None]
+    return unsure
+
+
+def _usual_errors(
+    t_s: Times, unsure: Values, detector: Detector, rng: np.random.Generator
+) -> Points:
+    """Return errors as shares of a person's height: larger where doubt is."""
+    shape = (*unsure.shape[1:], 2)
+    if not any(detector.sigma):
+        return np.zeros((len(t_s), *shape))
+    sigma = np.array(detector.sigma)
+    trembling = np.sqrt(detector.fast) * ornstein_uhlenbeck(rng, t_s, detector.fast_s, *shape)
+    trembling += np.sqrt(detector.white) * rng.standard_normal(trembling.shape)
+    trembling *= (sigma * _worse(unsure, FAST_POWER))[..., None]
+    lasting = ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    lasting *= (np.sqrt(detector.slow) * sigma * _worse(unsure, SLOW_POWER))[..., None]
+    errors: Points = lasting + trembling
+    return errors
+
+
+def _worse(unsure: Values, power: float) -> Values:
+    """Return by how much errors grow with doubt: of mean square one over its usual spread."""
+    worse: Values = np.exp(power * unsure - (power * DOUBT_SPREAD) ** 2)
+    return worse
+
+
+def _strays(
+    t_s: Times, people: int, detector: Detector, rng: np.random.Generator
+) -> tuple[Points, Flags]:
+    """Return how far astray joints are, as shares of a height, and which of them look dubious."""
+    astray = spells(rng, t_s, STRAY_S, np.array(detector.stray), people, 17)
+    away = np.zeros((*astray.shape, 2))
+    dubious = np.zeros_like(astray)
+    if astray.any():
+        away = ornstein_uhlenbeck(rng, t_s, 1.0, people, 17, 2)
+        away *= detector.stray_sigma * astray[..., None]
+        dubious = astray & spells(rng, t_s, 1.0, STRAY_KNOWN, people, 17)
+    return away, dubious
+
+
+def _missing(t_s: Times, hidden: Flags, detector: Detector, rng: np.random.Generator) -> Flags:
+    """Return which key points are missing though the person is found."""
+    shape = hidden.shape[1:]
+    missing: Flags = spells(rng, t_s, MISSING_S, np.array(detector.missing_joint), *shape)
+    missing |= hidden & spells(rng, t_s, MISSING_S, np.array(detector.hidden_missing), *shape)
+    return missing
+
+
+def _found(
+    t_s: Times,
+    xy_px: Points,
+    hidden: Flags,
+    height_px: Heights,
+    detector: Detector,
+    rng: np.random.Generator,
+) -> Bool[np.ndarray, "time person"]:
+    """Return who is found at all."""
+    enough = np.isfinite(xy_px[..., 0]).sum(axis=-1) >= FEWEST_JOINTS
+    missed = spells(rng, t_s, UNFOUND_S, detector.missing_person, xy_px.shape[1])
+    mostly_hidden = hidden[..., LIMBS].mean(axis=-1) > MOSTLY_HIDDEN
+    found: Bool[np.ndarray, "time person"] = enough & ~missed & ~mostly_hidden
+    if detector.small_px > 0:
+        # Half of those who are half as tall as `small_px` are found, and one in seven at a third.
+        clarity = STEEPNESS * np.log(2.0 * height_px / detector.small_px)
+        found &= ornstein_uhlenbeck(rng, t_s, UNFOUND_S, xy_px.shape[1]) < clarity
+    return found

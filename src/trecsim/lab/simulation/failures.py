@@ -1,0 +1,85 @@
+"""Cameras that fail: one that falls silent, one that somebody knocks."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from trecsim.errors import InputError
+from trecsim.geometry.camera import Camera
+from trecsim.geometry.rigid import rotation_matrix
+
+
+@dataclass(frozen=True, slots=True)
+class Outage:
+    """A camera delivers nothing for a while, or from then on.
+
+    Attributes
+    ----------
+    camera
+        Its name.
+    from_s, to_s
+        When the silence begins and ends [s].
+    """
+
+    camera: str
+    from_s: float
+    to_s: float = np.inf
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.from_s < self.to_s:
+            raise InputError(
+                f"camera {self.camera!r} must come back after it fell silent: "
+                f"from {self.from_s:g} s, to {self.to_s:g} s"
+            )
+
+    def silent(self, t_s: Float64[np.ndarray, " time"]) -> Bool[np.ndarray, " time"]:
+        """Return at which times nothing is delivered."""
+        return (t_s >= self.from_s) & (t_s < self.to_s)
+
+
+@dataclass(frozen=True, slots=True)
+class Knock:
+    """A camera is moved, and the rig file does not know.
+
+    Attributes
+    ----------
+    camera
+        Its name.
+    t_s
+        When [s].
+    turn_deg
+        Rotation vector in the camera's frame: about x it looks up, about y to the right, about z
+        its image turns counter-clockwise [degrees].
+    shift_m
+        How far it moves in the world [m].
+    """
+
+    camera: str
+    t_s: float
+    turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    shift_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        values = np.array([self.t_s, *self.turn_deg, *self.shift_m])
+        if not np.isfinite(values).all() or self.t_s < 0:
+            raise InputError(f"a knock needs finite numbers and a time from 0, got {self}")
+
+    def moved(self, camera: Camera) -> Camera:
+        """Return the camera as it truly stands afterwards.
+
+        Examples
+        --------
+        >>> from trecsim.lab.simulation.room import corner_rig
+        >>> camera = corner_rig(8.0, 6.0, 2.7)["cam1"]
+        >>> right = Knock("cam1", 5.0, turn_deg=(0.0, 10.0, 0.0)).moved(camera)
+        >>> middle_m = np.array([0.0, 0.0, 1.0])
+        >>> bool(right.project(middle_m)[0] < camera.project(middle_m)[0])
+        True
+        """
+        turn = rotation_matrix(np.radians(np.array(self.turn_deg)))
+        T_cam_world = camera.T_cam_world.copy()
+        R = turn.T @ camera.T_cam_world[:3, :3]
+        T_cam_world[:3, :3] = R
+        T_cam_world[:3, 3] = -R @ (camera.position_m + self.shift_m)
+        return replace(camera, T_cam_world=T_cam_world)

@@ -1,0 +1,190 @@
+"""Standing, walking, running and turning, one after the other, feet side by side at both ends."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.lab.simulation.actions import Run, Stand, Turn, Walk
+from trecsim.lab.simulation.body_shape import Body
+from trecsim.lab.simulation.bouts import Bout, end_of, path_along, shortest, stay, turned, ways
+from trecsim.lab.simulation.frame_times import even
+from trecsim.lab.simulation.paths import STEP_S
+from trecsim.lab.simulation.turns import Place
+from trecsim.lab.simulation.walkers import MID_STANCE, Walker, cadence_hz, stepping
+
+OnFoot = Stand | Turn | Walk | Run
+
+SETTLE_S = 0.4  # at both ends, so that nothing moves where the next thing begins
+NEUTRAL = 0.02  # both feet stand at this phase, and at half a stride more
+TREAD_VIGOUR = 0.2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stretch:
+    """Somebody on foot for a while.
+
+    Attributes
+    ----------
+    walker
+        The motion.
+    seconds
+        How long [s].
+    end
+        Where it ends.
+    """
+
+    walker: Walker
+    seconds: float
+    end: Place
+
+
+def on_foot(
+    body: Body,
+    place: Place,
+    actions: Sequence[OnFoot],
+    start_s: float,
+    style: float,
+    *,
+    comes: bool = False,
+    goes: bool = False,
+) -> Stretch:
+    """Return somebody who does these actions on foot.
+
+    Parameters
+    ----------
+    body
+        Limb lengths.
+    place
+        Where it begins.
+    actions
+        Standing, turning, walking, running; ways in a row are gone without a stop.
+    start_s
+        When it begins [s].
+    style
+        Any angle; sets this person's small idle motions apart from others' [rad].
+    comes
+        Begins in the middle of a walk, without a first step.
+    goes
+        Ends in the middle of a walk, without a stop.
+    """
+    bouts = [] if comes else [stay(place, _rest_s(actions))]
+    groups = _groups(actions)
+    for number, group in enumerate(groups):
+        first, last = number == 0, number == len(groups) - 1
+        bouts += _bouts(place, group, comes and first, goes and last)
+        place = end_of(bouts, place)
+    if not goes:
+        bouts.append(stay(place, _rest_s(actions[::-1])))
+    path = path_along(bouts, start_s, comes, goes)
+    rate_hz = cadence_hz(body, path)
+    phase, treading = strides(rate_hz, bouts, MID_STANCE, comes=comes, goes=goes)
+    seconds = path.leave_s - path.enter_s
+    return Stretch(stepping(body, path, phase, style, treading), seconds, place)
+
+
+def standing(body: Body, place: Place, style: float, start_s: float, seconds: float) -> Walker:
+    """Return somebody who stands at a place, feet side by side.
+
+    Parameters
+    ----------
+    body
+        Limb lengths.
+    place
+        Where.
+    style
+        Any angle; sets this person's small idle motions apart from others' [rad].
+    start_s, seconds
+        When, and how long [s].
+    """
+    path = path_along([stay(place, max(seconds, 0.1))], start_s, False, False)
+    return stepping(body, path, np.full(len(path.t_s), NEUTRAL), style)
+
+
+def _rest_s(actions: Sequence[OnFoot]) -> float:
+    """Return how long to stand before these actions [s]; standing needs no rest before it."""
+    first = actions[0]
+    return max(SETTLE_S - first.seconds, 0.0) if isinstance(first, Stand) else SETTLE_S
+
+
+def _groups(actions: Sequence[OnFoot]) -> list[list[OnFoot]]:
+    """Return the actions with ways in a row put together."""
+    groups: list[list[OnFoot]] = []
+    for action in actions:
+        goes_on = isinstance(action, Walk | Run)
+        if goes_on and groups and isinstance(groups[-1][-1], Walk | Run):
+            groups[-1].append(action)
+        else:
+            groups.append([action])
+    return groups
+
+
+def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[Bout]:
+    """Return what somebody does from this place on."""
+    first = group[0]
+    if isinstance(first, Stand):
+        return [stay(place, first.seconds)]
+    if isinstance(first, Turn):
+        return [turned(place, turn_rad(first, place), first.speed_radps)]
+    legs = [(action.to_m, action.speed_mps) for action in group if isinstance(action, Walk | Run)]
+    return ways(place, legs, comes=comes, goes=goes)
+
+
+def turn_rad(turn: Turn, place: Place) -> float:
+    """Return by how much somebody at this place turns, counter-clockwise [rad]."""
+    if turn.by_rad is not None:
+        return turn.by_rad
+    return shortest((turn.to_rad or 0.0) - place.heading_rad)
+
+
+def strides(
+    rate_hz: Float64[np.ndarray, " step"],
+    bouts: Sequence[Bout],
+    mid_stance: float,
+    *,
+    comes: bool = False,
+    goes: bool = False,
+) -> tuple[Float64[np.ndarray, " step"], Float64[np.ndarray, " step"]]:
+    """Return the phase over time, and the vigour of steps made while the body rests.
+
+    Parameters
+    ----------
+    rate_hz
+        Strides per second that the way asks for, one entry per time of the path.
+    bouts
+        What the path consists of.
+    mid_stance
+        Share of a stride at which the body passes over a foot.
+    comes, goes
+        Begins, ends in the middle of a way.
+
+    Notes
+    -----
+    A foot is planted where the body will pass over it. So the first step must begin before the
+    body moves, and after it stopped the phase must go on until both feet were planted anew; both
+    together take half a stride. What the way itself takes is rounded to half strides.
+    """
+    rate_hz, treading = rate_hz.copy(), np.zeros(len(rate_hz))
+    lead = mid_stance - NEUTRAL
+    at = (len(rate_hz) - sum(len(bout.xy_m) for bout in bouts)) // 2
+    rate_hz[: 0 if comes else at] = 0.0
+    for number, bout in enumerate(bouts):
+        first, last = number == 0, number == len(bouts) - 1
+        end = at + len(bout.xy_m)
+        rate_hz[at:end] *= (np.arange(at, end) >= at + bout.lead) * (
+            np.arange(at, end) < at + bout.close
+        )
+        if bout.close and not (comes and first) and not (goes and last):
+            made = float(rate_hz[at:end].sum()) * STEP_S
+            rate_hz[at:end] *= max(round(2 * made), 1) / 2 / made
+        steps = [(at, at + bout.lead, lead), (at + bout.close, end, 0.5 - lead)]
+        for begin, stop, more in steps:
+            if bout.close and stop > begin + 1:
+                share = np.linspace(0.0, 1.0, stop - begin + 1)
+                rate_hz[begin:stop] += more * np.diff(even(share)) / STEP_S
+                treading[begin:stop] = TREAD_VIGOUR
+        at = end
+    rate_hz[len(rate_hz) if goes else at :] = 0.0
+    phase = np.cumsum(rate_hz) * STEP_S
+    return phase + NEUTRAL - (phase[-1] % 0.5 if comes and not goes else 0.0), treading

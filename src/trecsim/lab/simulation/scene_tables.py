@@ -1,0 +1,296 @@
+"""The scene file: what can be said about cameras, people and what they do.
+
+This module is the table of all keys; :mod:`trecsim.lab.simulation.scene_file` reads a file by it.
+"""
+
+from dataclasses import fields
+from math import hypot, radians
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from pydantic import Field, create_model, model_validator
+
+from trecsim.errors import InputError
+from trecsim.geometry.rig import Rig
+from trecsim.lab.simulation.action_tables import AnyAction
+from trecsim.lab.simulation.camera_placement import Make
+from trecsim.lab.simulation.camera_tables import (
+    MOST_CAMERAS,
+    CameraTable,
+    ClockTable,
+    Length,
+    Place,
+    Point,
+    RigTable,
+    Seconds,
+    possible,
+)
+from trecsim.lab.simulation.cast import Company, Players, Wanderers
+from trecsim.lab.simulation.detector import ANNOTATED, PERFECT, REAL, Detector
+from trecsim.lab.simulation.occlusion import Obstacle
+from trecsim.lab.simulation.roles import SHORTEST_M, TALLEST_M, Role, Visit
+from trecsim.lab.simulation.scene import LONGEST_S, Scene
+from trecsim.toml_models import Table
+from trecsim.toml_models.described import descriptions
+from trecsim.toml_models.toml_reading import Fault
+
+FEWEST_CAMERAS = 2
+MOST_PEOPLE = 200
+MOST_ACTIONS = 200
+LARGEST = 1e4  # of a number of the detector
+
+PRESETS = {"real": REAL, "annotated": ANNOTATED, "perfect": PERFECT}
+"""Detectors to begin with."""
+
+Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+SceneName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+"""A name that may become one of a file."""
+
+
+if TYPE_CHECKING:
+
+    class DetectorTable(Table):
+        """Stands for the model that is made from the detector."""
+
+        preset: Literal["real", "annotated", "perfect"] = "real"
+else:
+    _ABOUT = descriptions(Detector)
+    DetectorTable = create_model(
+        "DetectorTable",
+        __base__=Table,
+        __doc__="How good, or bad, the 2D pose estimator is.",
+        preset=(
+            Literal["real", "annotated", "perfect"],
+            Field(
+                "real",
+                description="Errs like a real one; like a real one compared with what people "
+                "marked; or not at all.",
+            ),
+        ),
+        **{
+            field.name: (
+                Number | None
+                if field.type is float
+                else Annotated[tuple[Number, ...], Field(strict=False)] | Number | None,
+                Field(None, description=_ABOUT[field.name]),
+            )
+            for field in fields(Detector)
+        },
+    )
+
+
+def detector(table: DetectorTable) -> Detector:
+    """Return the detector that a table describes.
+
+    Raises
+    ------
+    InputError
+        Numbers that cannot be.
+    """
+    preset = PRESETS[table.preset]
+    values: dict[str, Any] = {}
+    for field in fields(Detector):
+        usual, value = getattr(preset, field.name), getattr(table, field.name)
+        if isinstance(usual, tuple) and isinstance(value, float | int):
+            value = (float(value),) * len(usual)
+        if isinstance(usual, tuple) and value is not None and len(value) != len(usual):
+            raise InputError(f"{field.name} needs one number or {len(usual)}, got {len(value)}")
+        values[field.name] = usual if value is None else value
+    return Detector(**values)
+
+
+class ObstacleTable(Table):
+    """A box that no camera looks through: a pillar, a wall, a shelf."""
+
+    low_m: Place
+    """Its corner with the smallest coordinates [m]."""
+    high_m: Place
+    """Its corner with the largest coordinates [m]."""
+
+    def obstacle(self) -> Obstacle:
+        """Return the box."""
+        return Obstacle(self.low_m, self.high_m)
+
+    @model_validator(mode="after")
+    def _possible(self) -> "ObstacleTable":
+        possible(self.obstacle)
+        return self
+
+
+class VisitTable(Table):
+    """What somebody does from coming to going."""
+
+    start_m: Point
+    """Where the person appears, x and y [m]."""
+    facing_deg: float | None = Field(default=None, ge=-3600, le=3600)
+    """Direction, counter-clockwise from +x; without it that of the first way point [degrees]."""
+    enter_s: Seconds = 0.0
+    """When the person appears [s]."""
+    leaves: bool = False
+    """Whether the person is gone after the last action, or stays as that ends."""
+    actions: Annotated[tuple[AnyAction, ...], Field(strict=False, max_length=MOST_ACTIONS)] = ()
+    """What the person does, one after the other."""
+
+    def visit(self, later_s: float = 0.0, shift_m: tuple[float, float] = (0.0, 0.0)) -> Visit:
+        """Return the visit, of somebody who comes later and keeps aside."""
+        moved = Visit(
+            start_m=self.start_m,
+            actions=tuple(action.action() for action in self.actions),
+            facing_rad=None if self.facing_deg is None else radians(self.facing_deg),
+            enter_s=self.enter_s + later_s,
+            leaves=self.leaves,
+        )
+        return moved if hypot(*shift_m) == 0 else moved.shifted(shift_m)
+
+
+class PersonTable(VisitTable):
+    """Somebody with a script, or several who do the same one after the other."""
+
+    stature_m: float | None = Field(default=None, ge=SHORTEST_M, le=TALLEST_M)
+    """Height standing upright [m]; without it any."""
+    again: Annotated[tuple[VisitTable, ...], Field(strict=False, max_length=50)] = ()
+    """What the same person does after leaving, on coming back."""
+    copies: int = Field(default=1, ge=1, le=MOST_PEOPLE)
+    """How many do the same."""
+    every_s: Seconds = 0.0
+    """How much later each of them comes [s]."""
+    shift_m: Point = (0.0, 0.0)
+    """How far aside of the one before each of them keeps [m]."""
+
+    def roles(self) -> list[Role]:
+        """Return the roles of all who do this."""
+        return [
+            Role(
+                tuple(
+                    table.visit(
+                        number * self.every_s,
+                        (number * self.shift_m[0], number * self.shift_m[1]),
+                    )
+                    for table in (self, *self.again)
+                ),
+                self.stature_m,
+            )
+            for number in range(self.copies)
+        ]
+
+    @model_validator(mode="after")
+    def _possible(self) -> "PersonTable":
+        times_s = [self.enter_s, *(visit.enter_s for visit in self.again)]
+        if times_s != sorted(set(times_s)):
+            raise ValueError("who comes again must come later than before: look at enter_s")
+        if self.again and not self.leaves:
+            raise ValueError("who comes again must have left: leaves = true is missing")
+        return self
+
+
+class WanderersTable(Table):
+    """People who wander about a floor, avoid each other, come and go."""
+
+    people: int = Field(ge=1, le=MOST_PEOPLE)
+    """How many."""
+    width_m: Length
+    """Size of the floor they use, along x [m]."""
+    depth_m: Length
+    """The same along y [m]."""
+    centre_m: Point = (0.0, 0.0)
+    """Middle of that floor, x and y [m]."""
+
+    def cast(self) -> Wanderers:
+        """Return them."""
+        return Wanderers(self.people, self.width_m, self.depth_m, self.centre_m)
+
+
+class SceneTable(Table):
+    """A scene: cameras, people and what they do, detector, clocks."""
+
+    format: Literal["trecsim.scene/1"]
+    """Always this."""
+    about: str = Field(default="", max_length=200)
+    """What happens, in a line."""
+    seconds: float = Field(gt=0, le=LONGEST_S)
+    """How long [s]."""
+    seed: int = Field(default=0, ge=0, lt=2**63)
+    """Another one gives other bodies, other noise and other ways of those who wander."""
+    rig: RigTable = RigTable()
+    """A pattern in which cameras hang, and what all of them are like."""
+    cameras: dict[SceneName, CameraTable] = Field(default_factory=dict, max_length=MOST_CAMERAS)
+    """Single cameras by name: placed by hand, or of the pattern and different."""
+    clock: ClockTable = ClockTable()
+    """When all cameras take their images, and what they believe about that."""
+    detector: DetectorTable = DetectorTable()
+    """How good, or bad, the 2D pose estimator is."""
+    people: Annotated[tuple[PersonTable, ...], Field(strict=False, max_length=MOST_PEOPLE)] = ()
+    """People with a script."""
+    wanderers: Annotated[tuple[WanderersTable, ...], Field(strict=False, max_length=20)] = ()
+    """People without one."""
+    obstacles: Annotated[tuple[ObstacleTable, ...], Field(strict=False, max_length=200)] = ()
+    """What stands about and hides people."""
+
+    @model_validator(mode="after")
+    def _possible(self) -> "SceneTable":
+        people = sum(table.copies for table in self.people)
+        people += sum(table.people for table in self.wanderers)
+        if people > MOST_PEOPLE:
+            raise ValueError(f"expected at most {MOST_PEOPLE} people, found {people}")
+        return self
+
+    def scene(self, name: str) -> tuple[Scene | None, list[Fault]]:
+        """Return the scene, or what does not fit together in it.
+
+        Parameters
+        ----------
+        name
+            What it is called.
+        """
+        faults: list[Fault] = []
+        rig, made = self._rig(faults), self._detector(faults)
+        if rig is None or made is None:
+            return None, faults
+        tables = [self.cameras.get(camera.name, CameraTable()) for camera in rig]
+        named = list(zip(rig.names, tables, strict=True))
+        scene = Scene(
+            rig=rig,
+            cast=self._cast(),
+            seconds=self.seconds,
+            detector=made,
+            clocks=tuple(
+                table.clock.clock(self.clock, number) for number, table in enumerate(tables)
+            ),
+            obstacles=tuple(table.obstacle() for table in self.obstacles),
+            outages=tuple(one for camera, table in named for one in table.outages(camera)),
+            knocks=tuple(one for camera, table in named for one in table.knocks(camera)),
+            name=name,
+            about=self.about,
+            seed=self.seed,
+        )
+        return scene, []
+
+    def _rig(self, faults: list[Fault]) -> Rig | None:
+        """Return all cameras, those of the pattern first."""
+        cameras = {camera.name: camera for camera in self.rig.rig() or ()}
+        common = self.rig.make(Make())
+        before = len(faults)
+        for name, table in self.cameras.items():
+            try:
+                cameras[name] = table.camera(name, cameras, common)
+            except InputError as error:
+                told = str(error).removeprefix(f"camera {name!r}: ")
+                faults.append((("cameras", name), told))
+        if len(faults) == before and not FEWEST_CAMERAS <= len(cameras) <= MOST_CAMERAS:
+            told = (
+                f"expected {FEWEST_CAMERAS} to {MOST_CAMERAS} cameras, found {len(cameras)}: give "
+                "rig.pattern, or tables [cameras.NAME]"
+            )
+            faults.append((("cameras",), told))
+        return Rig(tuple(cameras.values())) if len(faults) == before else None
+
+    def _detector(self, faults: list[Fault]) -> Detector | None:
+        try:
+            return detector(self.detector)
+        except InputError as error:
+            faults.append((("detector",), str(error)))
+            return None
+
+    def _cast(self) -> Company:
+        roles = tuple(role for table in self.people for role in table.roles())
+        players = (Players(roles),) if roles else ()
+        return Company((*players, *(table.cast() for table in self.wanderers)))

@@ -1,0 +1,152 @@
+"""Put a scene into files: its rig, what its cameras report, and the truth."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from trecsim.calibration import write_rig
+from trecsim.errors import InputError
+from trecsim.lab.simulation.scene import Scene, Simulation, simulate
+from trecsim.store.atomic import disk_faults, partial_path
+from trecsim.store.names import POSES, RIG, TRUTH
+from trecsim.store.poses_writer import PosesWriter
+from trecsim.store.truth import write_truth
+
+Progress = Callable[[int, int | None], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Staged:
+    """What was written of a scene.
+
+    Attributes
+    ----------
+    folder
+        Where it lies.
+    scene
+        What the scene is called.
+    seed, seconds
+        Which simulation of it this is, and how long [s].
+    cameras, people, images
+        How many.
+    """
+
+    folder: Path
+    scene: str
+    seed: int
+    seconds: float
+    cameras: int
+    people: int
+    images: int
+
+
+def stage(
+    scene: Scene,
+    folder: Path | str,
+    *,
+    seed: int | None = None,
+    simulating: Progress | None = None,
+    writing: Progress | None = None,
+) -> Staged:
+    """Simulate a scene and write ``rig.toml``, ``poses.jsonl`` and ``truth.npz``.
+
+    Parameters
+    ----------
+    scene
+        All that is to be simulated; see :func:`trecsim.lab.simulation.scene_file.read_scene`.
+    folder
+        Gets the files; is made if it is not there, and must be empty. After an error nothing of
+        them is left.
+    seed
+        The same one gives the same files; None takes that of the scene.
+    simulating
+        Told the number of cameras done, and of all.
+    writing
+        Told the number of images written, and of all.
+
+    Raises
+    ------
+    InputError
+        There is something in the folder, or the scene is too large for the memory.
+    SetupError
+        The disk is full.
+
+    Examples
+    --------
+    >>> from trecsim.lab.simulation.scene import room_scene
+    >>> folder = getfixture("tmp_path") / "room"
+    >>> stage(room_scene(people=1, seconds=1.0), folder).images
+    100
+    >>> sorted(path.name for path in folder.iterdir())
+    ['poses.jsonl', 'rig.toml', 'truth.npz']
+    """
+    folder = Path(folder)
+    seed = scene.seed if seed is None else seed
+    _check_empty(folder)
+    made = simulate(scene, seed, progress=simulating)
+    with _emptied_after_an_error(folder):
+        write_simulation(made, folder, writing)
+    return Staged(
+        folder=folder,
+        scene=scene.name,
+        seed=seed,
+        seconds=scene.seconds,
+        cameras=len(made.rig),
+        people=len(made.truth_xyz_m),
+        images=len(made.poses),
+    )
+
+
+def _check_empty(folder: Path) -> None:
+    with disk_faults(folder):
+        if folder.exists() and not folder.is_dir():
+            raise InputError(f"{folder} is a file; give a directory with --out")
+        if folder.is_dir() and any(folder.iterdir()):
+            raise InputError(
+                f"{folder} is not empty; nothing is overwritten: give another directory with --out"
+            )
+
+
+def write_simulation(made: Simulation, folder: Path, writing: Progress | None = None) -> None:
+    """Write a simulated scene as ``rig.toml``, ``truth.npz`` and ``poses.jsonl``.
+
+    Parameters
+    ----------
+    made
+        The simulation.
+    folder
+        Gets the files; must be there.
+    writing
+        Told the number of images written, and of all.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be written to.
+    SetupError
+        The disk is full.
+    """
+    write_rig(made.rig, folder / RIG)
+    write_truth(folder / TRUTH, made.truth_t_s, made.truth_xyz_m)
+    with PosesWriter(folder / POSES) as writer:
+        for number, poses in enumerate(made.poses, 1):
+            writer.write(poses)
+            if writing is not None:
+                writing(number, len(made.poses))
+
+
+@contextmanager
+def _emptied_after_an_error(folder: Path) -> Iterator[None]:
+    """Make the folder, and take back what was put into it unless the block ends well."""
+    with disk_faults(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    done = False
+    try:
+        yield
+        done = True
+    finally:
+        if not done:
+            for name in (RIG, POSES, TRUTH):
+                (folder / name).unlink(missing_ok=True)
+                partial_path(folder / name).unlink(missing_ok=True)

@@ -1,0 +1,56 @@
+"""Which version of the code a result was made with."""
+
+import hashlib
+from functools import cache
+from pathlib import Path
+
+import trecsim
+
+# All that decides what a run gives: the simulator, the fusion, how the result is judged, and how
+# files are written and read in between.
+_FILES = (
+    "calibration",
+    "sources",
+    "toml_models",
+    "store/npz.py",
+    "store/truth.py",
+    "lab/staging.py",
+)
+_BASE = ("geometry", "skeleton.py", "values.py", *_FILES)
+_FUSION = ("fusion", "lab/evaluation", "sync", "tracking.py", *_BASE)
+_SIMULATION = ("lab/simulation", *_BASE)
+
+
+@cache
+def code_digest() -> str:
+    """Return a text that is another one when the code was changed that a run depends on."""
+    return digest_of((*_FUSION, *_SIMULATION))
+
+
+def code_changed() -> bool:
+    """Tell whether that code was changed since this process first looked."""
+    return digest_of((*_FUSION, *_SIMULATION)) != code_digest()
+
+
+@cache
+def simulation_digest() -> str:
+    """Return a text that is another one when the simulator was changed."""
+    return digest_of(_SIMULATION)
+
+
+def digest_of(parts: tuple[str, ...]) -> str:
+    """Return a text that tells versions of some modules of trecsim from each other.
+
+    Parameters
+    ----------
+    parts
+        Modules and packages, relative to the package.
+    """
+    folder = Path(trecsim.__file__).parent
+    files = {path for part in parts for path in (folder / part).rglob("*.py")}
+    files |= {folder / part for part in parts if part.endswith(".py")}
+    digest = hashlib.sha256()
+    for path in sorted(files):
+        digest.update(f"{path.relative_to(folder).as_posix()}\0".encode())
+        digest.update(path.read_bytes().replace(b"\r\n", b"\n"))
+    return digest.hexdigest()[:12]

@@ -1,0 +1,196 @@
+"""The site file: what is installed where, and how it shall run.
+
+This module is the table of all keys; :mod:`trecsim.sites.site_reading` reads a file by it. Paths in
+a site file are relative to the file itself.
+"""
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import (
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    create_model,
+    model_validator,
+)
+
+from trecsim.calibration import FORMATS, Floor, read_rig
+from trecsim.errors import ConfigError
+from trecsim.fusion import FusionSettings
+from trecsim.fusion.arguments import LONGEST_LAG_S
+from trecsim.fusion.settings import BELOW_ONE
+from trecsim.geometry import Rig
+from trecsim.toml_models import FilePath, SizePx, Table, Vector
+from trecsim.toml_models.described import fields_of
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+"""A name that may become a directory or part of an address."""
+
+
+class FloorTable(Table):
+    """The way from the frame of a calibration file to the floor."""
+
+    rotation_deg: Vector = (0.0, 0.0, 0.0)
+    """Rotation vector: its direction is the axis, its length the angle [degrees]."""
+    translation_m: Vector = (0.0, 0.0, 0.0)
+    """Shift after the rotation [m]."""
+    up: Literal["z", "y", "-y", "-z"] | None = None
+    """Axis that points up after both; without it, the one about which cameras stand upright."""
+
+    def floor(self) -> Floor:
+        """Return the floor as the readers of rigs take it."""
+        return Floor(self.rotation_deg, self.translation_m, self.up)
+
+
+class RigTable(Table):
+    """Where the calibration of the cameras is, and what it does not say by itself."""
+
+    file: FilePath
+    """File or directory in any format that `trecsim rig show` reads."""
+    format: str | None = Field(default=None, json_schema_extra={"enum": [f.name for f in FORMATS]})
+    """Name of the format; without it the content tells."""
+    unit_m: float | None = Field(default=None, gt=0)
+    """Length of the file's unit [m]; without it the format tells, or it is guessed."""
+    size_px: SizePx | None = None
+    """Image width and height of all cameras [px], for formats that do not tell it."""
+    floor: FloorTable | None = None
+    """Where the floor is; without it the file's frame is the room's."""
+
+    def read(self, remark: Callable[[str], None]) -> Rig:
+        """Read the rig.
+
+        Parameters
+        ----------
+        remark
+            Is called with what is doubtful about it without being wrong.
+
+        Raises
+        ------
+        CalibrationError
+            When there is no such rig or something in it is wrong.
+        """
+        return read_rig(
+            self.file,
+            format=self.format,
+            unit_m=self.unit_m,
+            floor=self.floor.floor() if self.floor else None,
+            size_px=self.size_px,
+            remark=remark,
+        )
+
+
+class SourceTable(Table):
+    """What one camera delivers."""
+
+    video: FilePath
+    """A recording of this camera."""
+
+
+class PosesTable(Table):
+    """2D poses of all cameras in files."""
+
+    file: FilePath
+    """A `*.poses.jsonl` file, or what OpenPose or COCO tools wrote: see `trecsim track`."""
+    fps: float | None = Field(default=None, gt=0)
+    """Frames per second, for files that number their frames and tell no time."""
+
+
+class EstimatorTable(Table):
+    """How people are found in images; further keys are settings of the estimator itself."""
+
+    model_config = ConfigDict(extra="allow")
+
+    name: str = "movenet"
+    """An installed estimator, with its argument after a colon: `onnx:model.onnx`."""
+
+    def settings(self) -> dict[str, Any]:
+        """Return the estimator's own settings."""
+        return dict(self.model_extra or {})
+
+
+class _FusionTable(Table):
+    @model_validator(mode="after")
+    def _fit_together(self) -> Self:
+        try:
+            fusion_settings(self)
+        except ConfigError as error:
+            raise ValueError(str(error).removeprefix("fusion settings: ")) from None
+        return self
+
+
+def fusion_settings(table: Table) -> FusionSettings:
+    """Return the table `[fusion]` as the fusion takes it.
+
+    Raises
+    ------
+    ConfigError
+        When values do not fit together.
+    """
+    return FusionSettings(**table.model_dump())
+
+
+def _limits(name: str) -> dict[str, float]:
+    return {"gt": 0.0, "lt": 1.0} if name in BELOW_ONE else {"gt": 0.0}
+
+
+if TYPE_CHECKING:
+    FusionTable = _FusionTable
+else:
+    FusionTable = create_model(
+        "FusionTable",
+        __base__=_FusionTable,
+        __doc__="How people are told apart and followed.",
+        **fields_of(
+            FusionSettings, {field.name: _limits(field.name) for field in fields(FusionSettings)}
+        ),
+    )
+
+
+class OutputTable(Table):
+    """What is kept of a run."""
+
+    directory: FilePath | None = None
+    """Gets one folder per run; without it `recordings/NAME` beside the site file."""
+    lag_s: float = Field(default=0.0, ge=0.0, le=LONGEST_LAG_S)
+    """How long positions wait for later images, which makes them smoother [s]."""
+    poses: bool = False
+    """Whether to keep the 2D poses too, as `poses.jsonl`."""
+    paths_s: float = Field(default=60.0, gt=0.0)
+    """The picture of paths shows only where people went in so long before the end [s]."""
+
+
+def _file_table(given: Any) -> Any:
+    return {"file": given} if isinstance(given, str) else given
+
+
+class Site(Table):
+    """One site: its cameras, how people are found and followed, and what is kept."""
+
+    format: Literal["trecsim.site/1"]
+    """Always this."""
+    name: Name
+    """What the site is called: letters, digits, `-` and `_`."""
+    rig: Annotated[RigTable, BeforeValidator(_file_table, json_schema_input_type=str | RigTable)]
+    """The calibration of the cameras: its file, or a table."""
+    sources: dict[str, SourceTable] = Field(default_factory=dict)
+    """What each camera delivers, by the name the camera has in the rig."""
+    poses: Annotated[
+        PosesTable | None,
+        BeforeValidator(_file_table, json_schema_input_type=str | PosesTable | None),
+    ] = None
+    """2D poses of all cameras in place of `sources`: their file, or a table."""
+    estimator: EstimatorTable = EstimatorTable()
+    """How people are found in images."""
+    fusion: FusionTable = FusionTable()
+    """How people are told apart and followed."""
+    output: OutputTable = OutputTable()
+    """What is kept of a run."""
+
+    @model_validator(mode="after")
+    def _one_kind_of_source(self) -> Self:
+        if bool(self.sources) == (self.poses is not None):
+            found = "both" if self.sources else "neither"
+            raise ValueError(f"expected either [sources.CAMERA] or poses, found {found}")
+        return self

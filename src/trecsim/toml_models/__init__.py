@@ -1,0 +1,16 @@
+"""Files of tables that people write, in TOML: read by a model, faults told by line."""
+
+from trecsim.toml_models.table import FilePath, SizePx, Table, Vector
+from trecsim.toml_models.toml_reading import file_faults, parsed, read_text, schema_of, validated
+
+__all__ = [
+    "FilePath",
+    "SizePx",
+    "Table",
+    "Vector",
+    "file_faults",
+    "parsed",
+    "read_text",
+    "schema_of",
+    "validated",
+]

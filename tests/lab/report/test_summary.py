@@ -1,0 +1,196 @@
+"""Warnings in plain words: each is given when it should be, and not otherwise."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from made_recording import make_recording
+from trecsim.lab.evaluation.limbs import LimbSummary, limb_series
+from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.evaluation.reprojection import Reprojection, ReprojectionRow
+from trecsim.lab.evaluation.scores import Scores
+from trecsim.lab.report import summary
+from trecsim.lab.report.against_truth import scores_of
+from trecsim.lab.report.coverage import CameraFacts, facts_of
+from trecsim.lab.report.page import Facts, Text
+from trecsim.lab.report.places import find
+from trecsim.lab.report.recording import Recording, read_recording
+from trecsim.lab.report.thinning import Stay
+from trecsim.skeleton import COCO17
+
+LIMBS = LimbSummary(1, 0.02, float("nan"))
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    return read_recording(find(make_recording(tmp_path_factory.mktemp("summary") / "walk")))
+
+
+@pytest.fixture(scope="module")
+def cameras(recording: Recording) -> CameraFacts:
+    facts = facts_of(recording)
+    assert facts is not None
+    return facts
+
+
+def warnings(recording: Recording, cameras: CameraFacts | None = None) -> str:
+    blocks = summary.section(recording, cameras, LIMBS).blocks
+    return "\n".join(b.text for b in blocks if isinstance(b, Text) and b.kind == "warning")
+
+
+def test_a_good_recording_gets_no_warning(recording: Recording, cameras: CameraFacts) -> None:
+    section = summary.section(recording, cameras, LIMBS)
+    facts, verdict = section.blocks
+    assert isinstance(facts, Facts)
+    assert {fact.label: fact.value for fact in facts.facts} == {
+        "people at once": "1",
+        "length": "2.4 s",
+        "rate": "25 Hz",
+        "fit time": "1.2 ms",
+        "uncertainty": "2.0 cm",
+        "steadiness": "2.0 cm",
+    }
+    assert verdict == Text("Nothing in this recording stands out as wrong.", "good")
+
+
+@pytest.mark.parametrize(
+    ("facts", "told"),
+    [
+        ({"ended": "stopped"}, "stopped before its end"),
+        ({"ended": "failed", "fault": "north.mp4 breaks off"}, "north.mp4 breaks off"),
+    ],
+)
+def test_how_a_run_ended_is_told(recording: Recording, facts: dict[str, str], told: str) -> None:
+    assert told in warnings(replace(recording, summary=facts))
+
+
+def test_a_fit_that_is_too_slow_is_told(recording: Recording) -> None:
+    timing = recording.timing
+    assert timing is not None
+    slow = replace(timing, fusion_ms=50 * timing.fusion_ms)
+    assert "a frame set came every 40 ms, its fit took 60 ms" in warnings(
+        replace(recording, timing=slow)
+    )
+
+
+def test_a_first_frame_set_that_waited_for_the_kernels_makes_no_fit_slow(
+    recording: Recording,
+) -> None:
+    timing = recording.timing
+    assert timing is not None
+    loaded = timing.fusion_ms.copy()
+    loaded[0] = 1e6
+    told = warnings(replace(recording, timing=replace(timing, fusion_ms=loaded)))
+    assert "slower than the cameras" not in told
+
+
+def test_a_time_without_images_is_told(recording: Recording) -> None:
+    timing = recording.timing
+    assert timing is not None
+    gap = replace(timing, t_s=np.where(timing.t_s > 1, timing.t_s + 7, timing.t_s))
+    assert "for up to 7.0 s (once)" in warnings(replace(recording, timing=gap))
+
+
+def test_many_short_identities_are_told(recording: Recording) -> None:
+    stays = (*recording.stays, *(Stay(100 + i, i, i + 0.2, 5) for i in range(3)))
+    assert "3 of 4 identities lasted less than a second" in warnings(
+        replace(recording, stays=stays)
+    )
+
+
+def test_joints_that_one_camera_holds_are_told(recording: Recording) -> None:
+    weak = replace(recording.sample, support=np.minimum(recording.sample.support, 1))
+    assert "100 % of the joints were supported by fewer" in warnings(
+        replace(recording, sample=weak)
+    )
+
+
+def test_a_floor_that_is_not_where_people_walk_is_told(recording: Recording) -> None:
+    below = replace(recording.sample, xyz_m=recording.sample.xyz_m - 1)
+    assert "Ankles are -0.91 m above the floor" in warnings(replace(recording, sample=below))
+
+
+def test_a_camera_with_fewer_images_is_told(recording: Recording, cameras: CameraFacts) -> None:
+    few = replace(cameras, images={"cam0": 60, "cam1": 30})
+    told = warnings(recording, few)
+    assert "Camera cam1 delivered 50 % of the images" in told
+    assert "Camera cam2 delivered no image at all" in told
+    assert "cam0" not in told
+
+
+def test_a_camera_that_disagrees_is_told(recording: Recording, cameras: CameraFacts) -> None:
+    assert cameras.found is not None
+    medians = {"cam0": 2.0, "cam1": 30.0, "cam2": 2.5}
+    rows = [ReprojectionRow(name, "all joints", 9, px, 2 * px) for name, px in medians.items()]
+    found = Reprojection((ReprojectionRow("all cameras", "all joints", 27, 2, 9), *rows), ())
+    told = warnings(recording, replace(cameras, found=found))
+    assert "Camera cam1 disagrees with the others: its key points lie 30 px" in told
+    assert "Camera cam0" not in told
+
+
+def test_people_outside_the_images_are_told(recording: Recording, cameras: CameraFacts) -> None:
+    shares = np.array([0.1, 0.3, 0.6, 0.0, 0.0])
+    assert "For 40 % of everybody's time" in warnings(recording, replace(cameras, by_count=shares))
+
+
+def test_times_since_1970_are_told_as_a_date(recording: Recording) -> None:
+    assert summary.subtitle(recording) == "2.4 s of tracks · 3 cameras"
+    live = replace(recording, start_s=1.7e9, end_s=1.7e9 + 4000)
+    assert summary.subtitle(live).startswith(
+        "1 h 07 min of tracks · from 14 November 2023, 22:13:20"
+    )
+
+
+def test_limbs_that_change_their_length_are_told(recording: Recording) -> None:
+    blocks = summary.section(recording, None, replace(LIMBS, sd_m=0.055)).blocks
+    assert any(isinstance(b, Text) and "limbs vary by 5.5 cm" in b.text for b in blocks)
+    assert Text(summary.ADVICE) in blocks
+
+
+def test_what_helps_against_odd_limbs_is_not_told_where_there_are_none(
+    recording: Recording,
+) -> None:
+    assert Text(summary.ADVICE) not in summary.section(recording, None, LIMBS).blocks
+
+
+def test_the_page_that_helps_against_odd_limbs_exists() -> None:
+    page = Path(__file__).parents[3] / "docs" / "reference" / "fusion-settings.md"
+    assert str(page.relative_to(page.parents[2])) in summary.ADVICE
+    assert "## What to set for what" in page.read_text(encoding="utf-8")
+
+
+def test_what_is_wrong_against_the_truth_is_told(recording: Recording) -> None:
+    scores = scores_of(recording)
+    assert isinstance(scores, Scores)
+    assert scores.missed_share == pytest.approx(4 / 60)
+    bad = replace(scores, ghosts_share=0.3, identity=replace(scores.identity, switches=2))
+    blocks = summary.section(recording, None, LIMBS, bad).blocks
+    told = [block.text for block in blocks if isinstance(block, Text)]
+    assert told[0].startswith("For 7 % of their time people were not followed")
+    assert "where nobody was, 30 % of the time" in told[1]
+    assert told[2].startswith("2 times somebody came to bear another identity")
+    good = replace(scores, missed_share=0.01)
+    assert len(summary.section(recording, None, LIMBS, good).blocks) == 2
+
+
+def test_a_single_limb_that_jumps_is_told(recording: Recording) -> None:
+    sample = replace(recording.sample, xyz_m=recording.sample.xyz_m.copy())
+    sample.xyz_m[20, COCO17.index("left_ankle"), 0] += 1
+    blocks = summary.section(recording, None, LIMBS, series=limb_series(people_of(sample))).blocks
+    told = [block.text for block in blocks if isinstance(block, Text)]
+    assert told[1:] == [summary.ADVICE]
+    assert told[0].startswith("Person 7: left shin is far too long in 1 moment (worst 1.")
+
+
+def test_a_truth_of_another_recording_is_told(recording: Recording) -> None:
+    scores = scores_of(recording)
+    assert isinstance(scores, Scores)
+    other = replace(scores, matched=1, missed=59, ghosts=55, missed_share=59 / 60)
+    blocks = summary.section(recording, None, LIMBS, other).blocks
+    told = [block.text for block in blocks if isinstance(block, Text)]
+    assert told == [
+        "Hardly anybody in the tracks is near anybody in the truth: is this the truth of this "
+        "recording?"
+    ]

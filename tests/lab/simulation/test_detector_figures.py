@@ -1,0 +1,48 @@
+"""The simulated detector errs as a real one does: OpenPose on Shelf, as it was measured there.
+
+Every figure agrees within 10 %, two kinds excepted: swaps of left and right happen once in 250
+people, so that even thousands of images tell their share only roughly (30 %); and the error that
+one in a hundred joints exceeds, per kind of joint, rests on few (20 %). That of all joints together
+is held to 10 % as well.
+"""
+
+from pathlib import Path
+
+import pytest
+
+from trecsim.lab.evaluation.detector_figures import MEASURED, recorded, simulated
+from trecsim.lab.simulation.detector import ANNOTATED
+
+RARE = {"left and right swapped": 0.3} | {name: 0.2 for name in MEASURED if name.endswith("p99 px")}
+
+
+@pytest.fixture(scope="module")
+def figures() -> dict[str, float]:
+    return simulated(ANNOTATED, seed=1)
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_the_simulated_detector_errs_as_the_measured_one(
+    name: str, figures: dict[str, float]
+) -> None:
+    assert figures[name] == pytest.approx(MEASURED[name], rel=RARE.get(name, 0.1))
+
+
+def test_the_page_about_the_detector_tells_the_figures(figures: dict[str, float]) -> None:
+    page = Path(__file__).parents[3] / "docs" / "reference" / "simulated-detector.md"
+    table = page.read_text().split("<!-- table")[1].split("<!-- end")[0].strip()
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()[4:]]
+    assert [row[0] for row in rows] == list(MEASURED)
+    for name, measured, _, annotated, *_ in rows:
+        assert float(measured) == MEASURED[name]
+        # The page has the mean over seeds, which a single one meets as nearly as the real figure.
+        assert float(annotated) == pytest.approx(figures[name], rel=RARE.get(name, 0.1)), name
+
+
+def test_the_recording_gives_the_figures_that_were_measured_on_it(shared_data: Path) -> None:
+    # Only a part of what was annotated is at hand: not what is rare, nor how long errors last.
+    here = recorded(shared_data / "shelf")
+    for name, measured in MEASURED.items():
+        if "p99" not in name and "swapped" not in name and "correlation" not in name:
+            assert here[name] == pytest.approx(measured, rel=0.12), name
+    assert here["correlation over 1"] == pytest.approx(MEASURED["correlation over 1"], rel=0.05)

@@ -1,0 +1,99 @@
+"""The demo: a whole run on made data, and what it does with directories."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trecsim.calibration import read_rig
+from trecsim.errors import InputError
+from trecsim.lab.demo import demo
+from trecsim.sources import read_poses
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("demo") / "room"
+    demo(folder, seconds=4.0, people=2, cameras=3)
+    return folder
+
+
+def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(folder: Path) -> None:
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "paths.png",
+        "poses.jsonl",
+        "rig.toml",
+        "run",
+        "site.toml",
+        "truth.npz",
+    ]
+    assert len(read_rig(folder / "rig.toml")) == 3
+    assert len(list(read_poses(folder / "poses.jsonl"))) == 300
+    with np.load(folder / "truth.npz") as truth:
+        assert set(truth.files) == {"t_s", "xyz_m"}
+        assert truth["xyz_m"].shape == (2, len(truth["t_s"]), 17, 3)
+
+
+def test_the_error_against_the_truth_is_that_of_a_good_tracker(folder: Path) -> None:
+    told: list[tuple[int, int | None]] = []
+    result = demo(
+        folder, seconds=4.0, people=2, cameras=3, progress=lambda n, m: told.append((n, m))
+    )
+    assert told[-1] == (300, 300)
+    assert result.run.people == 2
+    assert result.comparison.switches == 0
+    assert 0.005 < result.comparison.median_m < 0.06
+    assert result.comparison.recall_15cm > 0.9
+
+
+def test_the_same_seed_gives_the_same_result(folder: Path, tmp_path: Path) -> None:
+    demo(tmp_path / "again", seconds=4.0, people=2, cameras=3)
+    demo(tmp_path / "other", seconds=4.0, people=2, cameras=3, seed=1)
+    first, again, other = (
+        (path / "poses.jsonl").read_bytes()
+        for path in (folder, tmp_path / "again", tmp_path / "other")
+    )
+    assert first == again != other
+
+
+def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "rig.toml").write_text("mine")
+    (tmp_path / "site.toml").write_text("mine too")
+    with pytest.raises(InputError, match="trecsim demo has not made"):
+        demo(tmp_path)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
+        "rig.toml": "mine",
+        "site.toml": "mine too",
+    }
+
+
+def test_what_others_put_beside_an_earlier_demo_stays(folder: Path) -> None:
+    (folder / "notes.txt").write_text("mine")
+    (folder / "run" / "notes.txt").write_text("mine")
+    with pytest.raises(InputError, match=r"run is not empty"):
+        demo(folder, seconds=2.0, people=1, cameras=2)
+    (folder / "run" / "notes.txt").unlink()
+    demo(folder, seconds=2.0, people=1, cameras=2)
+    assert (folder / "notes.txt").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "named"),
+    [
+        ({"people": -1}, "people must lie between 0 and 100, got -1"),
+        ({"cameras": 1, "seconds": float("nan")}, "seconds .* got nan; cameras .* got 1"),
+        ({"seed": -5}, "seed .* got -5"),
+    ],
+)
+def test_numbers_that_cannot_be_are_told_at_once(
+    tmp_path: Path, wrong: dict[str, float], named: str
+) -> None:
+    with pytest.raises(InputError, match=named):
+        demo(tmp_path / "room", **wrong)  # type: ignore[arg-type]
+    assert not (tmp_path / "room").exists()
+
+
+def test_a_room_without_anybody_is_a_demo_too(tmp_path: Path) -> None:
+    result = demo(tmp_path / "empty", seconds=2.0, people=0, cameras=2)
+    assert (result.run.people, result.comparison.person_frames) == (0, 0)
+    assert result.picture is not None

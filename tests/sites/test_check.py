@@ -1,0 +1,95 @@
+"""Everything a site file names is looked at before anything runs."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from made_rigs import ring
+from made_site import make_site
+from made_videos import numbered, write_video
+from trecsim.calibration import write_rig
+from trecsim.errors import ConfigError
+from trecsim.geometry import Rig
+from trecsim.sites.check import check_site, load_estimator
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Path:
+    """Return a site with three cameras of 64 x 48 px, of which two have a video."""
+    rig = Rig(tuple(replace(camera, size_px=(64, 48)) for camera in ring(3)))
+    write_rig(rig, tmp_path / "rig.toml")
+    for name in ("cam0", "cam1"):
+        write_video(tmp_path / f"{name}.mp4", numbered(5))
+    (tmp_path / "site.toml").write_text(
+        'format = "trecsim.site/1"\nname = "small"\nrig = "rig.toml"\n'
+        '[sources.cam0]\nvideo = "cam0.mp4"\n[sources.cam1]\nvideo = "cam1.mp4"\n'
+    )
+    return tmp_path / "site.toml"
+
+
+def faults_of(site: Path, old: str, new: str) -> str:
+    text = site.read_text()
+    assert old in text
+    site.write_text(text.replace(old, new))
+    with pytest.raises(ConfigError) as caught:
+        check_site(site)
+    return str(caught.value)
+
+
+def test_a_good_site_is_known_before_it_runs(site: Path) -> None:
+    checked = check_site(site)
+    assert checked.rig.names == ("cam0", "cam1", "cam2")
+    assert checked.videos["cam1"].size_px == (64, 48)
+    assert checked.remarks == ("cameras of the rig without a source: cam2",)
+
+
+def test_one_camera_alone_is_remarked(site: Path) -> None:
+    site.write_text(site.read_text().partition("[sources.cam1]")[0])
+    assert "one camera alone sees no depth" in check_site(site).remarks[-1]
+
+
+def test_a_video_of_another_size_than_calibrated_is_refused(site: Path) -> None:
+    write_video(site.parent / "cam1.mp4", numbered(5, (32, 24)))
+    told = faults_of(site, "small", "tiny")
+    assert "line 7: sources.cam1.video: expected images of 64 x 48 px" in told
+    assert "found 32 x 24 px" in told
+
+
+def test_a_video_that_lacks_a_few_columns_is_taken_as_cut(site: Path) -> None:
+    rig = Rig(tuple(replace(camera, size_px=(65, 48)) for camera in ring(3)))
+    write_rig(rig, site.parent / "rig.toml")
+    remarks = check_site(site).remarks
+    assert "cam0: expected images of 65 x 48 px" in remarks[0]
+    assert "taken as cut off" in remarks[0]
+
+
+def test_an_estimator_that_is_not_installed_is_told_with_the_nearest(site: Path) -> None:
+    told = faults_of(site, "[sources.cam1]", '[estimator]\nname = "movnet"\n[sources.cam1]')
+    assert "line 7: estimator.name: 'movnet' is not installed" in told
+    assert "did you mean 'movenet'?" in told
+
+
+def test_a_wrong_setting_of_the_estimator_is_told_with_its_line(site: Path) -> None:
+    site.write_text(site.read_text() + '[estimator]\nname = "movenet"\nlong_sied = 300\n')
+    with pytest.raises(ConfigError, match=r"site\.toml: line 8: .*did you mean 'long_side'"):
+        load_estimator(check_site(site).file)
+
+
+def test_poses_of_a_camera_that_the_rig_lacks_are_told(tmp_path: Path) -> None:
+    site = make_site(tmp_path)
+    write_rig(Rig(ring(3).cameras[1:]), tmp_path / "rig.toml")
+    assert "line 4: poses: " in faults_of(site, "made", "other")
+
+
+def test_settings_outside_of_what_is_sensible_are_remarked(site: Path) -> None:
+    site.write_text(site.read_text() + "[fusion]\njoint_sigma_m = 20\nmin_joints = 9\n")
+    assert check_site(site).remarks[-2:] == (
+        "fusion: joint_sigma_m = 20 is far outside what is sensible (0.012 to 0.04 m)",
+        "fusion: min_joints = 9 is outside what is sensible (4 to 8)",
+    )
+
+
+def test_more_joints_than_a_body_has_are_refused_with_their_line(site: Path) -> None:
+    told = faults_of(site, "[sources.cam1]", "[fusion]\nmin_joints = 18\n[sources.cam1]")
+    assert "line 6: fusion: min_joints = 18 leaves nobody" in told
