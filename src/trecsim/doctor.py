@@ -56,7 +56,8 @@ def examine() -> Iterator[Finding]:
         _extra("onnxruntime", "onnx", "ONNX models you bring"),
         _extra("rtmlib", "rtmlib", "RTMO and RTMPose"),
         _extra("matplotlib", "plot", "pictures"),
-        _extra("motrics", "evaluate", "scores against a truth"),
+        _extra("scipy", "evaluate", "evaluation against ground truth"),
+        _extra("motrics", "evaluate", "identity scores"),
         _extra("jinja2", "report", "pages about recordings and studies"),
         _disk,
     )

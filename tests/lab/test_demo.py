@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from trecsim.calibration import read_rig
-from trecsim.errors import InputError
+from trecsim.errors import InputError, SetupError
 from trecsim.lab.demo import demo
 from trecsim.sources import read_poses
 
@@ -41,6 +41,7 @@ def test_the_error_against_the_truth_is_that_of_a_good_tracker(folder: Path) -> 
     )
     assert told[-1] == (300, 300)
     assert result.run.people == 2
+    assert result.comparison is not None
     assert result.comparison.switches == 0
     assert 0.005 < result.comparison.median_m < 0.06
     assert result.comparison.recall_15cm > 0.9
@@ -95,5 +96,20 @@ def test_numbers_that_cannot_be_are_told_at_once(
 
 def test_a_room_without_anybody_is_a_demo_too(tmp_path: Path) -> None:
     result = demo(tmp_path / "empty", seconds=2.0, people=0, cameras=2)
+    assert result.comparison is not None
     assert (result.run.people, result.comparison.person_frames) == (0, 0)
     assert result.picture is not None
+
+
+def test_without_scipy_the_demo_runs_and_says_what_the_scores_need(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def without(*_: object) -> None:
+        raise SetupError("evaluation against ground truth needs SciPy")
+
+    monkeypatch.setattr("trecsim.lab.demo.compare_moments", without)
+    told: list[str] = []
+    result = demo(tmp_path / "room", seconds=2.0, people=1, cameras=2, remark=told.append)
+    assert result.comparison is None
+    assert result.run.people == 1
+    assert told == ["evaluation against ground truth needs SciPy"]

@@ -69,7 +69,7 @@ def _facts(result: "DemoSummary") -> dict[str, Any]:
         "frame_sets": result.run.frame_sets,
         "fusion_ms": result.run.fusion_ms,
         "wall_s": result.run.wall_s,
-        "truth": asdict(result.comparison),
+        "truth": asdict(result.comparison) if result.comparison else None,
     }
 
 
@@ -82,11 +82,17 @@ def _told(result: "DemoSummary") -> str:
             "fusion",
             f"{run.fusion_ms['median']:.2f} ms per frame set (p95 {run.fusion_ms['p95']:.2f})",
         ),
-        ("error", f"median {_cm(truth.median_m)}, p95 {_cm(truth.p95_m)} per joint"),
-        ("switches", f"{truth.switches} times somebody took another identity"),
-        ("missed", f"{_share(truth.missed, truth.person_frames)} of the moments of people there"),
-        ("ghosts", f"{_share(truth.ghosts, truth.person_frames)}, as a share of the same"),
     ]
+    if truth is not None:
+        rows += [
+            ("error", f"median {_cm(truth.median_m)}, p95 {_cm(truth.p95_m)} per joint"),
+            ("switches", f"{truth.switches} times somebody took another identity"),
+            (
+                "missed",
+                f"{_share(truth.missed, truth.person_frames)} of the moments of people there",
+            ),
+            ("ghosts", f"{_share(truth.ghosts, truth.person_frames)}, as a share of the same"),
+        ]
     lines = [f"  {name:<12}{value}" for name, value in rows]
     picture = f"picture: {result.picture}" if result.picture else "no picture: see above"
     commands = {

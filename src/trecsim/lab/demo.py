@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trecsim.errors import InputError, SetupError
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
-from trecsim.lab.evaluation.moments import read_moments, with_empty_moments
+from trecsim.lab.evaluation.moments import Moments, read_moments, with_empty_moments
 from trecsim.lab.simulation.camera_tables import MOST_CAMERAS
 from trecsim.lab.simulation.scene import Scene, Simulation, room_scene, simulate
 from trecsim.lab.staging import write_simulation
@@ -49,14 +49,14 @@ class DemoSummary:
     run
         What the run says of itself.
     comparison
-        How its tracks agree with the truth.
+        Its tracks against the ground truth; None where that needs SciPy and it is missing.
     """
 
     folder: Path
     picture: Path | None
     people: int
     run: RunSummary
-    comparison: Comparison
+    comparison: Comparison | None
 
 
 def demo(
@@ -107,9 +107,17 @@ def demo(
     truth = Truth(made.truth_t_s, made.truth_xyz_m)
     first_s, last_s = float(truth.t_s[0]), float(truth.t_s[-1])
     moments = with_empty_moments(read_moments(folder / RUN), first_s, last_s, truth.t_s)
-    comparison = compare_moments(moments, truth)
+    comparison = _compared(moments, truth, remark)
     picture = _draw(folder, made, comparison)
     return DemoSummary(folder, picture, people, summary, comparison)
+
+
+def _compared(moments: Moments, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:
+    try:
+        return compare_moments(moments, truth)
+    except SetupError as error:
+        remark(str(error))
+        return None
 
 
 def _scene(seconds: float, people: int, cameras: int, seed: int) -> Scene:
@@ -171,13 +179,13 @@ def _write(folder: Path, made: Simulation) -> None:
     write_simulation(made, folder)
 
 
-def _draw(folder: Path, made: Simulation, comparison: Comparison) -> Path | None:
+def _draw(folder: Path, made: Simulation, comparison: Comparison | None) -> Path | None:
     from trecsim.lab.plots.paths_plot import plot_paths
 
     picture = folder / "paths.png"
     title = "trecsim demo: a simulated room"
     remark = ""
-    if comparison.matched:
+    if comparison is not None and comparison.matched:
         remark = (
             f"error against the known truth: median {100 * comparison.median_m:.1f} cm, "
             f"95 % of the joints within {100 * comparison.p95_m:.1f} cm"
