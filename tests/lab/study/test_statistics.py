@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from trecsim.lab.study.inference import Analysis, analyse
-from trecsim.lab.study.resampling import blocks_of, student
+from trecsim.lab.study.resampling import blocks_of
 from trecsim.lab.study.standing import standing
 
 FIRST = np.array([0.0, 1.0, 3.0])
@@ -141,9 +141,12 @@ def test_a_random_design_counts_its_own_imbalance_as_noise() -> None:
     assert careful.pairs[0, 1].matters
 
 
-def test_students_t_agrees_with_the_reference() -> None:
-    for freedom in (2, 3, 5, 10, 30, 1000):
-        assert student(freedom) == pytest.approx(stats.t.ppf(0.975, freedom), rel=0.035)
+def test_few_seeds_widen_the_deviations_as_students_t_does() -> None:
+    per_block = np.array([[1.0], [2.0], [3.0], [6.0]])
+    blocks = blocks_of(np.zeros(4, np.int64))
+    half_width = 1.96 * float((blocks.drawn @ per_block).std())
+    wanted = stats.t.ppf(0.975, 3) * per_block.std(ddof=1) / 2.0
+    assert half_width == pytest.approx(wanted, rel=0.05)
 
 
 @pytest.mark.parametrize("better", [False, True])

@@ -5,6 +5,23 @@ from jaxtyping import Float64
 
 from trecsim.errors import SetupError
 
+
+def need_scipy() -> None:
+    """Fail with the command that installs SciPy where it is missing.
+
+    Raises
+    ------
+    SetupError
+        SciPy is not installed.
+    """
+    try:
+        import scipy.special  # noqa: F401
+    except ImportError:
+        raise SetupError(
+            "evaluation and studies need SciPy: pip install 'mc3d-trecsim[evaluate]'"
+        ) from None
+
+
 Pairs = tuple[tuple[int, int], ...]
 
 
@@ -56,11 +73,8 @@ def heaviest_pairs(weight: Float64[np.ndarray, "row column"]) -> Pairs:
 
 
 def _assign(cost: Float64[np.ndarray, "row column"]) -> list[tuple[int, int]]:
-    try:
-        from scipy.optimize import linear_sum_assignment
-    except ImportError:
-        raise SetupError(
-            "evaluation against ground truth needs SciPy: pip install 'mc3d-trecsim[evaluate]'"
-        ) from None
+    need_scipy()
+    from scipy.optimize import linear_sum_assignment
+
     rows, columns = linear_sum_assignment(cost)
     return list(zip(rows.tolist(), columns.tolist(), strict=True))

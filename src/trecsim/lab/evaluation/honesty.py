@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int16
 
+from trecsim.lab.evaluation.assignment import need_scipy
+
 SHARES = (0.50, 0.90, 0.95)
 SUPPORTS = ("0", "1", "2+")
 """Cameras that support a joint: none, so that it is carried along; one; two and more."""
@@ -43,16 +45,10 @@ def radius_of(share: float) -> float:
     >>> [round(radius_of(share), 3) for share in (0.5, 0.9, 0.95)]
     [1.538, 2.5, 2.795]
     """
-    low, high = 0.0, 20.0
-    for _ in range(80):
-        middle = (low + high) / 2
-        low, high = (middle, high) if _share_within(middle) < share else (low, middle)
-    return low
+    need_scipy()
+    from scipy.special import chdtri
 
-
-def _share_within(radius: float) -> float:
-    tail = math.sqrt(2 / math.pi) * radius * math.exp(-(radius**2) / 2)
-    return math.erf(radius / math.sqrt(2)) - tail
+    return math.sqrt(chdtri(3, 1.0 - share))
 
 
 def honesty(

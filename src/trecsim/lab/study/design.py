@@ -9,6 +9,7 @@ from jaxtyping import Float64, Int64
 Value = float | int | bool | str
 Point = tuple[Value, ...]
 
+_WELL_SPREAD = 500  # points; improving more of them takes too long
 BINS = 5  # a setting drawn at random is looked at in so many parts of equal count
 
 
@@ -119,12 +120,12 @@ def random(factors: tuple[Factor, ...], count: int, seed: int = 0) -> Design:
     >>> sorted(int(point[0]) for point in made.points[1:])  # one in each quarter
     [0, 1, 2, 3]
     """
-    rng = np.random.default_rng(seed)
-    columns = []
-    for factor in factors:
-        share = (rng.permutation(count) + rng.uniform(size=count)) / count
-        columns.append([_drawn(factor, float(at)) for at in share])
-    return _design("random", factors, list(zip(*columns, strict=True)))
+    from scipy.stats.qmc import LatinHypercube
+
+    better = "random-cd" if count <= _WELL_SPREAD else None  # less alike pairs of settings
+    shares = LatinHypercube(len(factors), rng=seed, optimization=better).random(count)
+    points = [tuple(map(_drawn, factors, row.tolist())) for row in shares]
+    return _design("random", factors, points)
 
 
 def _drawn(factor: Factor, share: float) -> Value:

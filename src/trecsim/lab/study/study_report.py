@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from trecsim.errors import InputError
+from trecsim.lab.evaluation.assignment import need_scipy
 from trecsim.lab.report.page import Block, Fact, Facts, Section, Table, Text, page
 from trecsim.lab.report.style import need_matplotlib
 from trecsim.lab.study.analysis import Finding, Findings, findings
@@ -27,8 +28,9 @@ def need_report() -> None:
     Raises
     ------
     SetupError
-        Jinja or Matplotlib is not installed.
+        SciPy, Jinja or Matplotlib is not installed.
     """
+    need_scipy()
     need_matplotlib()
     page("", ())  # needs Jinja
 
