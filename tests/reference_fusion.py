@@ -26,6 +26,12 @@ def jacobian(P, x, step=1e-6):
     )
 
 
+def exact_jacobian(P, x):
+    """Differentiate `project` by the quotient rule."""
+    u, v, w = P @ np.append(x, 1.0)
+    return np.stack([P[0, :3] * w - u * P[2, :3], P[1, :3] * w - v * P[2, :3]]) / w**2
+
+
 def depth(P, x):
     return P[2] @ np.append(x, 1.0)
 
@@ -163,16 +169,39 @@ def midpoint(p, u, q, v):
     return (a + b) / 2, np.linalg.norm(a - b)
 
 
-def lasting_m2(model, j, x, last_s, now_s):
-    """Covariance of a joint whose cameras' key points all err for good."""
-    two_s = np.sort(last_s)[-2]
-    off_m = 0.1 + 0.1 * np.clip(now_s - 0.12 - two_s, 0.0, 5.0)
-    info = np.eye(3) / off_m**2
+def lasting_information(model, j, x, last_s, now_s):
+    """Information on a joint whose cameras' key points all err for good."""
+    info = np.zeros((3, 3))
     for c in np.flatnonzero(last_s > now_s - 0.12):
         sigma_px = model.noise.sigma_m[j] * model.focal_px[c] / depth(model.P[c], x)
-        J = jacobian(model.P[c], x)
+        J = exact_jacobian(model.P[c], x)
         info += J.T @ J / (model.noise.lasting * (sigma_px**2 + model.noise.floor_px**2))
-    return np.linalg.inv(info)
+    return info
+
+
+def lasting_m2(model, j, x, last_s, now_s):
+    """Covariance of the lasting error of a joint's position."""
+    two_s = np.sort(last_s)[-2]
+    off_m = 0.1 + 0.1 * np.clip(now_s - 0.12 - two_s, 0.0, 5.0)
+    info = lasting_information(model, j, x, last_s, now_s)
+    return np.linalg.inv(info + np.eye(3) / off_m**2)
+
+
+def wandering_m2ps2(model, j, x, last_s, now_s):
+    """Covariance of the error of a joint's velocity that lasting errors cause as they wander."""
+    info = lasting_information(model, j, x, last_s, now_s)
+    return np.linalg.inv(info / 5.0**2 + np.eye(3) / 0.2**2)
+
+
+def velocity(R, c, place, knot_s):
+    """Velocity of one joint and its covariance, from the derivatives of SciPy's splines."""
+    from scipy.interpolate import BSpline
+
+    n_point = len(c) // 3
+    knots = np.arange(-3.0, n_point + 1)
+    row = BSpline(knots, np.eye(n_point), 3).derivative()(place) / knot_s
+    B = np.kron(row, np.eye(3))
+    return B @ c, B @ np.linalg.inv(R.T @ R) @ B.T
 
 
 def spread_over(span, weights, n):

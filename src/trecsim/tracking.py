@@ -92,10 +92,7 @@ class _Reach:
                 "is whoever is so later; look at the settings of the fusion and the rig",
                 snapshot.t_s, snapshot.id[~good][0], 1e-3 * _FURTHEST_M,
             )  # fmt: skip
-        return Snapshot(
-            snapshot.t_s, snapshot.id[good], snapshot.xyz_m[good], snapshot.cov_m2[good],
-            snapshot.support[good],
-        )  # fmt: skip
+        return snapshot.of(good)
 
 
 def follow(

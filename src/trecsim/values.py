@@ -4,10 +4,17 @@ Axis names are the same everywhere: ``cam frame person joint knot step limb``.
 Missing numbers are NaN.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float64, Int64, UInt8
+from jaxtyping import Bool, Float64, Int64, Shaped, UInt8
+
+CONFIRMED, COASTING = "confirmed", "coasting"
+"""States of a person in a `Snapshot`."""
+
+
+def _not_given() -> np.ndarray:
+    return np.empty(0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +37,10 @@ class Frame:
     index: int
     t_s: float
     image: UInt8[np.ndarray, "h w 3"]
+
+    def __repr__(self) -> str:
+        height, width = self.image.shape[:2]
+        return f"<Frame {self.index} of {self.camera!r}, t_s={self.t_s:g}, {width} x {height} px>"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +67,11 @@ class Poses2D:
     score: Float64[np.ndarray, "person joint"]
     person_score: Float64[np.ndarray, " person"]
 
+    def __repr__(self) -> str:
+        return (
+            f"<Poses2D of {self.camera!r}, t_s={self.t_s:g}, {_count(len(self.xy_px), 'person')}>"
+        )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameSet:
@@ -71,6 +87,11 @@ class FrameSet:
 
     t_s: float
     views: tuple[Poses2D, ...]
+
+    def __repr__(self) -> str:
+        cameras = ", ".join(view.camera for view in self.views) or "none"
+        found = _count(sum(len(view.xy_px) for view in self.views), "detection")
+        return f"<FrameSet t_s={self.t_s:g}, cameras: {cameras}; {found}>"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,7 +109,21 @@ class Snapshot:
     cov_m2
         Their covariance [m^2].
     support
-        Cameras that support the joint now; 0 means it is carried along.
+        Number of cameras that support the joint now; 0 means that it is predicted only.
+    velocity_mps
+        Velocity of the joints in the world frame [m/s]; NaN where it is not known, as in
+        recordings.
+    velocity_cov_m2ps2
+        Its covariance [m^2/s^2].
+    state
+        Per person "confirmed", or "coasting" where no camera supports any joint. Derived from
+        `support` unless given.
+
+    Examples
+    --------
+    >>> cov_m2 = np.full((1, 17, 3, 3), 0.01)
+    >>> Snapshot(0.5, np.array([7]), np.zeros((1, 17, 3)), cov_m2, np.full((1, 17), 2))
+    <Snapshot t_s=0.5, 1 person: 7>
     """
 
     t_s: float
@@ -96,6 +131,28 @@ class Snapshot:
     xyz_m: Float64[np.ndarray, "person joint 3"]
     cov_m2: Float64[np.ndarray, "person joint 3 3"]
     support: Int64[np.ndarray, "person joint"]
+    velocity_mps: Float64[np.ndarray, "person joint 3"] = field(
+        default_factory=_not_given, kw_only=True
+    )
+    velocity_cov_m2ps2: Float64[np.ndarray, "person joint 3 3"] = field(
+        default_factory=_not_given, kw_only=True
+    )
+    state: Shaped[np.ndarray, " person"] = field(default_factory=_not_given, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if self.velocity_mps.ndim != 3:
+            object.__setattr__(self, "velocity_mps", np.full(self.xyz_m.shape, np.nan))
+        if self.velocity_cov_m2ps2.ndim != 4:
+            object.__setattr__(self, "velocity_cov_m2ps2", np.full(self.cov_m2.shape, np.nan))
+        if self.state.dtype.kind != "U":
+            seen = self.support.any(axis=1)
+            object.__setattr__(self, "state", np.where(seen, CONFIRMED, COASTING))
+
+    def __repr__(self) -> str:
+        people = ", ".join(map(str, self.id[:_LISTED].tolist()))
+        more = ", ..." if len(self.id) > _LISTED else ""
+        listed = f": {people}{more}" if people else ""
+        return f"<Snapshot t_s={self.t_s:g}, {_count(len(self.id), 'person')}{listed}>"
 
     @property
     def sigma_m(self) -> Float64[np.ndarray, "person joint"]:
@@ -104,3 +161,28 @@ class Snapshot:
             np.trace(self.cov_m2, axis1=-2, axis2=-1) / 3.0
         )
         return sigma
+
+    def of(self, which: Bool[np.ndarray, " person"]) -> "Snapshot":
+        """Return the snapshot with only the people whom `which` marks."""
+        return Snapshot(
+            self.t_s, self.id[which], self.xyz_m[which], self.cov_m2[which], self.support[which],
+            velocity_mps=self.velocity_mps[which],
+            velocity_cov_m2ps2=self.velocity_cov_m2ps2[which],
+            state=self.state[which],
+        )  # fmt: skip
+
+
+# So many people are listed by name in a snapshot's short text.
+_LISTED = 10
+
+
+def _count(number: int, what: str) -> str:
+    """Return a number of things as one writes it.
+
+    Examples
+    --------
+    >>> _count(1, "person"), _count(0, "detection")
+    ('1 person', '0 detections')
+    """
+    many = "people" if what == "person" else f"{what}s"
+    return f"{number} {what if number == 1 else many}"

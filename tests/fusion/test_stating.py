@@ -16,13 +16,13 @@ NO_LIMBS = kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0), np.zeros(17))
 
 
 def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None):
-    x, cov = x[None].copy(), cov[None].copy()
+    x, cov, velocity_cov = x[None].copy(), cov[None].copy(), np.zeros((1, 17, 3, 3))
     limb_m = np.empty((1, 0)) if limb_m is None else limb_m[None]
     kernels.state_all(
         MODEL.P, MODEL.focal_px, MODEL.noise, joint_s[None], NOW_S, limbs, limb_m,
-        np.full(limb_m.shape, 1e-6), x, cov,
+        np.full(limb_m.shape, 1e-6), x, cov, velocity_cov,
     )  # fmt: skip
-    return x[0], cov[0]
+    return x[0], cov[0], velocity_cov[0]
 
 
 @given(st.integers(0, 2**32 - 1))
@@ -30,11 +30,13 @@ def test_lasting_errors_are_added_as_by_the_reference(seed):
     rng = np.random.default_rng(seed)
     x, cov = somebody(rng)
     joint_s = rng.choice([0.5, 1.05, -np.inf], (17, 4))
-    said, said_m2 = state(x, cov, joint_s)
+    said, said_m2, said_m2ps2 = state(x, cov, joint_s)
     np.testing.assert_array_equal(said, x)
     for j in range(17):
         lasting = reference.lasting_m2(MODEL, j, x[j], joint_s[j], NOW_S)
-        np.testing.assert_allclose(said_m2[j], cov[j] + lasting, rtol=1e-6, atol=1e-12)
+        np.testing.assert_allclose(said_m2[j], cov[j] + lasting, rtol=1e-9, atol=1e-12)
+        wandering = reference.wandering_m2ps2(MODEL, j, x[j], joint_s[j], NOW_S)
+        np.testing.assert_allclose(said_m2ps2[j], wandering, rtol=1e-9, atol=1e-12)
 
 
 def test_more_cameras_leave_less_of_lasting_errors():
@@ -71,7 +73,7 @@ def test_limbs_hold_joints_by_what_lasting_errors_leave_open():
     x, cov = np.tile([0.0, 0.0, 1.0], (17, 1)), np.tile(np.eye(3) * 1e-9, (17, 1, 1))
     x[1, 0] += 0.32
     limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
-    said, _ = state(x, cov, np.full((17, 4), 1.05), limbs, np.array([0.3]))
+    said, _, _ = state(x, cov, np.full((17, 4), 1.05), limbs, np.array([0.3]))
     assert 0.3 < np.linalg.norm(said[1] - said[0]) < 0.312
 
 

@@ -7,11 +7,9 @@ from jaxtyping import Bool, Float64
 
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.snapshots import evaluated
+from trecsim.fusion.snapshots import evaluated, velocity
 from trecsim.fusion.spline import KnotGrid
 
-# Over this time the last velocity is taken: some frames, so that no single one decides [s].
-_STEP_S = 0.1
 # Somebody who comes back may be so far from where the person should be, an arm's length, and
 # further by the time that has passed, at half of a walk's speed [m, m/s].
 _NEAR_M, _SPREAD_MPS = 0.5, 0.6
@@ -78,8 +76,15 @@ def remembered(
     seen_s = people.camera_s.max(axis=1, initial=-np.inf)
     lost = []
     for k in np.flatnonzero(who):
-        then_s = max(float(seen_s[k]), t_s - model.settings.window_s + _STEP_S)
-        at = evaluated(people.c[k : k + 1], grid, [then_s - _STEP_S, then_s])
-        torso = at[:, 0, model.torso].mean(axis=1)
-        lost.append(Lost(int(people.id[k]), then_s, torso[1], (torso[1] - torso[0]) / _STEP_S))
+        then_s = max(float(seen_s[k]), t_s - model.settings.window_s)
+        xyz_m = evaluated(people.c[k : k + 1], grid, [then_s])[0, 0, model.torso]
+        velocity_mps, _ = velocity(people.keep(np.arange(len(people)) == k), grid, then_s)
+        lost.append(
+            Lost(
+                int(people.id[k]),
+                then_s,
+                xyz_m.mean(axis=0),
+                velocity_mps[0, model.torso].mean(axis=0),
+            )
+        )
     return lost

@@ -34,14 +34,19 @@ def snapshot_of(
     parts = [_part(people, grid, t_s, now_s, model) for grid, people in there]
     if not parts:
         return nobody_at(t_s, len(model.skeleton.joints))
-    if len(parts) == 1:
-        return parts[0]
+    return parts[0] if len(parts) == 1 else _joined(parts)
+
+
+def _joined(parts: Sequence[Snapshot]) -> Snapshot:
+    """Return snapshots of the same moment as one."""
     return Snapshot(
-        t_s,
+        parts[0].t_s,
         np.concatenate([part.id for part in parts]),
         np.concatenate([part.xyz_m for part in parts]),
         np.concatenate([part.cov_m2 for part in parts]),
         np.concatenate([part.support for part in parts]),
+        velocity_mps=np.concatenate([part.velocity_mps for part in parts]),
+        velocity_cov_m2ps2=np.concatenate([part.velocity_cov_m2ps2 for part in parts]),
     )
 
 
@@ -51,15 +56,28 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
         kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
+    velocity_mps, velocity_cov_m2ps2 = velocity(people, grid, t_s)
     # NumPy takes rows by `take` in a third of the time that an index needs.
     xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
+    velocity_cov_m2ps2 = velocity_cov_m2ps2.take(who, axis=0)
     kernels.state_all(
         model.P, model.focal_px, model.noise, people.joint_s.take(who, axis=0), t_s,
         model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
-        xyz_m, cov_m2,
+        xyz_m, cov_m2, velocity_cov_m2ps2,
     )  # fmt: skip
-    count = lifecycle.support(people, t_s).take(who, axis=0)
-    return Snapshot(t_s, people.id.take(who), xyz_m, cov_m2, count)
+    return Snapshot(
+        t_s, people.id.take(who), xyz_m, cov_m2, lifecycle.support(people, t_s).take(who, axis=0),
+        velocity_mps=velocity_mps.take(who, axis=0), velocity_cov_m2ps2=velocity_cov_m2ps2,
+    )  # fmt: skip
+
+
+def velocity(
+    people: Population, grid: KnotGrid, t_s: float
+) -> tuple[Float64[np.ndarray, "track joint 3"], Float64[np.ndarray, "track joint 3 3"]]:
+    """Return the joints' velocities at one time [m/s], and their covariances [m^2/s^2]."""
+    velocity_mps, cov_m2ps2 = np.empty(people.x_m.shape), np.empty(people.cov_m2.shape)
+    kernels.velocity_all(people.R, people.c, grid.place(t_s), grid.knot_s, velocity_mps, cov_m2ps2)
+    return velocity_mps, cov_m2ps2
 
 
 def evaluated(

@@ -52,6 +52,11 @@ class Rig:
         P.setflags(write=False)
         object.__setattr__(self, "P", P)
 
+    def __repr__(self) -> str:
+        return f"<Rig of {len(self)} {'camera' if len(self) == 1 else 'cameras'}: " + (
+            f"{', '.join(self.names)}>"
+        )
+
     @property
     def names(self) -> tuple[str, ...]:
         """The cameras' names, in order."""

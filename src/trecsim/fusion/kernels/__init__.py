@@ -41,6 +41,7 @@ from trecsim.fusion.kernels.presence import (
 )
 from trecsim.fusion.kernels.stating import state_all
 from trecsim.fusion.kernels.undistortion import Undistortion, undistort
+from trecsim.fusion.kernels.velocity import velocity_all
 from trecsim.fusion.kernels.visibility import Lenses, Silhouette, expect_all
 
 __all__ = [
@@ -89,4 +90,5 @@ __all__ = [
     "sums",
     "survive_all",
     "undistort",
+    "velocity_all",
 ]

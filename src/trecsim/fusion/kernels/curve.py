@@ -40,6 +40,30 @@ def locate(place, live, weights):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
+def derivative(place, live, knot_s, weights):
+    """Write the weights of the control points in the curve's velocity; return the first of them.
+
+    Parameters
+    ----------
+    place, live
+        As for `locate`.
+    knot_s
+        Distance between knots [s].
+    weights
+        Result, (4,) [1/s].
+    """
+    span = min(max(math.floor(place), 0), live - ORDER)
+    u = min(max(place - span, 0.0), 1.0)
+    v = 1.0 - u
+    weights[0] = -v * v / 2.0 / knot_s
+    weights[1] = (3.0 * u * u - 4.0 * u) / 2.0 / knot_s
+    weights[2] = (4.0 * v - 3.0 * v * v) / 2.0 / knot_s
+    weights[3] = u * u / 2.0 / knot_s
+    return span
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
 def point(c, span, weights, xyz_m):
     """Write one joint's place at ``span, weights`` to `xyz_m` (3,)."""
     for a in range(BLOCK):

@@ -14,6 +14,9 @@ from trecsim.fusion.kernels.presence import SUPPORT_S
 # How far a joint may be off in a direction that no camera tells of [m], and how fast that grows
 # with the time for which no two cameras have seen it [m/s], up to so long [s].
 _OFF_M, _DRIFT_MPS, _LONG_S = 0.1, 0.1, 5.0
+# Errors that last for seconds still wander: by about one standard deviation in 0.2 s [1/s]. In a
+# direction that no camera tells of, this error of the velocity is at most so large [m/s].
+_WANDER_PER_S, _OFF_MPS = 5.0, 0.2
 
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
@@ -32,16 +35,11 @@ def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
     last_s, now_s
         When each camera last supported it, (cam,), and the time of what is stated [s].
     info
-        Result, (3, 3) [1/m^2].
+        Result, (3, 3) [1/m^2]; singular where fewer than two cameras see the joint.
     """
-    latest = second = -math.inf
-    for c in range(last_s.shape[0]):
-        second = max(second, min(latest, last_s[c]))
-        latest = max(latest, last_s[c])
-    off_m = _OFF_M + _DRIFT_MPS * min(max(now_s - SUPPORT_S - second, 0.0), _LONG_S)
     for p in range(3):
         for q in range(3):
-            info[p, q] = 1.0 / (off_m * off_m) if p == q else 0.0
+            info[p, q] = 0.0
     for c in range(last_s.shape[0]):
         if not last_s[c] > now_s - SUPPORT_S:
             continue
@@ -57,7 +55,48 @@ def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
 
 @njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
 @no_type_check
-def state_all(P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2):
+def unseen_sigma_m(last_s, now_s):
+    """Return the lasting error of a joint in directions that no camera tells of [m]."""
+    latest = second = -math.inf
+    for c in range(last_s.shape[0]):
+        second = max(second, min(latest, last_s[c]))
+        latest = max(latest, last_s[c])
+    return _OFF_M + _DRIFT_MPS * min(max(now_s - SUPPORT_S - second, 0.0), _LONG_S)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def widen(cov, info, scale, sigma, bounded, lasting):
+    """Add the covariance of a lasting error to `cov` (3, 3), in place.
+
+    Parameters
+    ----------
+    cov
+        Of a joint's position or velocity.
+    info
+        See `lasting_information`.
+    scale
+        Standard deviation of the error per metre of lasting error of the position.
+    sigma
+        Its standard deviation in directions that no camera tells of.
+    bounded, lasting
+        Scratch, (3, 3).
+    """
+    for p in range(3):
+        for q in range(3):
+            bounded[p, q] = info[p, q] / (scale * scale)
+        bounded[p, p] += 1.0 / (sigma * sigma)
+    invert3(bounded, lasting)
+    for p in range(3):
+        for q in range(3):
+            cov[p, q] += lasting[p, q]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def state_all(
+    P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2, velocity_cov_m2ps2
+):
     """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
 
     Parameters
@@ -69,9 +108,9 @@ def state_all(P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov
         stated [s].
     limbs, limb_m, limb_m2
         `Limbs`; lengths and variances per track, (track, limb).
-    x, cov_m2
-        Joints and covariances as the trajectories have them, (track, joint, 3) and (track, joint,
-        3, 3); changed in place.
+    x, cov_m2, velocity_cov_m2ps2
+        Joints, their covariances and those of their velocities as the trajectories have them,
+        (track, joint, 3) and (track, joint, 3, 3); changed in place.
 
     Notes
     -----
@@ -79,12 +118,11 @@ def state_all(P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov
     shows it, as the trajectory has it, too: so it is added here, and not before. It is also what
     stretches limbs; they are held here, where it is known how far a joint may really be off.
     """
-    info, lasting = np.empty((3, 3)), np.empty((3, 3))
+    info, bounded, lasting = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
             lasting_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], now_s, info)
-            invert3(info, lasting)
-            for p in range(3):
-                for q in range(3):
-                    cov_m2[k, j, p, q] += lasting[p, q]
+            off_m = unseen_sigma_m(joint_s[k, j], now_s)
+            widen(cov_m2[k, j], info, 1.0, off_m, bounded, lasting)
+            widen(velocity_cov_m2ps2[k, j], info, _WANDER_PER_S, _OFF_MPS, bounded, lasting)
         tighten(x[k], cov_m2[k], limbs, limb_m[k], limb_m2[k])

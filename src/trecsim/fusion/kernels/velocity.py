@@ -1,0 +1,37 @@
+"""Velocities of the trajectories: the splines' derivative, and its covariance."""
+
+from typing import no_type_check
+
+import numpy as np
+from numba import njit
+
+from trecsim.fusion.kernels.curve import BLOCK, ORDER, derivative, point
+from trecsim.fusion.kernels.information import curve_covariance
+
+
+@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
+@no_type_check
+def velocity_all(R, c, place, knot_s, velocity_mps, cov_m2ps2):
+    """Write the velocities of all joints of all tracks at one time, and their covariances.
+
+    Parameters
+    ----------
+    R, c
+        Square-root information and control points, (track, joint, n, n) and (track, joint, n).
+    place, knot_s
+        Time in knots since the oldest live one, and distance between knots [s].
+    velocity_mps, cov_m2ps2
+        Results, (track, joint, 3) [m/s] and (track, joint, 3, 3) [m^2/s^2].
+
+    Notes
+    -----
+    The derivative is linear in the control points, as the position is: only the four basis weights
+    differ, so position and velocity share `point` and `curve_covariance`.
+    """
+    y = np.empty((R.shape[2], BLOCK))
+    weights = np.empty(ORDER)
+    span = derivative(place, R.shape[2] // BLOCK, knot_s, weights)
+    for k in range(R.shape[0]):
+        for j in range(R.shape[1]):
+            point(c[k, j], span, weights, velocity_mps[k, j])
+            curve_covariance(R[k, j], span, weights, y, cov_m2ps2[k, j])
