@@ -1,20 +1,20 @@
 """Rigs in files: read in many formats, written in some, always metres and z up inside.
 
-What a file cannot say (its unit, where the floor is, the size of its images) the user may; what
-is doubtful without being wrong is a remark. Remarks are Python warnings of class `RigWarning`,
-unless the caller hands in a function that takes each as one line of text, as the commands do.
+The user may say what a file does not (its unit, the floor, the size of the images). What is
+doubtful without being wrong is a remark of one line: it is logged, unless the caller hands in a
+function that takes it, as the commands do.
 """
 
 from collections.abc import Callable
 from pathlib import Path
 
 from trecsim.calibration.floor import Floor
-from trecsim.calibration.formats.found import RigWarning, Wishes, warn
 from trecsim.calibration.formats.known import FORMATS, Format, format_called, open_rig
+from trecsim.calibration.formats.wishes import Wishes, logger
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
-__all__ = ["FORMATS", "Floor", "Format", "RigWarning", "format_to_write", "read_rig", "write_rig"]
+__all__ = ["FORMATS", "Floor", "Format", "format_to_write", "read_rig", "write_rig"]
 
 
 def read_rig(
@@ -24,7 +24,7 @@ def read_rig(
     unit_m: float | None = None,
     floor: Floor | None = None,
     size_px: tuple[int, int] | None = None,
-    remark: Callable[[str], None] = warn,
+    remark: Callable[[str], None] = logger.warning,
 ) -> Rig:
     """Read a rig from a file, or from the only one in a directory.
 
@@ -42,7 +42,7 @@ def read_rig(
     size_px
         Image (width, height) of all cameras [px], for a format that does not tell it.
     remark
-        Is called with each remark; the default issues `RigWarning`.
+        Is called with each remark; the default logs it.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def write_rig(
     *,
     format: str | None = None,
     unit_m: float = 1.0,
-    remark: Callable[[str], None] = warn,
+    remark: Callable[[str], None] = logger.warning,
 ) -> None:
     """Write a rig to a file (EasyMocap: into a directory), whole or not at all.
 
@@ -75,7 +75,7 @@ def write_rig(
     unit_m
         Length of the file's unit [m]; trecsim's own is always in metres.
     remark
-        Is called with what the format cannot hold; the default issues `RigWarning`.
+        Is called with what the format cannot hold; the default logs it.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where the floor is in the frame of a file: the way from there to our world, z up."""
+"""The floor in the frame of a calibration file: the rigid motion from there to the world, z up."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,6 +22,10 @@ UP: dict[UpAxis, Float64[np.ndarray, "3 3"]] = {
 }
 """Rotations that take the axis which points up to z."""
 
+STEEPEST = 0.3  # cosine: a camera may look up or down by as much as 72 degrees
+ROLL = 0.35  # sine: and be rolled about its line of sight by as much as 20 degrees
+AGREEING = 2 / 3  # share of the cameras
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Floor:
@@ -34,8 +38,8 @@ class Floor:
     translation_m
         Shift after the rotation [m].
     up
-        The axis that points up after both; None takes the one about which the cameras stand most
-        upright.
+        The axis that points up after both. None takes z, unless the file does not say its axes
+        and the cameras clearly stand upright about another axis.
 
     Examples
     --------
@@ -71,11 +75,31 @@ class Floor:
         return T_world_file
 
 
-def upright_axis(cameras: Sequence[Camera], R_ground_file: Float64[np.ndarray, "3 3"]) -> UpAxis:
-    """Return the axis about which the cameras stand most upright: images are taken head up."""
-    ups = [-R_ground_file @ camera.T_cam_world[1, :3] for camera in cameras]
-    mean_up = np.mean(ups, axis=0)
-    return max(UP, key=lambda axis: float((UP[axis] @ mean_up)[2]))
+def upright_axis(
+    cameras: Sequence[Camera], R_ground_file: Float64[np.ndarray, "3 3"]
+) -> UpAxis | None:
+    """Return the axis that points up if the images were taken upright; None if it is not clear.
+
+    An upright camera has the up axis somewhere above it in its image, and its rows are level. It
+    is clear when this holds for one axis in at least two thirds of the cameras and for no other
+    axis. Cameras mounted in portrait, or parallel cameras that look down steeply, leave it open.
+
+    Parameters
+    ----------
+    cameras
+        The cameras, in the frame of the file.
+    R_ground_file
+        Rotation from that frame to the one of which an axis is up.
+    """
+    right = np.array([R_ground_file @ camera.T_cam_world[0, :3] for camera in cameras])
+    above = np.array([-R_ground_file @ camera.T_cam_world[1, :3] for camera in cameras])
+    axes = {axis: R[2] for axis, R in UP.items()}
+    upright = {
+        axis: float(((above @ up > STEEPEST) & (np.abs(right @ up) < ROLL)).mean())
+        for axis, up in axes.items()
+    }
+    clear = [axis for axis, share in upright.items() if share >= AGREEING]
+    return clear[0] if len(clear) == 1 else None
 
 
 def put_on_floor(camera: Camera, T_world_file: RigidMotion) -> RigidMotion:

@@ -57,6 +57,27 @@ def test_freemocap_is_in_millimetres(tmp_path):
     np.testing.assert_allclose(rig["seat 1"].position_m, [-0.4, 0.0, 1.5], atol=1e-12)
 
 
+def test_freemocap_2_says_its_unit_with_its_board(tmp_path):
+    text = anipose(0.0, 400.0) + "[metadata.board]\nsquare_length_mm = 54.0\n"
+    rig = read(tmp_path, text, remark=pytest.fail)
+    np.testing.assert_allclose(rig["seat 1"].position_m, [-0.4, 0.0, 1.5], atol=1e-12)
+
+
+def test_cameras_that_caliscope_shows_turned_are_remarked(tmp_path):
+    remarks = []
+    text = anipose(0.0, 3.0).replace('name = "seat 1"', 'name = "seat 1"\nrotation_count = -1')
+    read(tmp_path, text.replace("1500.0", "1.5"), unit_m=1.0, remark=remarks.append)
+    assert len(remarks) == 1
+    assert "caliscope shows these cameras turned (rotation_count): cam_1" in remarks[0]
+
+
+def test_a_focal_length_that_no_lens_has_is_remarked(tmp_path):
+    remarks = []
+    text = anipose(0.0, 3.0).replace("900.0, 0.0, 359.5", "84.0, 0.0, 359.5", 1)
+    read(tmp_path, text.replace("1500.0", "1.5"), unit_m=1.0, remark=remarks.append)
+    assert "camera 'seat 0': a focal length of 84 px in an image of 720 x 1280" in remarks[0]
+
+
 def test_pose2sim_is_in_metres_and_has_four_coefficients(tmp_path):
     text = CAMERA.format(table="cam01", name="cam01", shift=0.0, **POSE2SIM) + "fisheye = false\n"
     rig = read(tmp_path, text.replace("1500.0", "1.5"), remark=pytest.fail)
@@ -95,7 +116,10 @@ def test_a_frame_that_is_not_upright_is_remarked_and_can_be_turned(tmp_path):
     flat = anipose(0.0, 2.5).replace("1.5707963267948966", "0.0").replace("1500.0", "0.0")
     remarks = []
     read(tmp_path, flat, unit_m=1.0, remark=remarks.append)
-    assert "stand upright about the -y axis, but z should point up" in remarks[0]
+    assert remarks[0] == (
+        "z is taken as up, but the images of the cameras are upright about the -y axis. If no "
+        "camera is mounted on its side, give the floor, or only --floor-up -y"
+    )
     rig = read(tmp_path, flat, unit_m=1.0, floor=Floor(up="-y"), remark=pytest.fail)
     np.testing.assert_allclose(rig.cameras[0].T_cam_world[1, :3], [0, 0, -1], atol=1e-12)
 

@@ -92,16 +92,34 @@ def test_a_size_in_the_file_is_taken(tmp_path):
         ("Rot_01:", "Rot_7:", "camera '01': R is missing"),
         ("[900.000000", "[0.000000", "focal lengths in K must be positive"),
         ("[1.57079632679,", "[.Nan,", "R must be finite"),
-        ('  - "1"\n', "", "name different cameras"),
     ],
 )
 def test_what_is_wrong_is_told(old, new, says, tmp_path):
     intrinsics, extrinsics = INTRINSICS.replace(old, new), EXTRINSICS.replace(old, new)
-    if not new:
-        intrinsics = INTRINSICS
     write(tmp_path, intrinsics, extrinsics)
     with pytest.raises(CalibrationError, match=says):
         read_rig(tmp_path, size_px=(1920, 1080))
+
+
+def test_cameras_without_a_pose_or_without_a_lens_are_left_out_with_a_remark(tmp_path):
+    remarks = []
+    write(tmp_path, extrinsics=EXTRINSICS.replace('  - "1"\n', ""))
+    rig = read_rig(tmp_path, size_px=(1920, 1080), remark=remarks.append)
+    assert rig.names == ("01",)
+    write(tmp_path, intrinsics=INTRINSICS.replace('  - "01"\n', ""))
+    rig = read_rig(tmp_path, size_px=(1920, 1080), remark=remarks.append)
+    assert rig.names == ("1",)
+    told = [remark.partition(": ")[2] for remark in remarks]
+    assert told == [
+        "left out, for extri.yml has no pose of them: 1",
+        "left out, for intri.yml has no lens of them: 01",
+    ]
+
+
+def test_a_pair_without_a_camera_in_common_is_refused(tmp_path):
+    write(tmp_path, extrinsics=EXTRINSICS.replace('"1"', '"7"').replace('"01"', '"8"'))
+    with pytest.raises(CalibrationError, match="its files have no camera in common"):
+        read_rig(tmp_path)
 
 
 def test_a_pair_without_names_or_without_its_other_half_is_told(tmp_path):

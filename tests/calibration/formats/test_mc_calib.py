@@ -3,7 +3,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from trecsim.calibration import Floor, RigWarning, read_rig
+from trecsim.calibration import Floor, read_rig
 from trecsim.errors import CalibrationError
 
 # The floor of the thesis' room, camera 0 to ground: y points up there, 230 cm.
@@ -55,10 +55,9 @@ def test_without_unit_and_floor_both_are_remarked(thesis_file):
     np.testing.assert_allclose(rig["camera_1"].position_m, [-2.6495, -0.3897, 0.4959], atol=1e-4)
 
 
-def test_remarks_are_warnings_by_default(thesis_file):
-    with pytest.warns(RigWarning) as caught:
-        read_rig(thesis_file, floor=Floor(up="-y"))
-    assert "centimetres guessed" in str(caught[0].message)
+def test_remarks_are_logged_by_default(thesis_file, caplog):
+    read_rig(thesis_file, floor=Floor(up="-y"))
+    assert "centimetres guessed" in caplog.messages[0]
 
 
 def test_the_way_up_of_the_floor_is_found_and_remarked(thesis_file):
@@ -66,7 +65,7 @@ def test_the_way_up_of_the_floor_is_found_and_remarked(thesis_file):
     read_rig(thesis_file, unit_m=0.01, floor=THESIS_FLOOR, remark=remarks.append)
     assert remarks[0] == (
         "the cameras stand upright about the y axis of the floor given, so that axis was taken "
-        "as up (say so with --floor-up)"
+        "as up (--floor-up y says so, --floor-up z would take z)"
     )
 
 
@@ -106,7 +105,7 @@ GOOD = "%YAML:1.0\n---\nnb_camera: 2\n" + CAMERA.format(n=0) + CAMERA.format(n=3
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ("nb_camera: 2", "nb_camera: 3", "nb_camera is 3, but it has 2"),
+        ("nb_camera: 2", "nb_camera: 1", "nb_camera is 1, but it has 2"),
         ("img_width: 1280", "img_width: 0", "size_px must be"),
         ("img_width: 1280", "img_widht: 1280", "img_width is missing.* it has 'img_widht'"),
         ("distortion_type: 0", "distortion_type: 2", "unknown distortion_type 2; known: 0"),
@@ -125,3 +124,23 @@ def test_what_is_wrong_is_told(old, new, says, tmp_path):
     assert path.read_text() != GOOD
     with pytest.raises(CalibrationError, match=says):
         read_rig(path, remark=lambda text: None)
+
+
+def read(folder, text):
+    remarks = []
+    path = folder / "calibrated_cameras_data.yml"
+    path.write_text(text)
+    return read_rig(path, unit_m=1.0, remark=remarks.append), remarks
+
+
+def test_a_camera_that_was_counted_but_not_connected_is_remarked(tmp_path):
+    rig, remarks = read(tmp_path, GOOD.replace("nb_camera: 2", "nb_camera: 3"))
+    assert rig.names == ("camera_0", "camera_3")
+    assert "2 of the 3 cameras are in it (camera_0, camera_3)" in remarks[0]
+
+
+def test_of_several_groups_the_largest_is_read_with_a_remark(tmp_path):
+    alone = CAMERA.format(n=5).replace("camera_group: 0", "camera_group: 1")
+    rig, remarks = read(tmp_path, GOOD.replace("nb_camera: 2", "nb_camera: 3") + alone)
+    assert rig.names == ("camera_0", "camera_3")
+    assert "poses to the others are unknown (camera_group): camera_5" in remarks[0]

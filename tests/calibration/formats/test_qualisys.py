@@ -51,22 +51,38 @@ def test_a_camera_made_by_hand_stands_and_looks_as_it_should(tmp_path):
     np.testing.assert_allclose(north.distortion, [0.01, 0, 0, 0, 0])
 
 
-def test_marker_cameras_are_left_out_with_a_remark(tmp_path):
-    both = CAMERA.format(model="Miqus Video", serial="v") + CAMERA.format(model="M3", serial="m")
+def wrapped(*cameras):
+    return f"<calibration><cameras>{''.join(cameras)}</cameras></calibration>"
+
+
+def test_cameras_without_video_are_left_out_with_the_reason(tmp_path):
+    cameras = [
+        CAMERA.format(model=model, serial=serial)
+        for model, serial in (("Miqus Video", "v"), ("M3", "m"), ("Miqus Video", "off"))
+    ]
+    cameras[2] = cameras[2].replace('active="1"', 'active="0"')
     remarks = []
-    rig = read(
-        tmp_path,
-        f"<calibration><cameras>{both}</cameras></calibration>",
-        remark=remarks.append,
-    )
+    rig = read(tmp_path, wrapped(*cameras), remark=remarks.append)
     assert rig.names == ("v",)
-    assert "left out, not video cameras: m" in remarks[0]
+    assert "left out, no video: m (model M3), off (not active)" in remarks[0]
+
+
+def test_a_hybrid_camera_gives_video_as_well_as_markers(tmp_path):
+    rig = read(tmp_path, GOOD.replace('"none"', '"Miqus Hybrid"'), remark=pytest.fail)
+    np.testing.assert_allclose(rig["north"].position_m, [1.0, -2.0, 1.5])
+
+
+def test_a_turned_view_is_remarked(tmp_path):
+    remarks = []
+    read(tmp_path, GOOD.replace('viewrotation="0"', 'viewrotation="90"'), remark=remarks.append)
+    assert len(remarks) == 1
+    assert "the view of these cameras is turned (viewrotation): north (90 degrees)" in remarks[0]
 
 
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
-        ('model="none"', 'model="M3"', "no video camera"),
+        ('model="none"', 'model="M3"', "no active video camera"),
         ('left="10"', "", "camera 'north', fov_video: left is missing"),
         ('x="1000"', 'x="far"', "camera 'north', transform: x must be"),
         ('x="1000"', 'x="nan"', "x must be finite"),

@@ -1,8 +1,12 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
-from trecsim.calibration import Floor, read_rig
+from made_rigs import ring
+from trecsim.calibration import Floor, read_rig, write_rig
 from trecsim.errors import CalibrationError
+from trecsim.geometry.rig import Rig
 
 GOOD = """
 format = "trecsim.rig/1"
@@ -108,3 +112,14 @@ def test_many_faults_are_cut(tmp_path):
     cameras = "".join(f"[cameras.c{i}]\n" for i in range(500))
     with pytest.raises(CalibrationError, match="and 1480 more"):
         read_rig(write(tmp_path, f'format = "trecsim.rig/1"\n{cameras}'))
+
+
+def test_two_cameras_with_one_pose_are_remarked(tmp_path):
+    rig = ring(3)
+    first, second, third = rig.cameras
+    twin = dataclasses.replace(third, T_cam_world=second.T_cam_world)
+    write_rig(Rig((first, second, twin)), tmp_path / "rig.toml")
+    remarks = []
+    read_rig(tmp_path / "rig.toml", remark=remarks.append)
+    assert len(remarks) == 1
+    assert remarks[0].startswith("cameras 'cam1' and 'cam2' stand in the same place and look")

@@ -12,7 +12,8 @@ import numpy as np
 from trecsim.calibration.floor import Floor
 from trecsim.calibration.formats.document import Document
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.found import FoundCamera, build_rig
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.geometry.rig import Rig
 
 PANOPTIC_UNIT_M = 0.01
@@ -70,7 +71,7 @@ def read_table(document: Document, wishes: Wishes) -> Rig:
         entry = Entry(f"camera {name!r}", fields, faults)
         size = np.array([entry.number("width"), entry.number("height")])
         found.append(_camera(entry, name, entry.whole_size_px(size), "dist"))
-    return build_rig(found, faults, wishes, 1.0)
+    return build_rig(found, faults, wishes, 1.0, z_up=True)
 
 
 def _camera(entry: Entry, name: str, size_px: tuple[int, int], distortion: str) -> FoundCamera:

@@ -9,7 +9,9 @@ dialect    told by                         unit
 Pose2Sim   ``fisheye = false``, sizes      metres, z up
            with a decimal point
 FreeMoCap  ``[metadata]`` with             millimetres
-           ``charuco_square_size``
+           ``charuco_square_size``, or
+           ``[metadata.board]`` with
+           ``square_length_mm``
 caliscope  ``[cameras.1]``, ``cam_id``     metres as a rule, but not said: guessed
 anipose    everything else                 that of the board: guessed
 =========  ==============================  ====================================================
@@ -27,8 +29,9 @@ from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
 from trecsim.calibration.formats.fields import Entry, Faults, as_numbers
-from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.trecsim_toml import matrix, quoted, vector
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import DistortionModel
 from trecsim.geometry.rig import Rig
@@ -75,7 +78,7 @@ def read_pose2sim(document: Document, wishes: Wishes) -> Rig:
     CalibrationError
         Something is wrong; every fault, with the camera it belongs to.
     """
-    return _read(document, wishes, 1.0)
+    return _read(document, wishes, 1.0, z_up=True)
 
 
 def read_anipose(document: Document, wishes: Wishes) -> Rig:
@@ -86,12 +89,21 @@ def read_anipose(document: Document, wishes: Wishes) -> Rig:
     CalibrationError
         Something is wrong; every fault, with the camera it belongs to.
     """
-    metadata = document.data.get("metadata")
-    freemocap = isinstance(metadata, Mapping) and "charuco_square_size" in metadata
-    return _read(document, wishes, 0.001 if freemocap else None)
+    return _read(document, wishes, 0.001 if _is_freemocap(document.data) else None)
 
 
-def _read(document: Document, wishes: Wishes, unit_m: float | None) -> Rig:
+def _is_freemocap(data: Mapping[str, Any]) -> bool:
+    """Tell whether FreeMoCap wrote the file, whose board is given in millimetres."""
+    metadata = data.get("metadata")
+    if not isinstance(metadata, Mapping):
+        return False
+    board = metadata.get("board")
+    return "charuco_square_size" in metadata or (
+        isinstance(board, Mapping) and "square_length_mm" in board
+    )
+
+
+def _read(document: Document, wishes: Wishes, unit_m: float | None, *, z_up: bool = False) -> Rig:
     faults = Faults(document.path)
     tables = _tables(document.data)
     posed = {key: table for key, table in tables.items() if _is_posed(table)}
@@ -100,7 +112,18 @@ def _read(document: Document, wishes: Wishes, unit_m: float | None) -> Rig:
     if not posed:
         faults.add("it has no camera with a matrix, a rotation and a translation")
     found = [_camera(key, table, faults) for key, table in posed.items()]
-    return build_rig(found, faults, wishes, unit_m)
+    _tell_rotations(posed, wishes)
+    return build_rig(found, faults, wishes, unit_m, z_up=z_up)
+
+
+def _tell_rotations(tables: Mapping[str, Mapping[str, Any]], wishes: Wishes) -> None:
+    """Remark which cameras caliscope shows turned: the calibration is of the image as it is."""
+    turned = [key for key, table in tables.items() if table.get("rotation_count", 0) not in (0, 4)]
+    if turned:
+        wishes.remark(
+            f"caliscope shows these cameras turned (rotation_count): {', '.join(turned)}. The "
+            "calibration is for the image as it is in the video; give 2D poses in those pixels"
+        )
 
 
 def _is_posed(table: Mapping[str, Any]) -> bool:

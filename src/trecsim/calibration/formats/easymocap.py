@@ -14,8 +14,9 @@ from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document, read_document
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import Rotation, rotation_matrix, rotation_vector
 from trecsim.store.atomic import atomic_write, disk_faults
@@ -45,16 +46,36 @@ def read(document: Document, wishes: Wishes) -> Rig:
     other = read_document(folder / (EXTRINSICS if has_intrinsics else INTRINSICS))
     fields = {**document.data, **other.data}
     faults = Faults(folder)
-    names = document.data["names"]
-    if set(map(str, names)) != set(map(str, other.data.get("names", names))):
-        faults.add(
-            f"its files name different cameras: {short(names)} in {document.path.name}, "
-            f"{short(other.data.get('names'))} in {other.path.name}"
-        )
-    if not names:
-        faults.add("it has no camera: its list of names is empty")
-    found = [_camera(str(name), fields, faults, wishes) for name in names]
+    names = _names_in_both(document, other, faults, wishes)
+    found = [_camera(name, fields, faults, wishes) for name in names]
     return build_rig(found, faults, wishes, 1.0)
+
+
+def _names_in_both(
+    document: Document, other: Document, faults: Faults, wishes: Wishes
+) -> list[str]:
+    """Return the cameras that both files name; the others are left out with a remark."""
+    mine = [str(name) for name in document.data["names"]]
+    theirs = {str(name) for name in other.data.get("names", mine)}
+    both = [name for name in mine if name in theirs]
+    if not mine:
+        faults.add("it has no camera: its list of names is empty")
+    elif not both:
+        faults.add(
+            f"its files have no camera in common: {short(mine)} in {document.path.name}, "
+            f"{short(sorted(theirs))} in {other.path.name}"
+        )
+    for path, left_out in (
+        (other.path, [name for name in mine if name not in theirs]),
+        (document.path, sorted(theirs.difference(mine))),
+    ):
+        if left_out and both:
+            lack = "pose" if path.name == EXTRINSICS else "lens"
+            wishes.remark(
+                f"{path.parent}: left out, for {path.name} has no {lack} of them: "
+                f"{', '.join(left_out)}"
+            )
+    return both
 
 
 def _camera(name: str, fields: Mapping[str, Any], faults: Faults, wishes: Wishes) -> FoundCamera:

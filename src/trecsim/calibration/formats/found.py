@@ -1,67 +1,25 @@
-"""From what a foreign file says about its cameras to a rig: units, rotations, frames, doubts."""
+"""From the cameras of a foreign file to a rig: unit, rotations, frame, and remarks on doubts."""
 
 import dataclasses
-import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibration.floor import UP, Floor, put_on_floor, upright_axis
+from trecsim.calibration.floor import Floor, UpAxis, put_on_floor, upright_axis
+from trecsim.calibration.formats.doubts import spread, tell_camera_doubts, tell_doubts
 from trecsim.calibration.formats.fields import Entry, Faults
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import DistortionModel
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import nearest_rotation, rigid_motion
-from trecsim.geometry.view import share_without_inverse
 
 UNITS_M = (1.0, 0.01, 0.001)
 USUAL_SPREAD_M = 4.0  # how far apart the outermost cameras of a site are, give or take
-WIDEST_SPREAD_M = 500.0
-LOST_WORTH_TELLING = 0.005  # share of the image
 ROUNDED = 0.01  # so far from a rotation may a matrix be whose entries were rounded in a file
-
-
-class RigWarning(UserWarning):
-    """Something about a rig that was read is doubtful; it is usable, but look."""
-
-
-def warn(text: str) -> None:
-    """Issue a remark as a Python warning."""
-    warnings.warn(RigWarning(text), stacklevel=4)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Wishes:
-    """What the user says about a file that does not say it itself.
-
-    Attributes
-    ----------
-    unit_m
-        Length of the file's unit [m]; None takes what the format says, or guesses.
-    floor
-        The way from the file's frame to the floor; None keeps the frame.
-    size_px
-        Image (width, height) of all cameras [px], for formats that do not tell it.
-    remark
-        Is called with each remark.
-    """
-
-    unit_m: float | None = None
-    floor: Floor | None = None
-    size_px: tuple[int, int] | None = None
-    remark: Callable[[str], None] = warn
-
-    def __post_init__(self) -> None:
-        unit_m = self.unit_m
-        if unit_m is not None and not (np.isfinite(unit_m) and 1e-6 <= unit_m <= 1e3):
-            raise CalibrationError(
-                f"the unit of a rig must be from 1e-6 to 1000 m, got {unit_m}; "
-                "0.01 means that the file is in centimetres"
-            )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +42,8 @@ def build_rig(
     wishes: Wishes,
     unit_m: float | None,
     frame: str | None = None,
+    *,
+    z_up: bool = False,
 ) -> Rig:
     """Return the rig of the found cameras in our world, or tell all that is wrong.
 
@@ -99,6 +59,8 @@ def build_rig(
         The format's unit [m]; None if it has none.
     frame
         Whose frame the file is in, where it is not the room's.
+    z_up
+        Whether the format says that z points up.
 
     Raises
     ------
@@ -119,41 +81,51 @@ def build_rig(
     except CalibrationError as error:
         faults.add(str(error))
     faults.check()
-    rig = stand(rig, wishes)
-    _tell_doubts(rig, wishes, frame)
-    tell_lost_borders(rig, wishes)
+    rig = stand(rig, wishes, z_up=z_up)
+    tell_doubts(rig, wishes, frame, z_up=z_up)
+    tell_camera_doubts(rig, wishes)
     return rig
 
 
-def tell_lost_borders(rig: Rig, wishes: Wishes) -> None:
-    """Remark which cameras have a lens model that ends before their image does."""
-    lost = {camera.name: share_without_inverse(camera) for camera in rig}
-    listed = [f"{name} ({share:.0%})" for name, share in lost.items() if share > LOST_WORTH_TELLING]
-    if listed:
-        wishes.remark(
-            f"the lens model folds back near the border of these images, so that key points there "
-            f"cannot be used: {', '.join(listed)}; calibrate with the board near the border too"
-        )
+def stand(rig: Rig, wishes: Wishes, *, z_up: bool) -> Rig:
+    """Return the rig with the floor of the user's wish at z = 0.
 
-
-def stand(rig: Rig, wishes: Wishes) -> Rig:
-    """Return the rig with the floor of the user's wish at z = 0."""
+    Parameters
+    ----------
+    rig
+        The rig in the frame of the file.
+    wishes
+        What the user said.
+    z_up
+        Whether z points up in that frame: then only a rotation in the wish can change that.
+    """
     floor = wishes.floor
     if floor is None:
         return rig
-    up = floor.up or upright_axis(rig.cameras, floor.T_world_file("z")[:3, :3])
-    if floor.up is None and up != "z":
-        wishes.remark(
-            f"the cameras stand upright about the {up} axis of the floor given, so that axis was "
-            "taken as up (say so with --floor-up)"
-        )
-    T_world_file = floor.T_world_file(up)
+    T_world_file = floor.T_world_file(floor.up or _found_up(rig, floor, wishes, z_up))
     return Rig(
         tuple(
             dataclasses.replace(camera, T_cam_world=put_on_floor(camera, T_world_file))
             for camera in rig
         )
     )
+
+
+def _found_up(rig: Rig, floor: Floor, wishes: Wishes, z_up: bool) -> UpAxis:
+    if z_up and not any(floor.rotation_deg):
+        return "z"
+    up = upright_axis(rig.cameras, floor.T_world_file("z")[:3, :3])
+    if up is None and not z_up:
+        wishes.remark(
+            "the floor given does not say which axis points up, and the cameras do not show it; z "
+            "was taken (--floor-up z says so, --floor-up y would take y)"
+        )
+    elif up not in (None, "z"):
+        wishes.remark(
+            f"the cameras stand upright about the {up} axis of the floor given, so that axis was "
+            f"taken as up (--floor-up {up} says so, --floor-up z would take z)"
+        )
+    return up or "z"
 
 
 def _camera(found: FoundCamera, unit_m: float) -> Camera:
@@ -171,53 +143,20 @@ def _camera(found: FoundCamera, unit_m: float) -> Camera:
     )
 
 
-def _spread(positions: Sequence[Float64[np.ndarray, " 3"]]) -> float:
-    """Return the distance of the two outermost positions."""
-    return max((float(np.linalg.norm(a - b)) for a, b in combinations(positions, 2)), default=0.0)
-
-
 def _guess_unit_m(found: Sequence[FoundCamera], faults: Faults, wishes: Wishes) -> float:
     with np.errstate(all="ignore"):
-        spread = _spread([-camera.R.T @ camera.t for camera in found])
-    if not 0 < spread < np.inf:
+        apart = spread(np.array([-camera.R.T @ camera.t for camera in found]))
+    if not 0 < apart < np.inf:
         wishes.remark(
             f"{faults.path} does not say its unit; metres assumed. Give the length of its unit in "
             "metres: --unit-m 0.01 for centimetres"
         )
         return 1.0
-    unit_m = min(UNITS_M, key=lambda unit_m: abs(np.log(spread * unit_m / USUAL_SPREAD_M)))
+    unit_m = min(UNITS_M, key=lambda unit_m: abs(np.log(apart * unit_m / USUAL_SPREAD_M)))
     name = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres"}[unit_m]
     wishes.remark(
         f"{faults.path} does not say its unit; {name} guessed, which puts the outermost cameras "
-        f"{spread * unit_m:.2f} m apart. If that is wrong, give the length of its unit in metres: "
+        f"{apart * unit_m:.2f} m apart. If that is wrong, give the length of its unit in metres: "
         "--unit-m 0.01 for centimetres"
     )
     return unit_m
-
-
-def _tell_doubts(rig: Rig, wishes: Wishes, frame: str | None) -> None:
-    """Remark what cannot be right in a room, in a rig that is otherwise in order."""
-    spread_m = _spread([camera.position_m for camera in rig])
-    if len(rig) > 1 and not 0.05 < spread_m < WIDEST_SPREAD_M:
-        wishes.remark(
-            f"the outermost cameras of the rig are {spread_m:.3g} m apart; if that is wrong, give "
-            "the length of the file's unit in metres: --unit-m"
-        )
-    if frame is not None and wishes.floor is None:
-        wishes.remark(
-            f"the rig is in the frame of {frame}, not on the floor: heights mean nothing until "
-            "you give the floor: --floor-rotation-deg and --floor-translation-m"
-        )
-        return
-    up = upright_axis(rig.cameras, UP["z"])
-    below = [camera.name for camera in rig if camera.position_m[2] < 0]
-    if up != "z":
-        wishes.remark(
-            f"the cameras stand upright about the {up} axis, but z should point up: give the "
-            f"floor, or only --floor-up {up}"
-        )
-    elif below:
-        wishes.remark(
-            f"these cameras are below the floor, z = 0: {', '.join(below)}; if that is wrong, "
-            "give the floor: --floor-translation-m"
-        )

@@ -15,7 +15,7 @@ from trecsim.calibration.formats import (
 )
 from trecsim.calibration.formats.document import Document, Syntax, read_document
 from trecsim.calibration.formats.fields import nearest
-from trecsim.calibration.formats.found import Wishes
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 

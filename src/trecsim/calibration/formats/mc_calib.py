@@ -5,6 +5,7 @@ identity there): the translation is where the camera stands. Lengths are in the 
 board's squares, which the file does not tell.
 """
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,9 @@ import numpy as np
 
 from trecsim.calibration.formats.document import Document
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import DistortionModel
@@ -42,18 +44,43 @@ def read(document: Document, wishes: Wishes) -> Rig:
     """
     faults = Faults(document.path)
     tables = {key: value for key, value in document.data.items() if key.startswith("camera_")}
-    top = Entry("the file", document.data, faults)
-    if top.number("nb_camera", float(len(tables))) != len(tables):
-        top.fault(f"nb_camera is {short(top.fields['nb_camera'])}, but it has {len(tables)}")
-    entries = [Entry(f"camera {key!r}", value, faults) for key, value in tables.items()]
-    groups = {entry.number("camera_group", 0.0) for entry in entries}
-    if len(groups) > 1:
-        top.fault(
-            f"its cameras form {len(groups)} groups (camera_group) whose poses to each other are "
-            "unknown; calibrate them together, or split the file"
-        )
-    found = [_camera(key, entry) for key, entry in zip(tables, entries, strict=True)]
+    _check_count(Entry("the file", document.data, faults), tables, wishes)
+    entries = {key: Entry(f"camera {key!r}", value, faults) for key, value in tables.items()}
+    found = [_camera(key, entry) for key, entry in _largest_group(entries, faults, wishes).items()]
     return build_rig(found, faults, wishes, None, "camera 0")
+
+
+def _check_count(top: Entry, tables: Mapping[str, Any], wishes: Wishes) -> None:
+    """Compare the number of cameras told with those there: only the first group is written."""
+    count = top.number("nb_camera", float(len(tables)))
+    if count < len(tables):
+        top.fault(f"nb_camera is {short(top.fields['nb_camera'])}, but it has {len(tables)}")
+    elif count > len(tables):
+        told = f"{len(tables)} of the {short(top.fields['nb_camera'])} cameras are in it"
+        wishes.remark(
+            f"{top.faults.path}: {told} ({', '.join(tables)}); MC-Calib could not connect the "
+            "others to them, so calibrate again with the board seen by both if you need them"
+        )
+
+
+def _largest_group(
+    entries: Mapping[str, Entry], faults: Faults, wishes: Wishes
+) -> Mapping[str, Entry]:
+    """Return the cameras of the largest group: poses between groups are unknown."""
+    group_of = {key: entry.number("camera_group", 0.0) for key, entry in entries.items()}
+    (largest, count), *others = Counter(group_of.values()).most_common() or [(0.0, 0)]
+    if any(other == count for _, other in others):
+        faults.add(
+            f"its cameras form {len(others) + 1} groups (camera_group) whose poses to each other "
+            "are unknown; calibrate them together, or split the file"
+        )
+    left_out = [key for key, group in group_of.items() if group != largest]
+    if left_out and not faults.texts:
+        wishes.remark(
+            f"{faults.path}: left out, for their poses to the others are unknown "
+            f"(camera_group): {', '.join(left_out)}"
+        )
+    return {key: entry for key, entry in entries.items() if key not in left_out}
 
 
 def _camera(name: str, entry: Entry) -> FoundCamera:

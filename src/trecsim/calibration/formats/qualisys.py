@@ -11,7 +11,7 @@ recording speak for the undivided values (k1 -0.053 found, -0.046 in the file). 
 straight as those both agree to two pixels; see `SUBPIXELS_OF_DISTORTION`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -20,7 +20,8 @@ from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
 from trecsim.calibration.formats.fields import Entry, Faults
-from trecsim.calibration.formats.found import FoundCamera, Wishes, build_rig
+from trecsim.calibration.formats.found import FoundCamera, build_rig
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.geometry.rig import Rig
 
 SUBPIXELS = 64.0
@@ -33,6 +34,7 @@ COEFFICIENTS = (
     "tangentalDistortion2",
     "radialDistortion3",
 )
+IMAGING = ("video", "hybrid")  # in the model of a camera that gives images
 HALF_TURN = np.diag([1.0, -1.0, -1.0])  # about x
 
 
@@ -45,7 +47,7 @@ def recognise(data: Mapping[str, Any]) -> bool:
 
 
 def read(document: Document, wishes: Wishes) -> Rig:
-    """Read a ``.qca.txt``; marker cameras, which give no images, are left out.
+    """Read a ``.qca.txt``; cameras that give no images are left out with a remark.
 
     Raises
     ------
@@ -55,17 +57,46 @@ def read(document: Document, wishes: Wishes) -> Rig:
     faults = Faults(document.path)
     elements = document.data["root"].findall("cameras/camera")
     video = [element for element in elements if _gives_images(element)]
-    if left_out := [e.get("serial", "?") for e in elements if e not in video]:
-        wishes.remark(f"{document.path}: left out, not video cameras: {', '.join(left_out)}")
+    left_out = [
+        f"{element.get('serial', '?')} ({_why_not(element)})"
+        for element in elements
+        if element not in video
+    ]
+    if left_out:
+        wishes.remark(f"{document.path}: left out, no video: {', '.join(left_out)}")
     if not video:
-        faults.add("it has no video camera (model 'none' or one with 'video' in it)")
+        faults.add("it has no active video camera (model 'none', or one with 'video' or 'hybrid')")
     found = [_camera(element, faults) for element in video]
-    return build_rig(found, faults, wishes, UNIT_M)
+    _tell_view_rotations(video, wishes)
+    return build_rig(found, faults, wishes, UNIT_M, z_up=True)
 
 
 def _gives_images(element: Element) -> bool:
+    return element.get("active", "1") != "0" and _is_video_model(element)
+
+
+def _is_video_model(element: Element) -> bool:
     model = element.get("model", "none").lower()
-    return element.get("active", "1") != "0" and ("video" in model or model == "none")
+    return model == "none" or any(kind in model for kind in IMAGING)
+
+
+def _why_not(element: Element) -> str:
+    return "not active" if _is_video_model(element) else f"model {element.get('model', '')[:40]}"
+
+
+def _tell_view_rotations(elements: Sequence[Element], wishes: Wishes) -> None:
+    """Remark which cameras Qualisys shows turned: the calibration is of the image as recorded."""
+    turned = [
+        f"{element.get('serial', '?')} ({element.get('viewrotation', '')[:10]} degrees)"
+        for element in elements
+        if element.get("viewrotation", "0") not in ("0", "")
+    ]
+    if turned:
+        wishes.remark(
+            f"the view of these cameras is turned (viewrotation): {', '.join(turned)}. The "
+            "calibration is for the image as the camera takes it; 2D poses from a video that was "
+            "exported turned do not fit it"
+        )
 
 
 def _camera(element: Element, faults: Faults) -> FoundCamera:

@@ -9,8 +9,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.doubts import tell_camera_doubts
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import Wishes, stand, tell_lost_borders
+from trecsim.calibration.formats.found import stand
+from trecsim.calibration.formats.wishes import Wishes
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
@@ -60,8 +62,8 @@ def read(document: Document, wishes: Wishes) -> Rig:
         top.fault("it has no camera, expected a table [cameras.NAME] for each")
     cameras = [_camera(name, table, faults) for name, table in tables.items()]
     faults.check()
-    rig = stand(Rig(tuple(camera for camera in cameras if camera is not None)), wishes)
-    tell_lost_borders(rig, wishes)
+    rig = stand(Rig(tuple(camera for camera in cameras if camera is not None)), wishes, z_up=True)
+    tell_camera_doubts(rig, wishes)
     return rig
 
 
