@@ -53,12 +53,13 @@ Ended = Literal["complete", "stopped", "failed"]
 
 
 class TrackSummary(TypedDict):
-    """What came of `track`: numbers of frame sets and people, and the times of the fusion."""
+    """What came of `track`: frame sets, people, times of the fusion, what does not fit."""
 
     out: Path
     frame_sets: int
     people: int
     fusion_ms: dict[str, float]
+    remarks: list[str]
 
 
 def track(
@@ -120,7 +121,11 @@ def track(
     except KeyboardInterrupt:
         raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept, tally, timing)) from None
     return TrackSummary(
-        out=out, frame_sets=tally.frame_sets, people=len(tally.people), fusion_ms=tally.fusion_ms()
+        out=out,
+        frame_sets=tally.frame_sets,
+        people=len(tally.people),
+        fusion_ms=tally.fusion_ms(),
+        remarks=tally.remarks,
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from trecsim.consistency import Consistency
 from trecsim.errors import InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.arguments import called, check_arguments
@@ -38,12 +39,21 @@ class Tally:
         Number of frame sets.
     tell
         Is told what each frame set cost, as soon as it is known.
+    remarks
+        What was said about poses and rig that do not fit together.
     """
 
     fusion_s: deque[float] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
     people: set[int] = field(default_factory=set)
     frame_sets: int = 0
     tell: Callable[[StepTiming], None] | None = None
+    remarks: list[str] = field(default_factory=list)
+
+    def remark(self, texts: Iterable[str]) -> None:
+        """Log what does not fit, and keep it."""
+        for text in texts:
+            logger.warning("%s", text)
+            self.remarks.append(text)
 
     def add(self, step: StepTiming, identities: Iterable[int]) -> None:
         """Count one frame set and the people that were there after it."""
@@ -160,7 +170,7 @@ def _followed(
 ) -> Iterator[Snapshot]:
     warm_up()
     tracker = Tracker(rig, settings, lag_s=lag_s)
-    reach = _Reach(rig)
+    reach, consistency = _Reach(rig), Consistency(rig)
     given_s = float("nan")
     offsets_s = {camera.name: camera.time_offset_s for camera in rig}
     for frame_set in frame_sets(_each_checked(poses), offsets_s=offsets_s):
@@ -170,6 +180,8 @@ def _followed(
         snapshot = reach.kept(snapshot)
         step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
         tally.add(step, snapshot.id.tolist())
+        tally.remark(consistency.observe(frame_set, snapshot))
         if snapshot.t_s != given_s:  # else no image of the set could be used
             given_s = snapshot.t_s
             yield snapshot
+    tally.remark(consistency.end())

@@ -1,0 +1,41 @@
+"""`trecsim track` explains in one line why nobody is found, and succeeds."""
+
+import json
+
+import pytest
+
+HEADER = '{"format": "trecsim.poses2d/1", "skeleton": "coco17"}\n'
+
+
+@pytest.mark.parametrize(
+    ("poses", "options", "said"),
+    [
+        ("other-resolution/double.poses.jsonl", (), "rig and key points"),
+        ("other-resolution/normalised.poses.jsonl", (), "given in 0 to 1"),
+        ("other-resolution/half.poses.jsonl", (), "0 people, although"),
+        ("clocks-apart/walk.poses.jsonl", (), "'cam2' from 5000 to 5005 s"),
+        ("coco-running-ids/results", ("--fps", 25), "'cam4' from 15 to 20 s"),
+    ],
+)
+def test_what_cannot_fit_is_said_in_a_line(
+    trecsim, shared_data, tmp_path, caplog, poses, options, said
+):
+    poses = shared_data / "foreign_input" / poses
+    rig = poses.parent / "rig.toml"
+    code, out, _ = trecsim("track", rig, poses, "--out", tmp_path / "a.csv", "--json", *options)
+    assert code == 0
+    summary = json.loads(out)
+    assert summary["people"] == 0
+    (text,) = summary["remarks"]
+    assert said in text
+    assert text in caplog.messages
+
+
+def test_poses_with_only_a_header_are_said_to_hold_no_image(trecsim, shared_data, tmp_path):
+    poses = tmp_path / "none.poses.jsonl"
+    poses.write_text(HEADER)
+    rig = shared_data / "foreign_input" / "clocks-apart" / "rig.toml"
+    code, out, _ = trecsim("track", rig, poses, "--out", tmp_path / "a.csv", "--json")
+    summary = json.loads(out)
+    assert (code, summary["frame_sets"], summary["people"]) == (0, 0, 0)
+    assert summary["remarks"] == ["the poses hold no image: there is nobody to be found"]
