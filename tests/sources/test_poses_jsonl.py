@@ -351,7 +351,7 @@ def test_a_full_disk_is_told_and_what_fitted_is_kept(tmp_path):
 
     def fill():
         with PosesWriter(path) as writer:
-            writer._file = FullDisk(writer._file)
+            writer._file._file = FullDisk(writer._file._file)
             for index in range(9):
                 writer.write(made_poses("a", float(index), 2))
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from trecsim.errors import InputError, SetupError
-from trecsim.store.atomic import atomic_write, partial_path
+from trecsim.store.atomic import atomic_write
 
 
 def names(folder: Path) -> list[str]:
@@ -94,9 +94,16 @@ def test_text_is_utf8_with_plain_line_ends(tmp_path: Path) -> None:
     assert (tmp_path / "a.txt").read_bytes() == b"T\xc3\xbcre\n"
 
 
-def test_what_took_long_to_make_is_kept_under_another_name(tmp_path: Path) -> None:
-    path = tmp_path / "a.txt"
-    with pytest.raises(KeyboardInterrupt), atomic_write(path, keep_partial=True) as file:
-        raise KeyboardInterrupt(file.write("half"))
-    assert names(tmp_path) == ["a.txt.partial"]
-    assert partial_path(path).read_text() == "half"
+def test_a_file_with_personal_data_is_for_its_owner_alone(tmp_path: Path) -> None:
+    with atomic_write(tmp_path / "people.txt", private=True):
+        pass
+    with atomic_write(tmp_path / "rig.txt"):
+        pass
+    assert (tmp_path / "people.txt").stat().st_mode & 0o777 == 0o600
+    assert (tmp_path / "rig.txt").stat().st_mode & 0o777 == 0o666 & ~umask()
+
+
+def umask() -> int:
+    before = os.umask(0)
+    os.umask(before)
+    return before

@@ -7,7 +7,7 @@ import pytest
 
 from made_tracks import snapshot, walk
 from trecsim.errors import InputError
-from trecsim.store.tracks_csv import csv_writer, read_csv
+from trecsim.store.tracks_csv import CsvWriter, read_csv
 
 HEADER = b"t_s,person,joint,x_m,y_m,z_m,sigma_m,support\n"
 GOOD = b"0.5,1,nose,1.0,2.0,3.0,0.02,4\n"
@@ -20,7 +20,7 @@ def table(tmp_path: Path, content: bytes) -> Path:
 
 
 def test_the_file_has_the_columns_of_the_contract(tmp_path: Path) -> None:
-    with csv_writer(tmp_path / "t.csv") as writer:
+    with CsvWriter(tmp_path / "t.csv") as writer:
         writer.write(snapshot(1 / 3, [7], np.full((1, 17, 3), 0.1)))
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[0] == "t_s,person,joint,x_m,y_m,z_m,sigma_m,support"
@@ -130,7 +130,7 @@ def test_an_error_keeps_what_was_written_under_another_name(tmp_path: Path) -> N
 
 
 def _write_and_stop(path: Path) -> None:
-    with csv_writer(path) as writer:
+    with CsvWriter(path) as writer:
         for one in walk(5):
             writer.write(one)
         raise KeyboardInterrupt

@@ -10,21 +10,25 @@ from typing import IO, Any, Literal, cast, overload
 
 from trecsim.errors import Error, InputError, SetupError
 
+PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
+"""Permissions of what holds personal data: its owner may read and write it, nobody else."""
+
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
+_GONE = {errno.ENOENT, errno.ENOTDIR, errno.ESTALE}
 _NOT_THERE = {errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP}
 _FORBIDDEN = {errno.EACCES, errno.EPERM, errno.EROFS}
 
 
 @overload
 def atomic_write(
-    path: Path, mode: Literal["w"] = "w", *, keep_partial: bool = False
+    path: Path, mode: Literal["w"] = "w", *, private: bool = False
 ) -> AbstractContextManager[IO[str]]: ...
 @overload
 def atomic_write(
-    path: Path, mode: Literal["wb"], *, keep_partial: bool = False
+    path: Path, mode: Literal["wb"], *, private: bool = False
 ) -> AbstractContextManager[IO[bytes]]: ...
 def atomic_write(
-    path: Path, mode: Literal["w", "wb"] = "w", *, keep_partial: bool = False
+    path: Path, mode: Literal["w", "wb"] = "w", *, private: bool = False
 ) -> AbstractContextManager[IO[str]] | AbstractContextManager[IO[bytes]]:
     """Open a file that takes its name only when it is complete.
 
@@ -38,9 +42,8 @@ def atomic_write(
         The file to write. A link is followed; a device or pipe is written to directly.
     mode
         Text (UTF-8, lines end with a newline character) or bytes.
-    keep_partial
-        After an error leave what was written at :func:`partial_path` instead of nothing; for
-        results that took long to make.
+    private
+        Whether the file holds personal data: only its owner may then read it.
 
     Raises
     ------
@@ -60,11 +63,11 @@ def atomic_write(
     >>> (folder / "answer.txt").read_text()
     '42'
     """
-    return cast(AbstractContextManager[IO[str]], _atomic_write(path, mode, keep_partial))
+    return cast(AbstractContextManager[IO[str]], _atomic_write(path, mode, private))
 
 
 @contextmanager
-def _atomic_write(path: Path, mode: str, keep_partial: bool) -> Iterator[IO[Any]]:
+def _atomic_write(path: Path, mode: str, private: bool) -> Iterator[IO[Any]]:
     with disk_faults(path):
         target = path.resolve()
         if target.is_dir():
@@ -75,19 +78,18 @@ def _atomic_write(path: Path, mode: str, keep_partial: bool) -> Iterator[IO[Any]
             return
         temporary = target.with_name(f".{target.name[:80]}.{secrets.token_hex(4)}.tmp")
         try:
-            with _open(temporary, mode.replace("w", "x")) as file:
+            with _open(temporary, mode.replace("w", "x"), private) as file:
                 yield file
                 file.flush()
                 os.fsync(file.fileno())
             temporary.replace(target)
-            _sync_directory(target.parent)
+            sync_directory(target.parent)
         finally:
-            if keep_partial and temporary.exists():
-                temporary.replace(partial_path(target))
             temporary.unlink(missing_ok=True)
 
 
-def _sync_directory(folder: Path) -> None:
+def sync_directory(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk."""
     if hasattr(os, "O_DIRECTORY"):  # elsewhere directories cannot be opened
         handle = os.open(folder, os.O_DIRECTORY)
         try:
@@ -97,7 +99,7 @@ def _sync_directory(folder: Path) -> None:
 
 
 def partial_path(path: Path) -> Path:
-    """Return where the unfinished content of `path` is left after an error."""
+    """Return where the content of `path` is until it is complete."""
     return path.with_name(path.name + ".partial")
 
 
@@ -119,28 +121,47 @@ def opened_for_reading(path: Path) -> Iterator[IO[bytes]]:
         yield file
 
 
-def _open(path: Path, mode: str) -> IO[Any]:
-    return path.open(mode) if "b" in mode else path.open(mode, encoding="utf-8", newline="\n")
+def _open(path: Path, mode: str, private: bool = False) -> IO[Any]:
+    def opener(name: str, flags: int) -> int:
+        return os.open(name, flags, PRIVATE_FILE if private else 0o666)
+
+    if "b" in mode:
+        return open(path, mode, opener=opener)
+    return open(path, mode, encoding="utf-8", newline="\n", opener=opener)
 
 
 @contextmanager
-def disk_faults(path: Path) -> Iterator[None]:
+def disk_faults(path: Path, *, running: bool = False) -> Iterator[None]:
     """Turn the system's errors while writing `path` into errors for the person on site.
+
+    Parameters
+    ----------
+    path
+        The file or folder that is written.
+    running
+        Whether writing has begun, so that a place that is missing now was removed meanwhile.
 
     Raises
     ------
     InputError
         When the place itself is wrong.
     SetupError
-        When the disk has no room or does not work.
+        When the disk has no room or does not work, or the place was removed meanwhile.
     """
     try:
         yield
     except OSError as error:
-        told = _explain(path, error)
+        told = _removed(path) if running and error.errno in _GONE else _explain(path, error)
         if told is None:  # an error of something else that happened to run inside the block
             raise
         raise told from error
+
+
+def _removed(path: Path) -> Error:
+    return SetupError(
+        f"cannot write {path}: it, or the folder {path.parent}, was removed or renamed while it "
+        "was written; run again and leave the folder alone until the end"
+    )
 
 
 def _explain(path: Path, error: OSError) -> Error | None:

@@ -1,28 +1,23 @@
 """Write 2D poses as ``*.poses.jsonl``: a header, then one camera image a line."""
 
-import errno
 import json
-import logging
-import os
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any
+from typing import Any, Self
 
 import numpy as np
 
-from trecsim.store.atomic import disk_faults, partial_path
+from trecsim.store.growing import GrowingFile
 from trecsim.store.names import POSES_FORMAT
 from trecsim.values import Poses2D
 
-logger = logging.getLogger(__name__)
-
 
 class PosesWriter:
-    """Writes ``*.poses.jsonl``, so that whatever happens all finished images are kept.
+    """Writes ``*.poses.jsonl``; every finished image is kept, however the program ends.
 
-    While it runs, whole lines go to ``<name>.partial`` beside `path`. When the block ends well,
-    that file takes its final name. After an error, Ctrl-C or a crash it stays under the name that
-    says so, and every reader of trecsim takes it as it is.
+    Whole lines go to ``NAME.partial`` beside `path`, one at a time. When the block ends without an
+    error, that file takes its final name. After an error, Ctrl-C or a crash it keeps the partial
+    name, and every reader of trecsim takes it as it is.
 
     Parameters
     ----------
@@ -30,6 +25,8 @@ class PosesWriter:
         The file to make; an older one is replaced at the end.
     skeleton
         Name of the skeleton of all images.
+    resume
+        Go on with the partial file that an earlier program left.
 
     Raises
     ------
@@ -50,35 +47,25 @@ class PosesWriter:
     [[7.12, 7.12]]
     """
 
-    def __init__(self, path: Path, skeleton: str = "coco17") -> None:
-        self._path = path
-        self._partial = partial_path(path)
-        self._skeleton = skeleton
-        self._images = 0
+    def __init__(self, path: Path, skeleton: str = "coco17", *, resume: bool = False) -> None:
+        heading = _line({"format": POSES_FORMAT, "skeleton": skeleton})
+        self._file = GrowingFile(path, heading, flush_s=0.0, resume=resume)
 
     def write(self, poses: Poses2D) -> None:
         """Append one image: 0.01 px, scores to three digits, times to the microsecond."""
-        self._put(
-            {"camera": poses.camera, "t_s": round(poses.t_s, 6), "people": _people_as_json(poses)}
-        )
-        self._images += 1
+        t_s = round(poses.t_s, 6)
+        people = _people_as_json(poses)
+        self._file.write(_line({"camera": poses.camera, "t_s": t_s, "people": people}))
 
-    def _put(self, fields: dict[str, Any]) -> None:
-        line = json.dumps(fields, allow_nan=False, ensure_ascii=False) + "\n"
-        with disk_faults(self._partial):
-            self._file.write(line.encode())
-            self._file.flush()  # a whole line is with the system before the next image comes
+    def close(self) -> None:
+        """Give the complete file its name."""
+        self._file.close()
 
-    def __enter__(self) -> "PosesWriter":
-        with disk_faults(self._path):
-            if self._path.is_dir():
-                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-            self._file: IO[bytes] = self._partial.open("wb")
-        try:
-            self._put({"format": POSES_FORMAT, "skeleton": self._skeleton})
-        except BaseException:
-            self._give_up()
-            raise
+    def abandon(self) -> None:
+        """End early: what was written stays under the name of an unfinished file."""
+        self._file.abandon()
+
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -87,26 +74,11 @@ class PosesWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        with disk_faults(self._path):
-            if kind is None:
-                self._finish()
-            else:
-                self._give_up()
+        self._file.__exit__(kind, error, trace)
 
-    def _finish(self) -> None:
-        try:
-            os.fsync(self._file.fileno())
-        finally:
-            self._file.close()
-        self._partial.replace(self._path)
 
-    def _give_up(self) -> None:
-        try:
-            self._file.close()
-        except OSError as error:  # what was flushed is on the disk, and the first error counts
-            logger.debug("%s: %s", self._partial, error)
-        if not self._images:
-            self._partial.unlink(missing_ok=True)
+def _line(fields: dict[str, Any]) -> bytes:
+    return (json.dumps(fields, allow_nan=False, ensure_ascii=False) + "\n").encode()
 
 
 def _people_as_json(poses: Poses2D) -> list[dict[str, Any]]:

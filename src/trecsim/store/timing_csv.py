@@ -1,11 +1,13 @@
 """What each frame set cost, `timing.csv`: `t_s,images,people,fusion_ms`, one row per frame set."""
 
+import io
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
+from types import TracebackType
+from typing import Self
 
 import numpy as np
 import pyarrow as pa
@@ -13,7 +15,8 @@ from jaxtyping import Float64, Int64
 from pyarrow import csv as pa_csv
 
 from trecsim.errors import InputError
-from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.store.atomic import opened_for_reading, partial_path
+from trecsim.store.growing import GrowingFile, without_cut_line
 
 NAME = "timing.csv"
 COLUMNS = {
@@ -70,25 +73,18 @@ class Timing:
     fusion_ms: Float64[np.ndarray, " step"]
 
 
-class _Writer:
-    def __init__(self, file: IO[str]) -> None:
-        self._file = file
-        self._file.write(",".join(COLUMNS) + "\n")
+class TimingWriter:
+    """Writes timings; at most the last two seconds are lost, however the program ends.
 
-    def write(self, step: StepTiming) -> None:
-        self._file.write(f"{step.t_s!r},{step.images},{step.people},{step.fusion_ms:.4f}\n")
-
-
-@contextmanager
-def timing_writer(path: Path) -> Iterator[_Writer]:
-    """Open a file of timings; it takes its name when the block ends without an error.
-
-    After an error or Ctrl-C, what was written stays beside it, with ``.partial`` behind the name.
+    The rows go to ``NAME.partial``, which takes its final name when the block ends without an
+    error.
 
     Parameters
     ----------
     path
         The file, usually ``timing.csv``.
+    clock
+        Tells the time [s].
 
     Raises
     ------
@@ -97,8 +93,44 @@ def timing_writer(path: Path) -> Iterator[_Writer]:
     SetupError
         The disk is full.
     """
-    with atomic_write(path, keep_partial=True) as file:
-        yield _Writer(file)
+
+    def __init__(self, path: Path, *, clock: Callable[[], float] = time.monotonic) -> None:
+        self._file = GrowingFile(path, (",".join(COLUMNS) + "\n").encode(), clock=clock)
+
+    def write(self, step: StepTiming) -> None:
+        """Append one frame set."""
+        row = f"{step.t_s!r},{step.images},{step.people},{step.fusion_ms:.4f}\n"
+        self._file.write(row.encode())
+
+    def close(self) -> None:
+        """Give the complete file its name."""
+        self._file.close()
+
+    def abandon(self) -> None:
+        """End early: what was written stays under the name of an unfinished file."""
+        self._file.abandon()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.__exit__(kind, error, trace)
+
+
+def timing_writer(path: Path) -> TimingWriter:
+    """Open a file of timings for writing as long as a block runs."""
+    return TimingWriter(path)
+
+
+def timing_in(folder: Path) -> Path | None:
+    """Return where the timings of a recording are, complete or not; None if it has none."""
+    whole = folder / NAME
+    return next((path for path in (whole, partial_path(whole)) if path.exists()), None)
 
 
 def read_timing(path: Path) -> Timing:
@@ -121,7 +153,7 @@ def read_timing(path: Path) -> Timing:
                 f"{path} has {size_bytes / 1e6:.0f} MB, timings may have up to "
                 f"{_LARGEST_BYTES / 1e6:.0f} MB; cut the file"
             )
-        table = _table(file, path)
+        table = _table(without_cut_line(file.read(), path), path)
     timing = Timing(**{name: table[name].to_numpy() for name in COLUMNS})
     faults = {
         "t_s must be finite": ~np.isfinite(timing.t_s),
@@ -136,10 +168,11 @@ def read_timing(path: Path) -> Timing:
     return timing
 
 
-def _table(file: IO[bytes], path: Path) -> pa.Table:
+def _table(content: bytes, path: Path) -> pa.Table:
     try:
         table = pa_csv.read_csv(
-            file, convert_options=pa_csv.ConvertOptions(column_types=COLUMNS, null_values=[])
+            io.BytesIO(content),
+            convert_options=pa_csv.ConvertOptions(column_types=COLUMNS, null_values=[]),
         )
     except (pa.ArrowException, ValueError, OSError) as error:
         reason = " ".join(str(error).split())[:200]

@@ -10,7 +10,7 @@ from typing import Protocol, runtime_checkable
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
-from trecsim.store.tracks_csv import csv_writer, read_csv
+from trecsim.store.tracks_csv import CsvWriter, read_csv
 from trecsim.store.tracks_parquet import (
     TracksInfo,
     parquet_writer,
@@ -81,7 +81,7 @@ def tracks_writer(
     """
     info = info or TracksInfo()
     if _suffix(path) == ".csv":
-        return csv_writer(path, info.skeleton)
+        return CsvWriter(path, info.skeleton)
     return parquet_writer(path, info)
 
 
@@ -138,7 +138,7 @@ def export_tracks(
     extent = _Extent(progress)
     snapshots = extent.watch(read_tracks(path))
     if suffix == ".csv":
-        with csv_writer(out, info.skeleton) as writer:
+        with CsvWriter(out, info.skeleton) as writer:
             for snapshot in snapshots:
                 writer.write(snapshot)
     else:
@@ -174,8 +174,9 @@ def _file_of(path: Path) -> Path:
     recording, table = path / "tracks.parquet", path / "tracks.csv"
     if recording.exists() or parts_of(recording).is_dir():
         return recording
-    if table.is_file():
-        return table
+    for file in (table, partial_path(table)):
+        if file.is_file():
+            return file
     if path.is_dir() and path.suffix != ".parts" and not any(path.glob("[0-9]*.parquet")):
         raise InputError(f"there are no tracks in {path}: expected tracks.parquet or tracks.csv")
     if not path.exists() and not parts_of(path).is_dir():

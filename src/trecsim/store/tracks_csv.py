@@ -6,11 +6,12 @@ lost between this format and Parquet. A joint that is not known is ``nan``.
 
 import csv
 import io
+import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from difflib import get_close_matches
 from pathlib import Path
-from typing import IO
+from types import TracebackType
+from typing import IO, Self
 
 import numpy as np
 import pyarrow as pa
@@ -18,7 +19,8 @@ from pyarrow import csv as pa_csv
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, Skeleton
-from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.store.atomic import opened_for_reading
+from trecsim.store.growing import GrowingFile, without_cut_line
 from trecsim.store.rows import (
     COLUMNS,
     MAY_BE_MISSING,
@@ -38,33 +40,11 @@ _BUFFERED_ROWS = 4096
 _CHUNK_BYTES = 1 << 20
 
 
-class _Writer:
-    def __init__(self, file: IO[bytes], skeleton: Skeleton) -> None:
-        self._file = file
-        self._skeleton = skeleton
-        self._rows: list[Rows] = []
-        self._file.write((",".join(COLUMNS) + "\n").encode())
+class CsvWriter:
+    """Writes tracks as CSV; at most the last two seconds are lost, however the program ends.
 
-    def write(self, snapshot: Snapshot) -> None:
-        self._rows.append(rows_of(snapshot))
-        if sum(map(len, self._rows)) >= _BUFFERED_ROWS:
-            self.flush()
-
-    def flush(self) -> None:
-        if not self._rows:
-            return
-        rows = np.concatenate(self._rows)
-        self._rows.clear()
-        table = table_of(rows, self._skeleton).cast(_AS_TEXT)
-        options = pa_csv.WriteOptions(include_header=False, quoting_style="none")
-        pa_csv.write_csv(table, self._file, write_options=options)
-
-
-@contextmanager
-def csv_writer(path: Path, skeleton: Skeleton = COCO17) -> Iterator[_Writer]:
-    """Open a CSV file of tracks; it takes its name when the block ends without an error.
-
-    After an error or Ctrl-C, what was written stays beside it, with ``.partial`` behind the name.
+    The rows go to ``NAME.partial``, which takes its final name when the block ends without an
+    error.
 
     Parameters
     ----------
@@ -72,13 +52,71 @@ def csv_writer(path: Path, skeleton: Skeleton = COCO17) -> Iterator[_Writer]:
         The file to write.
     skeleton
         Gives the joints their names.
+    clock
+        Tells the time [s].
+
+    Raises
+    ------
+    InputError
+        When the place cannot be written to.
+    SetupError
+        When the disk has no room.
     """
-    with atomic_write(path, "wb", keep_partial=True) as file:
-        writer = _Writer(file, skeleton)
+
+    def __init__(
+        self,
+        path: Path,
+        skeleton: Skeleton = COCO17,
+        *,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._file = GrowingFile(path, (",".join(COLUMNS) + "\n").encode(), clock=clock)
+        self._skeleton = skeleton
+        self._rows: list[Rows] = []
+
+    def write(self, snapshot: Snapshot) -> None:
+        """Append one moment."""
+        self._rows.append(rows_of(snapshot))
+        if self._file.due or sum(map(len, self._rows)) >= _BUFFERED_ROWS:
+            self._write_rows()
+
+    def _write_rows(self) -> None:
+        if not self._rows:
+            return
+        rows = np.concatenate(self._rows)
+        self._rows.clear()
+        text = io.BytesIO()
+        table = table_of(rows, self._skeleton).cast(_AS_TEXT)
+        options = pa_csv.WriteOptions(include_header=False, quoting_style="none")
+        pa_csv.write_csv(table, text, write_options=options)
+        self._file.write(text.getvalue())
+
+    def close(self) -> None:
+        """Give the complete file its name."""
+        with self:
+            pass
+
+    def abandon(self) -> None:
+        """End early: what was written stays under the name of an unfinished file."""
         try:
-            yield writer
+            self._write_rows()
         finally:
-            writer.flush()
+            self._file.abandon()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is not None:
+            self.abandon()
+            return
+        with self._file:
+            self._write_rows()
 
 
 def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
@@ -101,7 +139,9 @@ def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
 
 
 def _blocks(file: IO[bytes], path: Path, skeleton: Skeleton) -> Iterator[Rows]:
-    header = file.readline(_CHUNK_BYTES)
+    header = without_cut_line(file.readline(_CHUNK_BYTES), path)
+    if not header and path.suffix == ".partial":
+        return
     columns = _columns(path, header)
     line = 2
     for chunk in _chunks(file, path):
@@ -115,7 +155,12 @@ def _blocks(file: IO[bytes], path: Path, skeleton: Skeleton) -> Iterator[Rows]:
 
 def _columns(path: Path, header: bytes) -> list[str]:
     text = header.decode("utf-8-sig", errors="replace")
-    found = next(csv.reader([text.rstrip("\r\n")]), [])
+    try:
+        found = next(csv.reader([text.rstrip("\r\n")]), [])
+    except csv.Error as error:
+        raise InputError(
+            f"{path}: line 1: expected the columns {','.join(COLUMNS)}: {error}"
+        ) from None
     if sorted(found) == sorted(COLUMNS):
         return found
     faults = [f"the column {name!r} is missing" for name in COLUMNS if name not in found]
@@ -136,7 +181,7 @@ def _chunks(file: IO[bytes], path: Path) -> Iterator[bytes]:
             yield whole + end
         elif len(rest) > 2 * _CHUNK_BYTES:
             raise InputError(f"{path}: a line is longer than {_CHUNK_BYTES} bytes; not a CSV file")
-    if rest:
+    if rest := without_cut_line(rest, path):
         yield rest
 
 

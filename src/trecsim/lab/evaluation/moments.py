@@ -10,8 +10,7 @@ from jaxtyping import Float, Float64, Int16, Int64
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
-from trecsim.store.timing_csv import NAME as TIMING
-from trecsim.store.timing_csv import Timing, read_timing
+from trecsim.store.timing_csv import Timing, read_timing, timing_in
 from trecsim.store.tracks import read_tracks
 from trecsim.values import Snapshot
 
@@ -141,8 +140,8 @@ def read_moments(path: Path | str) -> Recorded:
     """
     path = Path(path)
     moments = gather(read_tracks(path), np.float32)
-    timing = (path if path.is_dir() else path.parent) / TIMING
-    if not timing.is_file():
+    timing = timing_in(path if path.is_dir() else path.parent)
+    if timing is None:
         return Recorded(path, moments, None, None)
     times_s = _times_of(moments, read_timing(timing))
     return Recorded(path, moments, times_s, timing if times_s is None else None)

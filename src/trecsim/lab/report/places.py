@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.errors import InputError
+from trecsim.store.atomic import partial_path
 from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.timing_csv import NAME as TIMING
 from trecsim.store.tracks_parquet import parts_of
@@ -64,14 +65,16 @@ def find(
             )
         return Places(path, rig, poses, truth)
     folders = (path, path / RUN)  # a demo keeps its run in a folder of its own
-    present = {
-        name: next(folder / file for folder in folders if (folder / file).exists())
-        for name, file in PIECES.items()
-        if any((folder / file).exists() for folder in folders)
-    }
+    present = {name: place for name, file in PIECES.items() if (place := _first_of(folders, file))}
     given = {"rig": rig, "poses": poses, "truth": truth}
     present |= {name: place for name, place in given.items() if place is not None}
     return Places(_tracks_in(folders), **present)
+
+
+def _first_of(folders: Sequence[Path], file: str) -> Path | None:
+    """Return where a piece is, complete or as an interrupted run left it."""
+    places = (place for at in folders for place in (at / file, partial_path(at / file)))
+    return next((place for place in places if place.exists()), None)
 
 
 def _tracks_in(folders: Sequence[Path]) -> Path:
