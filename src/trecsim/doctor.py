@@ -106,21 +106,22 @@ def _kernels() -> Finding:
     name = "compiled kernels"
     try:
         folder = _cache_folder()
-    except (ImportError, OSError, RuntimeError) as error:
+    except (ImportError, OSError) as error:
         return Finding(name, "broken", _brief(error), "see numba above", essential=True)
-    if not os.access(folder if folder.exists() else folder.parent, os.W_OK):
+    if folder is None:
         remedy = "set NUMBA_CACHE_DIR to a directory that can be written to"
-        return Finding(name, "missing", f"{folder} cannot be written to", remedy)
-    kept = len(list(folder.glob("*.nbi")))
+        text = "no directory to keep them in can be written to; every start compiles them"
+        return Finding(name, "missing", text, remedy)
+    kept = len(list(folder.glob("*.nbc")))
     state = f"{kept} kept in {folder}" if kept else f"none yet in {folder}"
     remedy = "" if kept else "the first run compiles them, once, in about a minute"
     return Finding(name, "ok" if kept else "missing", state, remedy)
 
 
-def _cache_folder() -> Path:
-    kernels: Any = import_module("trecsim.fusion.kernels")
-    compiled = next(item for item in vars(kernels).values() if hasattr(item, "py_func"))
-    return Path(compiled.stats.cache_path)
+def _cache_folder() -> Path | None:
+    kernels = import_module("trecsim.fusion.kernels")
+    folder: Path | None = import_module("trecsim.compiler").cache_folder(Path(kernels.__path__[0]))
+    return folder
 
 
 def _video() -> Finding:

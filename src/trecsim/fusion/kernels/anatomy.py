@@ -1,12 +1,12 @@
 """The body as a whole: limbs and ground hold the joints that few cameras see."""
 
 import math
-from typing import NamedTuple, no_type_check
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.curve import BLOCK, locate, point
 from trecsim.fusion.kernels.ground import learn_level, resting
 from trecsim.fusion.kernels.information import (
@@ -40,8 +40,7 @@ class Held(NamedTuple):
     y: Float64[np.ndarray, "n 3"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def stretch(j, k, x, d, length_m, u):
     """Return by how much the shifted joints `j`, `k` are too close, linearised about no shift.
 
@@ -59,8 +58,7 @@ def stretch(j, k, x, d, length_m, u):
     return rest
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def along_m2(u, cov_m2):
     """Return the variance of a joint in the direction `u`."""
     var = 0.0
@@ -70,8 +68,7 @@ def along_m2(u, cov_m2):
     return var
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def add_limb(A, b, first, second, u, rest, var):
     """Add "the second joint is `rest` further along `u` than the first" to ``A d = b``.
 
@@ -91,8 +88,7 @@ def add_limb(A, b, first, second, u, rest, var):
                 A[second + p, first + q] -= u[p] * u[q] / var
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     """Write the normal equations of the weak joints' shifts to `A`, `b`.
 
@@ -123,8 +119,7 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
         add_limb(A, b, place[j], place[k], u, rest, var)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def factor(A):
     """Overwrite the lower triangle of the symmetric positive `A` by its Cholesky factor.
 
@@ -143,8 +138,7 @@ def factor(A):
         A[i, i] = 1.0 / math.sqrt(max(s, 1e-12))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def solve_factored(A, b):
     """Overwrite `b` by the solution of ``A x = b``, with `A` as `factor` leaves it."""
     n = A.shape[0]
@@ -160,8 +154,7 @@ def solve_factored(A, b):
         b[i] = s * A[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def invert_factor(A):
     """Overwrite the Cholesky factor that `factor` leaves in `A` by its inverse."""
     n = A.shape[0]
@@ -173,8 +166,7 @@ def invert_factor(A):
             A[i, k] = -s * A[i, i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def joint_block(A, first, out):
     """Write a joint's covariance, a diagonal block of ``A^T A``, to `out` (3, 3).
 
@@ -190,8 +182,7 @@ def joint_block(A, first, out):
             out[q, p] = s
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def right_side(R, c, z):
     """Write ``R c`` to `z`: the right side whose solution is `c`."""
     n = R.shape[0]
@@ -201,8 +192,7 @@ def right_side(R, c, z):
             z[i] += R[i, k] * c[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def believe(R, z, c, x, cov_m2, info, vector, size, quick, lasting, span, weights, tmp):
     """Move a joint as its body says, in place, and keep `lasting` of that as information.
 
@@ -242,8 +232,7 @@ def believe(R, z, c, x, cov_m2, info, vector, size, quick, lasting, span, weight
     curve_covariance(tmp.R, span, weights, tmp.y, cov_m2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def weak_joints(cov_m2, n_seen, quick, place, before_m2):
     """Find the joints that need their body; return the number of their unknowns.
 
@@ -268,8 +257,7 @@ def weak_joints(cov_m2, n_seen, quick, place, before_m2):
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def relax_body(
     R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, span, weights, quick, lasting, tmp
 ):
@@ -343,8 +331,7 @@ def relax_body(
         )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, quick, now, elapsed_s):
     """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 

@@ -1,16 +1,15 @@
 """Assignment of rows to columns with the largest sum of gains."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from trecsim.compiler import kernel
 
 _NEVER = 1e9
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def cost_of(gain, row, column):
     """Return the cost of a pair; columns past the last are each row's private empty one."""
     n_column = gain.shape[1]
@@ -19,8 +18,7 @@ def cost_of(gain, row, column):
     return 0.0 if column - n_column == row else _NEVER
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def relax(gain, row, column, u, v, used, low, way):
     """Update the shortest ways to the unused columns; return the nearest and its distance."""
     delta, nearest = math.inf, -1
@@ -36,8 +34,7 @@ def relax(gain, row, column, u, v, used, low, way):
     return nearest, delta
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def assign(gain, best):
     """Assign rows to columns so that the sum of gains is largest; write column or -1 to `best`.
 

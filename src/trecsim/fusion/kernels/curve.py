@@ -1,17 +1,16 @@
 """Points on the trajectories: uniform cubic B-splines over the live control points."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from trecsim.compiler import kernel
 
 BLOCK = 3
 ORDER = 4
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def locate(place, live, weights):
     """Write the weights of the four control points active at `place`; return the first of them.
 
@@ -38,8 +37,7 @@ def locate(place, live, weights):
     return span
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def derivative(place, live, knot_s, weights):
     """Write the weights of the control points in the curve's velocity; return the first of them.
 
@@ -62,8 +60,7 @@ def derivative(place, live, knot_s, weights):
     return span
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def point(c, span, weights, xyz_m):
     """Write one joint's place at ``span, weights`` to `xyz_m` (3,)."""
     for a in range(BLOCK):
@@ -75,8 +72,7 @@ def point(c, span, weights, xyz_m):
         )
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def evaluate_all(c, place, xyz_m):
     """Write everybody's joints at several times to `xyz_m` (time, track, joint, 3).
 

@@ -1,11 +1,10 @@
 """Fitting a frame set: every joint is found, and the trajectories take it in."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.curve import locate, point
 from trecsim.fusion.kernels.information import (
     control_points,
@@ -30,8 +29,7 @@ from trecsim.fusion.kernels.locating import (
 SURPRISE, USUAL, MOST = 2.5, 1.25, 50.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
-@no_type_check
+@kernel(inline="always")
 def fold_moments(R, z, c, total, j, tmp):
     """Fold the sums of every moment into a joint's trajectory, at the moment's mean time.
 
@@ -53,8 +51,7 @@ def fold_moments(R, z, c, total, j, tmp):
     control_points(R, z, c)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def gather_views(seen, cam, place, moment, match, worth):
     """Copy what the matched images of one track have in common to `seen`; return how many."""
     n = 0
@@ -66,8 +63,7 @@ def gather_views(seen, cam, place, moment, match, worth):
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
-@no_type_check
+@kernel(inline="always")
 def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
     """Copy the key points of joint `j` in the matched images of one track to `seen`; count them.
 
@@ -88,8 +84,7 @@ def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
     return known
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def seek_body(
     P,
     focal_px,
@@ -141,8 +136,7 @@ def seek_body(
         spread(match, r, found[j], inlier, j)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def surprise(shift_m, cov_m2, prior_m2, found):
     """Return the squared shifts of all joints, next to what the predictions lead to expect.
 
@@ -166,16 +160,14 @@ def surprise(shift_m, cov_m2, prior_m2, found):
     return told / expected if expected > 0.0 else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def loosen(R, z, wider):
     """Raise the variances of one person's trajectories by a factor, in place."""
     for j in range(R.shape[0]):
         scale(R[j], z[j], 1.0 / math.sqrt(wider))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def fit_all(
     R, z, c, xyz_m, prior_m2, cam, P, focal_px, place,
     xy_px, factor, match, flip, worth, noise, now, inlier, x_m, cov_m2,
@@ -247,8 +239,7 @@ def fit_all(
             curve_covariance(R[k, j], span, weights, tmp.y, cov_m2[k, j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def spread(match, r, found, inlier, j):
     """Write the responsibilities `r` of the matched images, if found, to `inlier` (view, joint)."""
     n = 0

@@ -4,9 +4,8 @@ A body rests on its lowest joint: an ankle of somebody who stands, a hip of some
 """
 
 import math
-from typing import no_type_check
 
-from numba import njit
+from trecsim.compiler import kernel
 
 # How the level of the ground is learnt: spread of one measurement, and time after which the next
 # is new [s].
@@ -20,8 +19,7 @@ _STAIRS_M2 = 0.15**2
 _GATE = 3.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def lowest(x, rest_m):
     """Return the joint whose body would touch a level ground first.
 
@@ -34,8 +32,7 @@ def lowest(x, rest_m):
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
     """Update, in place, height and variance of the ground under one person.
 
@@ -73,8 +70,7 @@ def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
     level[1] *= 1.0 - gain
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def resting(x, cov_m2, rest_m, level):
     """Return which joint rests on the ground, how far it must rise, and the variance of that.
 

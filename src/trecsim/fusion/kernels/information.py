@@ -8,11 +8,10 @@ exactly, and the information can never lose its positive definiteness.
 """
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
 
 REACH = ORDER * BLOCK
@@ -23,16 +22,14 @@ UNSEEN_WEIGHT = 0.05
 KEPT = 0.8
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def clear_row(row):
     """Set a row to zero; explicit loops compile many times faster than array expressions."""
     for k in range(row.shape[0]):
         row[k] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def fold_row(R, z, row, y, first):
     """Fold the equation ``row @ c = y`` into ``R c = z``, in place; `row` is destroyed.
 
@@ -62,8 +59,7 @@ def fold_row(R, z, row, y, first):
         y = c * y - s * r
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def extend(R, z, c, stiffness, memory, drift_m, work):
     """Marginalise the oldest control point of one joint and append a new one, in place.
 
@@ -107,8 +103,7 @@ def extend(R, z, c, stiffness, memory, drift_m, work):
         c[n - 3 + a] = (1.0 + memory) * c[n - 6 + a] - memory * c[n - 9 + a] + step_m
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
     """Set up a joint that rests at `xyz_m`, with wide uncertainty, in place.
 
@@ -135,8 +130,7 @@ def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
             fold_row(R, z, work, 0.0, BLOCK * p + a)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def control_points(R, z, c):
     """Solve ``R c = z`` by back substitution into `c` (n,).
 
@@ -157,8 +151,7 @@ def control_points(R, z, c):
         c[i + 1], c[i + 2] = y, w
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def curve_covariance(R, span, weights, y, cov_m2):
     """Write the covariance of the curve's point at ``span, weights`` to `cov_m2` (3, 3).
 
@@ -190,8 +183,7 @@ def curve_covariance(R, span, weights, y, cov_m2):
     cov_m2[2, 0], cov_m2[2, 1], cov_m2[2, 2] = xz, yz, zz
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
     """Move every track and joint on by one control point, in place.
 
@@ -218,8 +210,7 @@ def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
             extend(R[k, j], z[k, j], c[k, j], stiffness[j], memory, drift_m, work)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def body_step(c, seen, torso, step_m):
     """Write how far the body moved between the two newest control points to `step_m` (3,)."""
     n = c.shape[1]
@@ -236,8 +227,7 @@ def body_step(c, seen, torso, step_m):
         step_m[a] *= KEPT / total if most < 2 else 1.0 / total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
     """Set up all joints of one new track, in place; see `start`."""
     work = np.empty(R.shape[1])
@@ -246,8 +236,7 @@ def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
         control_points(R[j], z[j], c[j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def covariance_all(R, place, cov_m2):
     """Write everybody's covariances at one time (in knots) to `cov_m2` (track, joint, 3, 3)."""
     y = np.empty((R.shape[2], BLOCK))
@@ -258,8 +247,7 @@ def covariance_all(R, place, cov_m2):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def invert3(A, out):
     """Write the inverse of a symmetric positive 3 x 3 matrix to `out`."""
     a, b, c = A[0, 0], A[0, 1], A[0, 2]
@@ -273,8 +261,7 @@ def invert3(A, out):
     out[2, 0], out[2, 1], out[2, 2] = r, s, (a * d - b * b) * by_det
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def copy(source, out):
     """Copy a matrix; explicit loops compile many times faster than array expressions."""
     for i in range(out.shape[0]):
@@ -282,8 +269,7 @@ def copy(source, out):
             out[i, k] = source[i, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def scale(R, z, factor):
     """Multiply a joint's square-root information by `factor`, in place."""
     for i in range(R.shape[0]):
@@ -292,8 +278,7 @@ def scale(R, z, factor):
             R[i, k] *= factor
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def fold_block(R, z, rows, y, first):
     """Fold the three equations ``rows @ c = y`` into ``R c = z``, in place; both are destroyed.
 
@@ -328,8 +313,7 @@ def fold_block(R, z, rows, y, first):
         y[2] -= w * c
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def fold_gaussian(R, z, info, rhs, least, x, span, weights, rows, y):
     """Fold what is known about a joint's place at one time into its trajectory, in place.
 

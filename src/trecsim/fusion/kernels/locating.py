@@ -1,12 +1,12 @@
 """Finding one joint by EM: where it is, and what its key points say about that."""
 
 import math
-from typing import NamedTuple, no_type_check
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.information import copy, invert3
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
@@ -77,8 +77,7 @@ class Scratch(NamedTuple):
     y: Float64[np.ndarray, "n 3"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
     return Scratch(
@@ -87,8 +86,7 @@ def scratch(n):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def sums(n_joint, n_moment):
     """Allocate the sums of one person's joints over `n_moment` moments."""
     return Sums(
@@ -97,8 +95,7 @@ def sums(n_joint, n_moment):
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def moments(place, moment):
     """Write the moment each image belongs to, counted back from the newest; return how many."""
     newest = -math.inf
@@ -111,8 +108,7 @@ def moments(place, moment):
     return most + 1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
     """Add an image's equations for the shift to `info` and `rhs`; return their information."""
     along_u = eu + du[0] * shift_m[0] + du[1] * shift_m[1] + du[2] * shift_m[2]
@@ -127,8 +123,7 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
     return size
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def clear(total, j):
     """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
     for m in range(total.weight.shape[1]):
@@ -140,8 +135,7 @@ def clear(total, j):
                 total.info[j, m, p, q] = 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def locate_joint(
     P, focal_px, seen, n, prior_m2, noise, steps, total, j, shift_m, cov_m2, inlier, tmp
 ):
@@ -211,8 +205,7 @@ def locate_joint(
             return
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, inline="always")
-@no_type_check
+@kernel(inline="always")
 def newton_step(total, j, shift_m, cov_m2, tmp):
     """Write the best shift and its covariance given all moments; return how far it moved [m^2].
 

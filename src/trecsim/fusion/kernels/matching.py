@@ -1,11 +1,10 @@
 """Who is who in every image: likelihoods of all pairs, assignment, responsibilities."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.assignment import assign
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
@@ -15,8 +14,7 @@ FREE, TAKEN = -1, -2
 TEMPER = 3.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def project_person(P, focal_px, cam, xyz_m, cov_m2, uv, S, depth_m):
     """Write a person's projected joints, their covariances (uu, uv, vv) and depths."""
     for j in range(xyz_m.shape[0]):
@@ -26,8 +24,7 @@ def project_person(P, focal_px, cam, xyz_m, cov_m2, uv, S, depth_m):
         S[j, 0], S[j, 1], S[j, 2] = widened(*spread, w / focal_px[cam])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def mean_distance_m(uv, depth_m, focal_px, xy_px):
     """Return the mean distance between joints and key points at the person's distance [m]."""
     total, n = 0.0, 0
@@ -40,8 +37,7 @@ def mean_distance_m(uv, depth_m, focal_px, xy_px):
     return total / n if n else math.inf
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def person_log_ratio(uv, S, depth_m, focal_px, xy_px, factor, noise, flipped):
     """Return the log likelihood ratio of one detection and one person to clutter."""
     sigma_m, mirror = noise.sigma_m, noise.mirror
@@ -66,8 +62,7 @@ def person_log_ratio(uv, S, depth_m, focal_px, xy_px, factor, noise, flipped):
     return total + math.log(product)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def box_of(uv, box):
     """Write the bounds of the points that are known to `box`: least u, v, greatest u, v."""
     box[0] = box[1] = math.inf
@@ -79,8 +74,7 @@ def box_of(uv, box):
         box[2], box[3] = max(box[2], uv[j, 0]), max(box[3], uv[j, 1])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def gap_px(box, other):
     """Return how far two boxes are apart at least, 0 where they overlap [px]."""
     across = max(0.0, box[0] - other[2], other[0] - box[2])
@@ -88,8 +82,7 @@ def gap_px(box, other):
     return max(across, down)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, out, flip):
     """Score every detection of one image against every track: log likelihood ratio to clutter.
 
@@ -136,8 +129,7 @@ def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, o
                     flip[k, d] = f
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def nearest_m(depth_m):
     """Return the least depth of the joints before the camera; infinite if there is none [m]."""
     least = math.inf
@@ -147,8 +139,7 @@ def nearest_m(depth_m):
     return least
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def match_view(ratio, best):
     """Write for each track the detection that makes the sum of log ratios largest, or -1.
 
@@ -175,8 +166,7 @@ def match_view(ratio, best):
         settle(ratio, claims, contested, best)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def settle(ratio, claims, contested, best):
     """Assign the tracks marked by negative `claims` among the detections that any of them wants."""
     n_track, n_person = ratio.shape
@@ -201,8 +191,7 @@ def settle(ratio, claims, contested, best):
         best[row[i]] = column[found[i]] if found[i] >= 0 else -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def responsibility(ratio, track, person, temper):
     """Return a track's responsibility for a detection, next to the others and clutter.
 
@@ -219,8 +208,7 @@ def responsibility(ratio, track, person, temper):
     return math.exp((ratio[track, person] - top) / temper) / total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def associate_all(
     P, focal_px, cam, offset, xyz_m, cov_m2, xy_px, factor, noise, reach_m, match, flip, sure
 ):
@@ -264,8 +252,7 @@ def associate_all(
                 sure[k, v] = responsibility(ratio, k, best[k], TEMPER)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def owners(match, two_s, now_s, lately_s, owner):
     """Write to whom each detection belongs, if anybody; return how many may begin somebody new.
 

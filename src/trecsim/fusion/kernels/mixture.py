@@ -5,11 +5,12 @@ everything then stays in registers.
 """
 
 import math
-from typing import NamedTuple, no_type_check
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from numba import njit
+
+from trecsim.compiler import kernel
 
 # A joint nearer than this to a camera's plane is not compared with its image [m].
 NEAR_M = 0.05
@@ -53,8 +54,7 @@ class Noise(NamedTuple):
     lasting: float
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def project(P, cam, x, y, z):
     """Project a world point by ``P[cam]``; return depth [m], pixel, and the pixel's derivatives.
 
@@ -76,8 +76,7 @@ def project(P, cam, x, y, z):
     return w, u, v, du, dv
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def image_covariance(du, dv, cov_m2):
     """Return ``J cov J^T`` [px^2] as ``uu, uv, vv``, with the rows `du` and `dv` of ``J``."""
     p = du[0] * cov_m2[0, 0] + du[1] * cov_m2[1, 0] + du[2] * cov_m2[2, 0]
@@ -91,8 +90,7 @@ def image_covariance(du, dv, cov_m2):
     return uu, uv, p * dv[0] + q * dv[1] + r * dv[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def widened(uu, uv, vv, m_per_px):
     """Return a prediction's covariance in the image [px^2] as it is when somebody may turn."""
     most_px = LEEWAY_M / m_per_px
@@ -100,8 +98,7 @@ def widened(uu, uv, vv, m_per_px):
     return more * uu, more * uv, more * vv
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def inlier_odds(eu, ev, uu, uv, vv, m_per_px, odds_m2):
     """Return the odds that a key point shows its joint rather than anything else.
 

@@ -1,11 +1,10 @@
 """Pairs of detections of two cameras that may be one person nobody knows yet."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.mixture import NEAR_M, project
 
 # Rays whose angle has a smaller squared sine than this (below 2 degrees) do not meet anywhere.
@@ -25,8 +24,7 @@ _FITS_M = 0.12
 _SQRT_2_PI = math.sqrt(2.0 * math.pi)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def ray_midpoint(p, u, q, v, out):
     """Write the point halfway between two rays to `out`; return their distance there [m].
 
@@ -54,8 +52,7 @@ def ray_midpoint(p, u, q, v, out):
     return math.sqrt(gap)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     """Return how well the rays of detections `i` and `k` meet, and how many joints do.
 
@@ -79,8 +76,7 @@ def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     return total, close
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def limb_score(x, limbs, limb_m):
     """Return how much the limbs of the joints `x` (joint, 3) have the lengths of a body."""
     total = 0.0
@@ -94,8 +90,7 @@ def limb_score(x, limbs, limb_m):
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
     """Score how well any two detections of different cameras are one person.
 
@@ -138,8 +133,7 @@ def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
                     flip[i, k] = f
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def note_exchanges(
     cam, offset, xy_px, factor, match, ray_of, position_m, limbs, limb_m, noise, clear, most,
     evidence,
@@ -200,8 +194,7 @@ def note_exchanges(
         evidence[k] = max(0.0, evidence[k] + min(gain[k], most))
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def exchange(sight, i, pair, view, own, gain):
     """Raise `gain` of track `i` and others to what is gained if they exchanged a detection."""
     for k in range(pair.shape[0]):
@@ -212,8 +205,7 @@ def exchange(sight, i, pair, view, own, gain):
             gain[k] = max(gain[k], one + other - own[i] - own[k])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def replaced(sight, offset, held, pair, view):
     """Return how well a pair fits at best if a free detection took the place of one of its own."""
     best = -math.inf
@@ -225,8 +217,7 @@ def replaced(sight, offset, held, pair, view):
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def hold(match, held, pair, view):
     """Mark a track's detections in `held`; write them and their images down if they are two."""
     n = 0
@@ -240,8 +231,7 @@ def hold(match, held, pair, view):
         pair[0] = pair[1] = -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def pair_score(sight, view, i, k):
     """Return how well detections of two images are one person, at least 0: as log ratio to chance.
 
@@ -260,8 +250,7 @@ def pair_score(sight, view, i, k):
     return best
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
     """Write where the rays of detection `d` of camera `c` begin and go to, and its factors."""
     for a in range(3):
@@ -277,8 +266,7 @@ def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
             ray[row, j, a] /= math.sqrt(length2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def note_needless(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
     """Count the looks at which people are not needed to explain what the cameras see.
 
@@ -315,8 +303,7 @@ def note_needless(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
         looks[k] = looks[k] + 1.0 if explained == 2 else max(0.0, looks[k] - 1.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def fits_another(P, focal_px, c, xyz_m, xy_px, match, confirmed, k):
     """Return whether a detection of track `k` fits somebody whom nothing in the image shows."""
     for i in range(match.shape[0]):
@@ -326,8 +313,7 @@ def fits_another(P, focal_px, c, xyz_m, xy_px, match, confirmed, k):
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def away_m(P, focal_px, c, xyz_m, xy_px):
     """Return how far key points lie from a person's joints on average, at its distance [m]."""
     total, n = 0.0, 0

@@ -1,11 +1,10 @@
 """What of an estimator's output is used, and how far it is trusted (thesis section 3.6.5)."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.undistortion import undistort
 
 # How the noise of a key point grows as its score falls, and by how much at most.
@@ -19,8 +18,7 @@ TWIN_SHARE = 0.03
 TWIN_JOINTS = 3
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def score_to_factor(score, good_score):
     """Return by how much a key point of this score is less certain than a good one.
 
@@ -34,8 +32,7 @@ def score_to_factor(score, good_score):
     return min((good_score / max(score, 1e-3)) ** SCORE_POWER, LARGEST_FACTOR)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def prefilter(
     xy_px, score, cam, offset, undistortion, min_score, good_score, min_joints, factor, kept
 ):
@@ -73,8 +70,7 @@ def prefilter(
     close_up(xy_px, factor, offset, min_joints, kept)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def close_up(xy_px, factor, offset, min_joints, kept):
     """Move the detections that have so many key points to the front, in place; see `prefilter`."""
     n = 0
@@ -90,8 +86,7 @@ def close_up(xy_px, factor, offset, min_joints, kept):
         kept[v + 1] = n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def blot_out_twins(offset, xy_px, factor):
     """Blot out, in place, what an estimator has found twice; return how many detections are left.
 
@@ -128,8 +123,7 @@ def blot_out_twins(offset, xy_px, factor):
     return left
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def extent_px(xy_px):
     """Return the larger side of the box around the known key points of one detection."""
     extent = 0.0
@@ -142,8 +136,7 @@ def extent_px(xy_px):
     return extent
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def are_twins(one_px, other_px, reach_px):
     """Return whether two detections have enough key points in common, all in one place."""
     common = 0

@@ -1,9 +1,8 @@
 """Who is supported by whom, who lives on, and who is too close to whom."""
 
 import math
-from typing import no_type_check
 
-from numba import njit
+from trecsim.compiler import kernel
 
 # A camera supports a joint or person "now" if it did within this time [s].
 SUPPORT_S = 0.12
@@ -16,8 +15,7 @@ UNSEEN_PATIENCE, CROWDED_PATIENCE, CROWDED = 0.5, 0.7, 3
 TENTATIVE_S = 0.25
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def note_support(cam, t_s, match, inlier, camera_s, joint_s):
     """Write down, in place, which camera supports whom and which joint, and when.
 
@@ -47,8 +45,7 @@ def note_support(cam, t_s, match, inlier, camera_s, joint_s):
                     joint_s[k, j, cam[v]] = max(joint_s[k, j, cam[v]], t_s[v])
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def count_since(last_s, since_s, out):
     """Write how many of the last axis of `last_s` (track, joint, cam) are later to `out`."""
     for k in range(out.shape[0]):
@@ -59,8 +56,7 @@ def count_since(last_s, since_s, out):
             out[k, j] = n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def age(camera_s, match, flip, now_s, elapsed_s, two_s, together_s, mirrored_s):
     """Count the time for which people have been supported by two cameras, and read mirrored.
 
@@ -92,8 +88,7 @@ def age(camera_s, match, flip, now_s, elapsed_s, two_s, together_s, mirrored_s):
             mirrored_s[k] = max(0.0, mirrored_s[k] + votes / seen * elapsed_s)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def supporting(camera_s, now_s):
     """Return how many cameras support a person now."""
     n = 0
@@ -102,8 +97,7 @@ def supporting(camera_s, now_s):
     return n
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def confirm_all(camera_s, together_s, now_s, confirm_s, confirmed):
     """Confirm, in place, whom two cameras have supported long enough or three support now."""
     for k in range(camera_s.shape[0]):
@@ -111,8 +105,7 @@ def confirm_all(camera_s, together_s, now_s, confirm_s, confirmed):
             confirmed[k] = True
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def any_close(x_m, torso, distance_m):
     """Return whether the torsos of any two people are closer than `distance_m`, on average."""
     for k in range(x_m.shape[0]):
@@ -129,8 +122,7 @@ def any_close(x_m, torso, distance_m):
     return False
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def survive_all(camera_s, two_s, confirmed, expected, x_m, now_s, death_s, doubt_s, alive):
     """Write who lives on to `alive` (track,); see `trecsim.fusion.lifecycle.survivors`."""
     for k in range(camera_s.shape[0]):
@@ -143,8 +135,7 @@ def survive_all(camera_s, two_s, confirmed, expected, x_m, now_s, death_s, doubt
         )
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def patience(expected):
     """Return the share of `death_s` to wait for somebody whom so many cameras should find."""
     if expected == 0:
@@ -152,8 +143,7 @@ def patience(expected):
     return CROWDED_PATIENCE if expected >= CROWDED else 1.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def last_seen_s(camera_s):
     """Return when any camera last supported a person [s]."""
     last_s = -math.inf
@@ -162,8 +152,7 @@ def last_seen_s(camera_s):
     return last_s
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def ask_all(camera_s, two_s, now_s, death_s, doubt_s, asked):
     """Write whose life hangs on how many cameras should find them to `asked` (track,)."""
     any_ = False
@@ -176,8 +165,7 @@ def ask_all(camera_s, two_s, now_s, death_s, doubt_s, asked):
     return any_
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def finite(x_m):
     """Return whether all of one person's joints have a finite place."""
     total = 0.0  # a sum with a NaN or infinity in it is not finite

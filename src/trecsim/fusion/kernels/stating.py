@@ -1,11 +1,10 @@
 """What is said about a moment: joints held by their limbs, and how sure they really are."""
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.information import invert3
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import NEAR_M, project
@@ -19,8 +18,7 @@ _OFF_M, _DRIFT_MPS, _LONG_S = 0.1, 0.1, 5.0
 _WANDER_PER_S, _OFF_MPS = 5.0, 0.2
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
@@ -53,8 +51,7 @@ def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
                 info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def unseen_sigma_m(last_s, now_s):
     """Return the lasting error of a joint in directions that no camera tells of [m]."""
     latest = second = -math.inf
@@ -64,8 +61,7 @@ def unseen_sigma_m(last_s, now_s):
     return _OFF_M + _DRIFT_MPS * min(max(now_s - SUPPORT_S - second, 0.0), _LONG_S)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def widen(cov, info, scale, sigma, bounded, lasting):
     """Add the covariance of a lasting error to `cov` (3, 3), in place.
 
@@ -92,8 +88,7 @@ def widen(cov, info, scale, sigma, bounded, lasting):
             cov[p, q] += lasting[p, q]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def state_all(
     P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2, velocity_cov_m2ps2
 ):

@@ -4,12 +4,12 @@ The inner functions take and return numbers instead of arrays, as those of the m
 """
 
 import math
-from typing import NamedTuple, no_type_check
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.geometry.distortion import NEWTON_STEPS, TOLERANCE
 
 IDEAL, BROWN, FISHEYE = 0, 1, 2
@@ -41,8 +41,7 @@ class Undistortion(NamedTuple):
     table: Float64[np.ndarray, "cam 2 start"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def look_up(table, bent):
     """Return the ideal radius or angle of a distorted one, by linear interpolation."""
     low, high = 0, table.shape[1] - 1
@@ -58,8 +57,7 @@ def look_up(table, bent):
     return slope * (bent - table[0, low]) + table[1, low]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def invert_brown(k, limit, table, x_d, y_d):
     """Return the ideal point that a lens of Brown's model images at ``x_d, y_d``, or NaN.
 
@@ -92,8 +90,7 @@ def invert_brown(k, limit, table, x_d, y_d):
     return math.nan, math.nan
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def invert_fisheye(k, limit, table, x_d, y_d):
     """Return the ideal point that a fisheye lens images at ``x_d, y_d``, or NaN."""
     bent = math.sqrt(x_d * x_d + y_d * y_d)
@@ -114,8 +111,7 @@ def invert_fisheye(k, limit, table, x_d, y_d):
     return x_d * scale, y_d * scale
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def undistort(lenses, cam, xy_px):
     """Turn raw pixels into those that the ideal pinhole camera of the same K would see, in place.
 

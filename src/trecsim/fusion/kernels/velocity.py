@@ -1,16 +1,13 @@
 """Velocities of the trajectories: the splines' derivative, and its covariance."""
 
-from typing import no_type_check
-
 import numpy as np
-from numba import njit
 
+from trecsim.compiler import kernel
 from trecsim.fusion.kernels.curve import BLOCK, ORDER, derivative, point
 from trecsim.fusion.kernels.information import curve_covariance
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def velocity_all(R, c, place, knot_s, velocity_mps, cov_m2ps2):
     """Write the velocities of all joints of all tracks at one time, and their covariances.
 

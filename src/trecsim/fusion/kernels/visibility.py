@@ -1,11 +1,12 @@
 """Whom a camera should see: what lies in its raw image, and who stands before whom."""
 
 import math
-from typing import NamedTuple, no_type_check
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from numba import njit
+
+from trecsim.compiler import kernel
 
 # What `Lenses.kind` says.
 PINHOLE, BROWN, FISHEYE = 0, 1, 2
@@ -68,8 +69,7 @@ class Silhouette(NamedTuple):
     radius_m: Float64[np.ndarray, " part"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def expect_all(lenses, silhouette, looking, torso, x_m, asked, expected):
     """Write in how many of the cameras that are looking people should be found to `expected`.
 
@@ -102,8 +102,7 @@ def expect_all(lenses, silhouette, looking, torso, x_m, asked, expected):
         expected[k] = visible if visible or not before else -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def has_in_view(lenses, c, x_m, torso):
     """Return whether enough of a person's torso is in a camera's image, were nobody before it."""
     inside = 0
@@ -112,8 +111,7 @@ def has_in_view(lenses, c, x_m, torso):
     return inside >= IN_VIEW * torso.shape[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def in_image(lenses, c, x):
     """Return whether the point `x` has an image in a camera's raw picture."""
     T, K = lenses.T_cam_world[c], lenses.K[c]
@@ -131,8 +129,7 @@ def in_image(lenses, c, x):
     return -0.5 <= column < lenses.size_px[c, 0] - 0.5 and -0.5 <= row < lenses.size_px[c, 1] - 0.5
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def bent(kind, k, x, y):
     """Return where a lens images the normalised point (x, y); see `trecsim.geometry.distortion`."""
     s = x * x + y * y
@@ -149,8 +146,7 @@ def bent(kind, k, x, y):
     return x * spread + k[3] * s, y * spread + k[2] * s
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def hidden_share(eye_m, silhouette, torso, x_m, k):
     """Return which share of the joints of person `k` others hide from a camera at `eye_m`."""
     hidden = np.empty(x_m.shape[1], np.int64)
@@ -172,8 +168,7 @@ def hidden_share(eye_m, silhouette, torso, x_m, k):
     return count / hidden.shape[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def middle_from(eye_m, x_m, torso, out):
     """Write the way from `eye_m` to the middle of a torso to `out`."""
     for a in range(3):
@@ -182,8 +177,7 @@ def middle_from(eye_m, x_m, torso, out):
             out[a] += x_m[j, a] / torso.shape[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def hide(eye_m, silhouette, other_m, x_m, hidden):
     """Mark, in place, the joints `x_m` that the body with the joints `other_m` hides."""
     start, end, to_joint = np.empty(3), np.empty(3), np.empty(3)
@@ -200,8 +194,7 @@ def hide(eye_m, silhouette, other_m, x_m, hidden):
             hidden[j] = gap_m2(to_joint, start, end) < silhouette.radius_m[p] ** 2
 
 
-@njit(cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True)
-@no_type_check
+@kernel
 def gap_m2(ray, start, end):
     """Return the squared distance of two segments: origin to `ray`, `start` to `end`."""
     aa = bb = cc = d = e = 0.0

@@ -4,10 +4,10 @@ Arrays are C-contiguous float64.
 """
 
 import math
-from typing import no_type_check
 
 import numpy as np
-from numba import njit
+
+from trecsim.compiler import kernel
 
 # A body blocks the view like these capsules: ends (means of two joints each) and radius [m].
 # Trunk, neck and head (the ears are in its middle), thighs, shanks.
@@ -25,8 +25,7 @@ _RADIUS_M = np.array([0.16, 0.11, 0.09, 0.09, 0.06, 0.06])
 _WIDEST_M = 0.16
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def remember(values, keep, fresh):
     """Turn independent numbers into processes, in place: ``x = keep * last x + fresh * number``.
 
@@ -44,8 +43,7 @@ def remember(values, keep, fresh):
             )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def hidden_by_bodies(position_m, xyz_m, hidden):
     """Find the joints that somebody else's body hides from a camera.
 
@@ -87,8 +85,7 @@ def hidden_by_bodies(position_m, xyz_m, hidden):
                     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _place_parts(seen_m, start_m, along_m, balls):
     """Find where capsules start, the ways to their other ends, and balls about them."""
     for part in range(_ENDS.shape[0]):
@@ -102,8 +99,7 @@ def _place_parts(seen_m, start_m, along_m, balls):
         _look_at_ball(balls[part], half_m + _RADIUS_M[part])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _enclose_body(seen_m, ball):
     """Find a ball about all of a body's joints, and all of its parts."""
     for axis in range(3):
@@ -120,8 +116,7 @@ def _enclose_body(seen_m, ball):
     _look_at_ball(ball, math.sqrt(furthest_m2) + _WIDEST_M)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _look_at_ball(ball, radius_m):
     """Complete a ball: middle, distance, radius [m], sine and cosine of half its angle of view."""
     ball[3] = math.sqrt(_dot(ball, ball))
@@ -130,8 +125,7 @@ def _look_at_ball(ball, radius_m):
     ball[6] = math.sqrt(1.0 - ball[5] ** 2)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _may_hide(other, person):
     """Return whether a ball is not behind another and touches its cone; false for NaN."""
     if not other[3] - other[4] < person[3] + person[4]:
@@ -142,8 +136,7 @@ def _may_hide(other, person):
     return _dot(other, person) > least * other[3] * person[3]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _hide(seen_m, length_m, start_m, along_m, balls, hidden):
     """Mark the joints behind the capsules of one body."""
     to_m = np.empty(3)
@@ -160,14 +153,12 @@ def _hide(seen_m, length_m, start_m, along_m, balls, hidden):
                 hidden[joint] = _to_segment_m2(along_m[part], to_m) > radius_m2
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _to_segment_m2(ray_m, point_m):
     """Return the squared distance of a point from the segment between the origin and `ray_m`."""
     length_m2 = max(_dot(ray_m, ray_m), 1e-18)
@@ -179,8 +170,7 @@ def _to_segment_m2(ray_m, point_m):
     )
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-@no_type_check
+@kernel
 def _gap_m2(ray_m, start_m, along_m):
     """Return the squared distance of two segments: origin to `ray_m`; `start_m` on `along_m`."""
     a, b, c = _dot(ray_m, ray_m), _dot(ray_m, along_m), _dot(along_m, along_m)

@@ -1,0 +1,207 @@
+"""One decorator for all compiled kernels, and the cache that keeps what the compiler made.
+
+Numba's own cache compares only the file in which a kernel stands. A kernel contains the code of the
+kernels that it calls and the constants that it imports, so an edit of a neighbouring file would
+leave old code running. Here the compiled code lies in a folder named after a digest of all sources
+that it can depend on: an edit of any of them selects another folder, and nothing has to be deleted
+for the result to be right.
+"""
+
+import hashlib
+import inspect
+import os
+import pickle
+import shutil
+import sys
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import config
+from numba.core.compiler import CompileResult
+from numba.core.serialize import dumps
+from platformdirs import user_cache_path
+
+# Folders of compiled code of other versions of the sources that are kept, for switching branches.
+_OTHERS_KEPT = 3
+_PREFIX = "kernels-"
+
+
+def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
+    """Compile a function of numbers and arrays when it is first called, and keep the result.
+
+    Parameters
+    ----------
+    function
+        The function. It may call other kernels, and use constants of its own folder and of
+        `trecsim.geometry`; a test checks that kernels import nothing else of this package.
+    options
+        Further options of `numba.njit`.
+
+    Notes
+    -----
+    The results are compiled without Python's global lock held, divide by zero as IEEE 754 says, and
+    have no C wrapper, which nobody calls and which costs compile time.
+    """
+    if function is None:
+        return lambda wrapped: kernel(wrapped, **options)
+    # The tests' check of shapes wraps every function; the compiler needs the function itself.
+    plain = inspect.unwrap(function)
+    compile_with: Any = numba.njit(
+        nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options
+    )
+    compiled = compile_with(plain)
+    if not config.DISABLE_JIT:
+        compiled._cache = KernelCache(plain)  # what `enable_caching` does with numba's own
+    return compiled
+
+
+class KernelCache:
+    """The compiled versions of one kernel, each in a file of its own; in place of numba's cache.
+
+    A file is complete or absent, and its name says all that its content depends on: processes that
+    start at once, with the same sources or with others, never read what is not theirs.
+
+    Parameters
+    ----------
+    function
+        The kernel's Python function.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        source = Path(inspect.getfile(function))
+        self._sources = source.parent
+        self._digest = digest_of(source.parent)
+        self._folder = cache_folder(source.parent)
+        self._name = f"{source.stem}.{function.__qualname__}"
+        self._bytecode = function.__code__.co_code
+        self._enabled = True
+
+    @property
+    def cache_path(self) -> str | None:
+        """Folder of the compiled code; None where none can be written."""
+        return None if self._folder is None else str(self._folder)
+
+    def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
+        """Return the compiled version for a signature; None if there is none."""
+        target_context.refresh()
+        if not self._enabled or self._folder is None:
+            return None
+        try:
+            content = pickle.loads(self._path(sig, target_context.codegen()).read_bytes())
+        except (OSError, EOFError, pickle.UnpicklingError):
+            return None
+        return CompileResult._rebuild(target_context, *content)
+
+    def save_overload(self, sig: Any, cres: CompileResult) -> None:
+        """Keep a compiled version; a disk that is full or read-only only costs the next start."""
+        if not self._enabled or self._folder is None or cres.library.has_dynamic_globals:
+            return
+        # Sources that were edited while they were imported belong to neither digest.
+        if _digest(self._sources) != self._digest:
+            return
+        with suppress(OSError):
+            _write(self._path(sig, cres.library.codegen), dumps(cres._reduce()))
+
+    def enable(self) -> None:
+        """Use the cache."""
+        self._enabled = True
+
+    def disable(self) -> None:
+        """Neither load nor save."""
+        self._enabled = False
+
+    def flush(self) -> None:
+        """Forget all compiled versions of this kernel."""
+        if self._folder is not None:
+            for path in self._folder.glob(f"{self._name}-*.nbc"):
+                path.unlink(missing_ok=True)
+
+    def _path(self, sig: Any, codegen: Any) -> Path:
+        assert self._folder is not None
+        key = repr((sig, codegen.magic_tuple(), numba.__version__, self._bytecode))
+        return self._folder / f"{self._name}-{hashlib.sha256(key.encode()).hexdigest()[:20]}.nbc"
+
+
+@cache
+def digest_of(folder: Path) -> str:
+    """Return the digest of all sources on which the kernels of `folder` can depend.
+
+    It is taken once per process, when the first of its kernels is imported.
+    """
+    return _digest(folder)
+
+
+def sources_of(folder: Path) -> Iterator[Path]:
+    """Yield these sources: the folder's own, those of the geometry, and this one."""
+    yield from sorted(folder.glob("*.py"))
+    yield from sorted((Path(__file__).parent / "geometry").glob("*.py"))
+    yield Path(__file__)
+
+
+def _digest(folder: Path) -> str:
+    digest = hashlib.sha256()
+    for path in sources_of(folder):
+        digest.update(f"{path.name}\0".encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def cache_folder(sources: Path) -> Path | None:
+    """Return where the compiled kernels of one folder of sources lie; None if nowhere.
+
+    That is in NUMBA_CACHE_DIR if it is set, else beside the sources, else in the user's cache: the
+    first that has some already or can be written to. Compiled code of older sources is removed.
+    """
+    name = f"{_PREFIX}{digest_of(sources)}-{sys.implementation.cache_tag}"
+    for parent in _parents(sources):
+        folder = parent / name
+        if next(folder.glob("*.nbc"), None) is None and not _can_be_made(folder):
+            continue
+        _remove_old(folder)
+        return folder
+    return None
+
+
+def _parents(sources: Path) -> Iterator[Path]:
+    below = f"{sources.name}_{hashlib.sha256(str(sources).encode()).hexdigest()[:16]}"
+    if config.CACHE_DIR:
+        yield Path(config.CACHE_DIR) / below
+    yield sources / "__pycache__"
+    yield user_cache_path("trecsim") / "kernels" / below
+
+
+def _can_be_made(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError:
+        return False
+    return True
+
+
+def _remove_old(folder: Path) -> None:
+    """Remove all but the newest few folders of other sources, which no new process reads."""
+    others = [path for path in folder.parent.glob(f"{_PREFIX}*") if path != folder]
+    with suppress(OSError):  # another process may be doing the same
+        others.sort(key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in others[_OTHERS_KEPT:]:
+        shutil.rmtree(path, ignore_errors=True)
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all; whoever is last wins, with the same content."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
