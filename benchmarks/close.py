@@ -178,7 +178,7 @@ def doing(what: str, room: Room, rng: np.random.Generator) -> "Role":
     walk = Walk(tuple(room.anywhere(rng) for _ in range(12)), float(rng.uniform(0.7, 1.3)))
     actions: dict[str, tuple[Action, ...]] = {
         "walking": (walk,),
-        "standing": (Stand(4.5), Turn(by_rad=1.2), Stand(60.0)),
+        "standing": (Stand(4.5), Turn(by_deg=68.75), Stand(60.0)),
         "sitting": (Stand(0.3), Sit(60.0)),
         "lying": (Lie(60.0, "back" if rng.random() < 0.5 else "left"),),
     }

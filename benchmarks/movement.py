@@ -184,7 +184,7 @@ def made(name: str, cameras: int, seed: int, folder: Path) -> "tuple[Simulation,
     spot_m = _edge(rng, -2.2) if name == RUNNING else anywhere(rng)
     from_rad, faces_rad = rng.uniform(-np.pi, np.pi, 2)
     start_m = (spot_m[0] + 1.2 * np.cos(from_rad), spot_m[1] + 1.2 * np.sin(from_rad))
-    comes = Walk((spot_m,), 1.0), Turn(to_rad=float(faces_rad))
+    comes = Walk((spot_m,), 1.0), Turn(to_deg=float(np.degrees(faces_rad)))
     parts = [("", comes), *ACTS[name](Clips(folder, seed), rng)]
     if name == RUNNING:
         start_m, parts = spot_m, parts[1:]

@@ -58,7 +58,7 @@ def default_of(node: Mapping[str, Any], required: bool) -> str:
     default = node.get("default")
     if required:
         return "needed"
-    if default is None or isinstance(default, dict) or default == []:
+    if default is None or isinstance(default, dict) or default == [] or len(str(default)) > 40:
         return ""
     return f"`{json.dumps(default)}`"
 
@@ -71,6 +71,7 @@ def keys(name: str) -> str:
         if key == "do":
             continue
         about = node.get("description") or TABLES[node["$ref"].rsplit("/")[-1]]["description"]
+        about = " ".join(about.split())
         default = default_of(node, key in table.get("required", ()))
         rows.append(f"| `{key}` | {value_of(node)} | {default} | {about} |")
     return "\n".join(rows) + "\n"

@@ -1,10 +1,12 @@
 """Files of tables that people write, in TOML: read by a model, faults told by line."""
 
-from trecsim.toml_models.table import FilePath, SizePx, Table, Vector
+from trecsim.toml_models.table import TABLE_VALUE, FilePath, Number, SizePx, Table, Vector
 from trecsim.toml_models.toml_reading import file_faults, parsed, read_text, schema_of, validated
 
 __all__ = [
+    "TABLE_VALUE",
     "FilePath",
+    "Number",
     "SizePx",
     "Table",
     "Vector",

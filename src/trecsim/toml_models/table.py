@@ -18,6 +18,13 @@ class Table(BaseModel):
     )
 
 
+TABLE_VALUE = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
+"""Of a pydantic dataclass that stands in a table; its numbers have to be strict themselves."""
+
+Number = Annotated[float, Field(strict=True)]
+"""A number that is not given as text."""
+
+
 def beside_the_file(path: Path, info: Any) -> Path:
     """Return a path as seen from the folder of the file in which it stands.
 

@@ -21,6 +21,7 @@ _EXPECTED = {
     "path_type": "a path",
     "model_type": "a table",
     "dict_type": "a table",
+    "dataclass_type": "a table",
     "tuple_type": "an array",
     "string_pattern_mismatch": "1 to 64 letters, digits, '-' and '_'",
     "too_short": "more values",
@@ -146,7 +147,7 @@ def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
 def _plain_fault(fault: Any, schema: Mapping[str, Any]) -> Fault:
     key, beside = _followed(fault["loc"], schema)
     match fault["type"]:
-        case "extra_forbidden":
+        case "extra_forbidden" | "unexpected_keyword_argument":
             return key, f"unknown key; {nearest(str(key[-1]), beside)}"
         case "missing" | "union_tag_not_found":
             tag = fault.get("ctx", {}).get("discriminator", "").strip("'")

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
-from trecsim.errors import InputError
 from trecsim.lab.simulation.agreement import misplaced
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.detector import PERFECT, Detector, Footage, detect
@@ -181,7 +181,7 @@ def test_scenes_of_other_seeds_are_wrong_in_other_ways() -> None:
     ],
 )
 def test_impossible_detectors_are_refused(changes: dict, named: str) -> None:
-    with pytest.raises(InputError, match=named):
+    with pytest.raises(ValidationError, match=named):
         Detector(**changes)
 
 

@@ -32,7 +32,7 @@ ACTIONS: dict[str, Action] = {
     "run": Run(((6.0, 0.0),), 3.5),
     "crawl": Crawl(((1.2, 0.0), (1.2, 0.8)), 0.4),
     "stand": Stand(0.5),
-    "turn": Turn(by_rad=-2.0),
+    "turn": Turn(by_deg=-115.0),
     "arms": RaiseArms(0.5),
     "left arm": RaiseArms(0.5, "left"),
     "bend": Bend(0.5),
@@ -237,7 +237,7 @@ def test_crawlers_go_on_hands_and_knees_that_stay_where_they_rest() -> None:
 
 
 def test_one_gets_where_one_wants_and_faces_what_one_wants() -> None:
-    actions = [Stand(0.1), Walk(((2.0, 1.0), (3.0, 3.0))), Turn(to_rad=np.pi), Stand(0.5)]
+    actions = [Stand(0.1), Walk(((2.0, 1.0), (3.0, 3.0))), Turn(to_deg=180.0), Stand(0.5)]
     motion = perform(TALL, (0.0, 0.0), 0.5, actions)
     last_m = motion(np.array([motion.leave_s]))[0]
     np.testing.assert_allclose(last_m[15:, :2].mean(axis=0), [3.0, 3.0], atol=0.01)

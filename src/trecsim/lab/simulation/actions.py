@@ -1,297 +1,198 @@
-"""What somebody in a scene does: one value per action, to be done one after the other.
+"""What a person in a scene does: one value per action, done one after the other.
 
-An action says what shall be seen. What has to happen before it (turning towards the first way
-point, getting up before walking, sitting down before lying) is made by
+These are also the tables of a scene file, which is why angles are in degrees. Transitions (turning
+towards the first way point, getting up before walking, sitting down before lying) are added by
 :func:`trecsim.lab.simulation.performance.perform`.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal, Self
 
-from trecsim.errors import InputError
+from pydantic import BeforeValidator, Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from trecsim.toml_models import TABLE_VALUE, FilePath, Number
 
 LONGEST_S = 24 * 3600.0
 FARTHEST_M = 10_000.0
+MOST_DEG = 57_296.0
+
+
+def _one_point(value: Any) -> Any:
+    """Take a single way point for a list of one."""
+    pair = isinstance(value, list) and len(value) == 2
+    return [value] if pair and not any(isinstance(part, list) for part in value) else value
+
 
 Side = Literal["back", "front", "left", "right"]
 Arms = Literal["both", "left", "right"]
-Point = tuple[float, float]
+Seconds = Annotated[Number, Field(ge=0, le=LONGEST_S)]
+Degrees = Annotated[Number, Field(ge=-MOST_DEG, le=MOST_DEG)]
+Metres = Annotated[Number, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
+Point = Annotated[tuple[Metres, Metres], Field(strict=False)]
+Points = Annotated[
+    tuple[Point, ...], BeforeValidator(_one_point), Field(strict=False, max_length=1000)
+]
+WayPoints = Annotated[Points, Field(min_length=1)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Walk:
-    """Walk through way points; turn towards the first one if it is not ahead.
+    """Walk through way points; turn towards the first one if it is not ahead."""
 
-    Attributes
-    ----------
-    to_m
-        Way points on the floor, at least one; the walk ends at the last [m].
-    speed_mps
-        0.2 to 2 [m/s].
-    """
-
-    to_m: tuple[Point, ...]
-    speed_mps: float = 1.2
-
-    def __post_init__(self) -> None:
-        _check_points("walk", self.to_m, 1)
-        _check("walk", "speed_mps", self.speed_mps, 0.2, 2.0, "m/s")
+    to_m: WayPoints
+    """Way points on the floor, at least one; the walk ends at the last [m]."""
+    speed_mps: Annotated[Number, Field(ge=0.2, le=2.0)] = 1.2
+    """Speed [m/s]."""
+    do: Literal["walk"] = "walk"
+    """Which action this is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Run:
-    """Run through way points.
+    """Run through way points."""
 
-    Attributes
-    ----------
-    to_m
-        Way points on the floor, at least one; the run ends at the last [m].
-    speed_mps
-        2.2 to 6 [m/s].
-    """
-
-    to_m: tuple[Point, ...]
-    speed_mps: float = 3.0
-
-    def __post_init__(self) -> None:
-        _check_points("run", self.to_m, 1)
-        _check("run", "speed_mps", self.speed_mps, 2.2, 6.0, "m/s")
+    to_m: WayPoints
+    """Way points on the floor, at least one; the run ends at the last [m]."""
+    speed_mps: Annotated[Number, Field(ge=2.2, le=6.0)] = 3.0
+    """Speed [m/s]."""
+    do: Literal["run"] = "run"
+    """Which action this is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Crawl:
-    """Go on hands and knees through way points.
+    """Go on hands and knees through way points."""
 
-    Attributes
-    ----------
-    to_m
-        Way points on the floor, at least one; the crawl ends at the last [m].
-    speed_mps
-        0.1 to 0.8 [m/s].
-    """
-
-    to_m: tuple[Point, ...]
-    speed_mps: float = 0.4
-
-    def __post_init__(self) -> None:
-        _check_points("crawl", self.to_m, 1)
-        _check("crawl", "speed_mps", self.speed_mps, 0.1, 0.8, "m/s")
+    to_m: WayPoints
+    """Way points on the floor, at least one; the crawl ends at the last [m]."""
+    speed_mps: Annotated[Number, Field(ge=0.1, le=0.8)] = 0.4
+    """Speed [m/s]."""
+    do: Literal["crawl"] = "crawl"
+    """Which action this is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Stand:
-    """Stand upright.
+    """Stand upright."""
 
-    Attributes
-    ----------
-    seconds
-        How long, once upright [s].
-    """
-
-    seconds: float = 2.0
-
-    def __post_init__(self) -> None:
-        _check_seconds("stand", self.seconds)
+    seconds: Seconds = 2.0
+    """Duration, once upright [s]."""
+    do: Literal["stand"] = "stand"
+    """Which action this is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Turn:
-    """Turn on the spot, either by an angle or to a direction.
+    """Turn on the spot, either by an angle or to a direction."""
 
-    Attributes
-    ----------
-    by_rad
-        How far, counter-clockwise seen from above; more than a full turn is fine [rad].
-    to_rad
-        Direction to face in the end, counter-clockwise from +x, the shorter way round [rad].
-    speed_radps
-        How fast on average, 0.2 to 4 [rad/s].
-    """
+    by_deg: Degrees | None = None
+    """Angle, counter-clockwise seen from above; more than a full turn is allowed [degrees]."""
+    to_deg: Degrees | None = None
+    """Direction to face in the end, counter-clockwise from +x, the shorter way round [degrees]."""
+    speed_degps: Annotated[Number, Field(ge=11, le=230)] = 85.9
+    """Mean angular speed [degrees/s]."""
+    do: Literal["turn"] = "turn"
+    """Which action this is."""
 
-    by_rad: float | None = None
-    to_rad: float | None = None
-    speed_radps: float = 1.5
-
-    def __post_init__(self) -> None:
-        if (self.by_rad is None) == (self.to_rad is None):
-            raise InputError(
-                "turn: give either how far (by) or in which direction to face (to), got "
-                f"{'neither' if self.by_rad is None else 'both'}"
-            )
-        angle_rad = self.by_rad if self.by_rad is not None else self.to_rad
-        _check("turn", "angle", angle_rad, -1000.0, 1000.0, "rad")
-        _check("turn", "speed_radps", self.speed_radps, 0.2, 4.0, "rad/s")
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if (self.by_deg is None) == (self.to_deg is None):
+            got = "neither" if self.by_deg is None else "both"
+            raise ValueError(f"give either by_deg or to_deg, got {got}")
+        return self
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class RaiseArms:
-    """Stand and hold the arms up.
+    """Stand and hold the arms up."""
 
-    Attributes
-    ----------
-    seconds
-        How long they are up, without raising and lowering them [s].
-    arms
-        Which of them.
-    """
-
-    seconds: float = 2.0
+    seconds: Seconds = 2.0
+    """Duration, without raising and lowering them [s]."""
     arms: Arms = "both"
+    """Which arms."""
+    do: Literal["raise_arms"] = "raise_arms"
+    """Which action this is."""
 
-    def __post_init__(self) -> None:
-        _check_seconds("raise arms", self.seconds)
-        _check_choice("raise arms", "arms", self.arms, ("both", "left", "right"))
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Bend:
-    """Stand and bend forward from the hips, as to pick something up.
+    """Stand and bend forward from the hips, as to pick something up."""
 
-    Attributes
-    ----------
-    seconds
-        How long the trunk stays down [s].
-    angle_rad
-        How far the trunk leans, 0.2 to 1.9 [rad].
-    """
-
-    seconds: float = 1.0
-    angle_rad: float = 1.3
-
-    def __post_init__(self) -> None:
-        _check_seconds("bend", self.seconds)
-        _check("bend", "angle_rad", self.angle_rad, 0.2, 1.9, "rad")
+    seconds: Seconds = 1.0
+    """How long the trunk stays down [s]."""
+    angle_deg: Annotated[Number, Field(ge=11, le=109)] = 74.5
+    """Lean of the trunk [degrees]."""
+    do: Literal["bend"] = "bend"
+    """Which action this is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Sit:
-    """Sit down on a seat that is right behind.
+    """Sit down on a seat that is right behind."""
 
-    Attributes
-    ----------
-    seconds
-        How long, without sitting down and getting up [s].
-    seat_m
-        Height of the seat, 0.3 to 0.6 [m].
-    """
-
-    seconds: float = 4.0
-    seat_m: float = 0.45
-
-    def __post_init__(self) -> None:
-        _check_seconds("sit", self.seconds)
-        _check("sit", "seat_m", self.seat_m, 0.3, 0.6, "m")
+    seconds: Seconds = 4.0
+    """Duration, without sitting down and getting up [s]."""
+    seat_m: Annotated[Number, Field(ge=0.3, le=0.6)] = 0.45
+    """Height of the seat [m]."""
+    do: Literal["sit"] = "sit"
+    """Which action this is."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Lie:
-    """Lie down on the floor with care.
+    """Lie down on the floor with care."""
 
-    Attributes
-    ----------
-    seconds
-        How long, without lying down and getting up [s].
-    on
-        The side that is on the floor.
-    """
-
-    seconds: float = 4.0
+    seconds: Seconds = 4.0
+    """Duration, without lying down and getting up [s]."""
     on: Side = "back"
+    """The side that is on the floor."""
+    do: Literal["lie"] = "lie"
+    """Which action this is."""
 
-    def __post_init__(self) -> None:
-        _check_seconds("lie", self.seconds)
-        _check_choice("lie", "on", self.on, ("back", "front", "left", "right"))
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Fall:
-    """Fall to the floor and remain there.
+    """Fall to the floor and remain there."""
 
-    Attributes
-    ----------
-    seconds
-        How long the person remains lying [s].
-    to
-        Where to; it is the side that is on the floor afterwards.
-    fall_s
-        How long the fall itself takes, 0.6 to 2 [s].
-    """
-
-    seconds: float = 4.0
+    seconds: Seconds = 4.0
+    """How long the person remains lying [s]."""
     to: Side = "back"
-    fall_s: float = 0.9
+    """Direction of the fall; it is the side that is on the floor afterwards."""
+    fall_s: Annotated[Number, Field(ge=0.6, le=2.0)] = 0.9
+    """Duration of the fall itself [s]."""
+    do: Literal["fall"] = "fall"
+    """Which action this is."""
 
-    def __post_init__(self) -> None:
-        _check_seconds("fall", self.seconds)
-        _check_choice("fall", "to", self.to, ("back", "front", "left", "right"))
-        _check("fall", "fall_s", self.fall_s, 0.6, 2.0, "s")
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Clip:
-    """Do what somebody did in a recording of real motion, with the own limbs.
+    """Repeat recorded real motion with the person's own limb lengths.
 
     The clip begins where the person is and heads where the person faces.
-
-    Attributes
-    ----------
-    path
-        An ``.npz`` file with ``joints`` (time, 17 to 200, 3) [m], z up, the first 17 of them
-        COCO-17, and ``fps``.
-    from_s
-        Where in the clip to begin [s].
-    to_s
-        Where in the clip to end; nothing plays it to its end [s].
-    along_m
-        Way points on the floor that the clip's own way is bent to follow; nothing leaves it as
-        it is [m].
-    times
-        How often it is played; every repetition goes on from where the last one ended.
     """
 
-    path: Path
-    from_s: float = 0.0
-    to_s: float | None = None
-    along_m: tuple[Point, ...] = ()
-    times: int = 1
+    path: FilePath
+    """An `.npz` file with `joints` (time, 17 to 200, 3) [m], z up, the first 17 of them COCO-17,
+    and `fps`."""
+    from_s: Seconds = 0.0
+    """Where in the clip to begin [s]."""
+    to_s: Seconds | None = None
+    """Where in the clip to end; the end of the clip if left out [s]."""
+    along_m: Points = ()
+    """Way points on the floor that the clip's own path is bent to follow; left as it is without
+    any [m]."""
+    times: Annotated[int, Field(strict=True, ge=1, le=1000)] = 1
+    """How often it is played; every repetition goes on from where the last one ended."""
+    do: Literal["clip"] = "clip"
+    """Which action this is."""
 
-    def __post_init__(self) -> None:
-        _check("clip", "from_s", self.from_s, 0.0, LONGEST_S, "s")
-        if self.to_s is not None:
-            _check("clip", "to_s", self.to_s, self.from_s + 0.1, LONGEST_S, "s")
-        _check("clip", "times", self.times, 1, 1000, "")
-        _check_points("clip", self.along_m, 0)
+    @model_validator(mode="after")
+    def _ends_later(self) -> Self:
+        if self.to_s is not None and self.to_s < self.from_s + 0.1:
+            raise ValueError(f"to_s must be at least 0.1 s after from_s, got {self.to_s:g}")
+        return self
 
 
 Action = Walk | Run | Crawl | Stand | Turn | RaiseArms | Bend | Sit | Lie | Fall | Clip
-
-
-def _check_seconds(action: str, seconds: object) -> None:
-    _check(action, "seconds", seconds, 0.0, LONGEST_S, "s")
-
-
-def _check(action: str, name: str, value: object, least: float, most: float, unit: str) -> None:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    # What is not a number compares as false.
-    if not (number and least <= value <= most):  # type: ignore[operator]
-        raise InputError(
-            f"{action}: {name} must be a number from {least:g} to {most:g} {unit}".rstrip()
-            + f", got {value!r}"
-        )
-
-
-def _check_choice(action: str, name: str, value: str, choices: tuple[str, ...]) -> None:
-    if value not in choices:
-        raise InputError(f"{action}: {name} must be one of {', '.join(choices)}, got {value!r}")
-
-
-def _check_points(action: str, points_m: Sequence[Sequence[object]], least: int) -> None:
-    if len(points_m) < least:
-        raise InputError(f"{action}: needs a way point to go to, got none")
-    for number, point in enumerate(points_m, 1):
-        if len(point) != 2:
-            raise InputError(f"{action}: way point {number} must be (x, y), got {point!r}")
-        for value in point:
-            _check(action, f"way point {number}", value, -FARTHEST_M, FARTHEST_M, "m")
+AnyAction = Annotated[Action, Field(discriminator="do")]
+"""An action in a scene file; the key `do` says which one."""

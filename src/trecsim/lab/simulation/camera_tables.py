@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
+from trecsim.lab.simulation.actions import FARTHEST_M, Metres, Point, Seconds
 from trecsim.lab.simulation.camera_clocks import Clock
 from trecsim.lab.simulation.camera_placement import (
     NARROWEST_DEG,
@@ -20,19 +21,14 @@ from trecsim.lab.simulation.camera_placement import (
 )
 from trecsim.lab.simulation.failures import Knock, Outage
 from trecsim.lab.simulation.room import Floor, pattern_rig
-from trecsim.lab.simulation.scene import LONGEST_S
 from trecsim.toml_models import SizePx, Table, Vector
 from trecsim.toml_models.toml_reading import nearest
 
 MOST_CAMERAS = 28
-FARTHEST_M = 10_000.0
 GOLDEN = 0.6180339887498949  # its multiples are spread evenly, whatever their number
 
-Metres = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Length = Annotated[float, Field(gt=0, le=FARTHEST_M)]
-Point = Annotated[tuple[Metres, Metres], Field(strict=False)]
 Place = Annotated[tuple[Metres, Metres, Metres], Field(strict=False)]
-Seconds = Annotated[float, Field(ge=0, le=LONGEST_S)]
 
 
 def possible(make: Callable[[], object]) -> None:

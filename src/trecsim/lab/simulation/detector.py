@@ -6,13 +6,15 @@ seconds, so it does not average out over time. And part of it is the same in all
 estimator thinks a hip is): no tracker can see that, so it is made on demand only (`ANNOTATED`).
 """
 
-from dataclasses import dataclass, replace
-from typing import get_type_hints
+from dataclasses import dataclass as plain_dataclass
+from dataclasses import field, replace
+from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Bool, Float64
+from pydantic import BeforeValidator, Field, WithJsonSchema
+from pydantic.dataclasses import dataclass
 
-from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
 from trecsim.lab.simulation.agreement import misplaced
 from trecsim.lab.simulation.mistakes import exchanged, false_person
@@ -23,6 +25,8 @@ from trecsim.lab.simulation.occlusion import (
     hidden_behind_obstacles,
     hidden_behind_others,
 )
+from trecsim.skeleton import COCO17
+from trecsim.toml_models import TABLE_VALUE, Number
 from trecsim.values import Poses2D
 
 HEAD, LIMBS = slice(0, 5), slice(5, 17)
@@ -35,8 +39,8 @@ Values = Float64[np.ndarray, "time person 17"]
 Heights = Float64[np.ndarray, "time person"]
 Flags = Bool[np.ndarray, "time person 17"]
 
-
-JOINTS = 17
+JOINTS = len(COCO17.joints)
+LARGEST = 1e4
 
 
 def _per_joint(
@@ -52,94 +56,68 @@ def _per_joint(
     return (head,) * 5 + tuple(value for value in pairs for _ in range(2))
 
 
-@dataclass(frozen=True, slots=True)
+Share = Annotated[Number, Field(ge=0, le=1)]
+Size = Annotated[Number, Field(ge=0, le=LARGEST)]
+Memory = Annotated[Number, Field(ge=1e-3, le=LARGEST)]
+PerJoint = (
+    BeforeValidator(lambda value: (value,) * JOINTS if isinstance(value, int | float) else value),
+    Field(strict=False, min_length=JOINTS, max_length=JOINTS),
+    WithJsonSchema({"anyOf": [{"type": "array", "items": {"type": "number"}}, {"type": "number"}]}),
+)
+Shares = Annotated[tuple[Share, ...], *PerJoint]
+Sizes = Annotated[tuple[Size, ...], *PerJoint]
+Lengths = Annotated[tuple[Annotated[Number, Field(ge=-10, le=10)], ...], *PerJoint]
+
+
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Detector:
-    """How good, or bad, the simulated 2D pose estimator is.
+    """Errors of the simulated 2D pose estimator."""
 
-    Attributes
-    ----------
-    sigma
-        Error per axis and joint that differs between cameras, as a share of the person's height
-        in the image: root mean square over time.
-    white, fast, slow
-        Shares of its variance: without memory, and with the two times below.
-    fast_s, slow_s
-        Memory of the two correlated parts [s].
-    doubt
-        One less the usual score, per joint.
-    missing_joint
-        Share of the images in which a joint is missing though the person is found and nobody
-        hides it.
-    missing_person
-        Share of the images in which somebody is not found though well visible.
-    swapped
-        Share of the images in which left and right of a person, or of a pair of limbs, are
-        swapped.
-    stray, stray_sigma
-        Share of the images in which a joint is somewhere else altogether, and how far, as `sigma`.
-    hidden_missing
-        Of the joints behind somebody or something, the share that is missing; the others are
-        guessed. If none is missing, nothing hides anything.
-    hidden_sigma
-        How much worse a guess is than `sigma`.
-    small_px
-        Of people who are so tall in the image, doubt is twice the usual; much smaller ones are
-        not found.
-    false_people
-        Share of the images in which a camera reports a person where there is none.
-    common_up_m
-        How far too high it sets each joint, from the hips towards the shoulders, in all cameras
-        [m].
-    common_spread_m
-        Standard deviation about that, per axis and joint, the same in all cameras [m].
-    """
-
-    sigma: tuple[float, ...] = _per_joint(0.010, 0.0145, 0.0105, 0.013, 0.019, 0.0175, 0.0135)
-    white: float = 0.05
-    fast: float = 0.30
-    slow: float = 0.65
-    fast_s: float = 0.17
-    slow_s: float = 7.0
-    doubt: tuple[float, ...] = _per_joint(0.12, 0.17, 0.14, 0.18, 0.33, 0.225, 0.215)
-    missing_joint: tuple[float, ...] = _per_joint(0.03, 0.017, 0.145, 0.19, 0.0045, 0.0115, 0.009)
-    missing_person: float = 0.01
-    swapped: float = 0.0056
-    stray: tuple[float, ...] = _per_joint(0.005, 0.001, 0.0105, 0.015, 0.0, 0.006, 0.034)
-    stray_sigma: float = 0.15
-    hidden_missing: tuple[float, ...] = _per_joint(0.5, 0.33, 0.63, 0.61, 0.15, 0.21, 0.40)
-    hidden_sigma: float = 1.9
-    small_px: float = 60.0
-    false_people: float = 0.01
-    common_up_m: tuple[float, ...] = (0.0,) * 17
-    common_spread_m: tuple[float, ...] = (0.0,) * 17
-
-    def __post_init__(self) -> None:
-        faults = [*self._wrong_shares(), *self._wrong_sizes()]
-        if faults:
-            raise InputError(f"a simulated detector cannot be like that: {'; '.join(faults)}")
-
-    def _wrong_shares(self) -> list[str]:
-        names = ["white", "fast", "slow", "missing_person", "swapped", "false_people"]
-        names += ["doubt", "missing_joint", "stray", "hidden_missing"]
-        return [
-            f"{name} needs shares from 0 to 1, got {getattr(self, name)}"
-            for name in names
-            if not all(0.0 <= share <= 1.0 for share in np.ravel(getattr(self, name)))
-        ]
-
-    def _wrong_sizes(self) -> list[str]:
-        least = {"sigma": 0.0, "stray_sigma": 0.0, "hidden_sigma": 1.0, "small_px": 0.0}
-        least |= {"fast_s": 1e-3, "slow_s": 1e-3, "common_up_m": -10.0, "common_spread_m": 0.0}
-        faults = [
-            f"{name} needs to be at least {low:g} and finite, got {getattr(self, name)}"
-            for name, low in least.items()
-            if not all(low <= size < np.inf for size in np.ravel(getattr(self, name)))
-        ]
-        return faults + [
-            f"{name} needs one number per joint, {JOINTS}, got {len(getattr(self, name))}"
-            for name, kind in get_type_hints(Detector).items()
-            if kind == tuple[float, ...] and len(getattr(self, name)) != JOINTS
-        ]
+    sigma: Sizes = _per_joint(0.010, 0.0145, 0.0105, 0.013, 0.019, 0.0175, 0.0135)
+    """Standard deviation per axis and joint of the error that differs between cameras, as a share
+    of the person's height in the image: root mean square over time."""
+    white: Share = 0.05
+    """Share of that variance that is white noise."""
+    fast: Share = 0.30
+    """Share of that variance that is correlated over `fast_s`."""
+    slow: Share = 0.65
+    """Share of that variance that is correlated over `slow_s`."""
+    fast_s: Memory = 0.17
+    """Correlation time of the fast part [s]."""
+    slow_s: Memory = 7.0
+    """Correlation time of the slow part [s]."""
+    doubt: Shares = _per_joint(0.12, 0.17, 0.14, 0.18, 0.33, 0.225, 0.215)
+    """One minus the typical score, per joint."""
+    missing_joint: Shares = _per_joint(0.03, 0.017, 0.145, 0.19, 0.0045, 0.0115, 0.009)
+    """Share of the images in which a joint is missing though the person is detected and the joint
+    is not occluded."""
+    missing_person: Share = 0.01
+    """Share of the images in which a well visible person is not detected."""
+    swapped: Share = 0.0056
+    """Share of the images in which left and right of a person, or of a pair of limbs, are
+    swapped."""
+    stray: Shares = _per_joint(0.005, 0.001, 0.0105, 0.015, 0.0, 0.006, 0.034)
+    """Share of the images in which a joint is an outlier."""
+    stray_sigma: Size = 0.15
+    """Standard deviation of outliers, as a share of the person's height in the image."""
+    hidden_missing: Shares = _per_joint(0.5, 0.33, 0.63, 0.61, 0.15, 0.21, 0.40)
+    """Share of occluded joints that are missing; the others are guessed. With 0 for all joints
+    there is no occlusion."""
+    hidden_sigma: Annotated[Number, Field(ge=1, le=LARGEST)] = 1.9
+    """Standard deviation of a guessed joint in multiples of `sigma`."""
+    small_px: Size = 60.0
+    """Height in the image at which doubt is twice the typical one; much smaller people are not
+    detected [px]."""
+    false_people: Share = 0.01
+    """Share of the images in which a camera reports a false positive."""
+    common_up_m: Lengths = (0.0,) * JOINTS
+    """Mean annotation bias of each joint, from the hips towards the shoulders, the same in all
+    cameras [m]."""
+    common_spread_m: Sizes = (0.0,) * JOINTS
+    """Standard deviation about that mean, per axis and joint, the same in all cameras [m]."""
+    preset: Literal["real", "annotated", "perfect"] = field(default="real", compare=False)
+    """Figures that a scene file begins with: of a real estimator, of a real one compared with
+    annotated images, or without errors."""
 
 
 REAL = Detector()
@@ -147,6 +125,7 @@ REAL = Detector()
 
 ANNOTATED = replace(
     REAL,
+    preset="annotated",
     # Habit differs between cameras as doubt does, so that less is left for the errors of each.
     sigma=_per_joint(0.010, 0.0135, 0.0110, 0.0138, 0.0095, 0.0165, 0.0107),
     common_up_m=_per_joint(0.0, 0.032, 0.0155, 0.023, 0.069, 0.0215, 0.019),
@@ -165,6 +144,7 @@ PERFECT = Detector(
     hidden_sigma=1.0,
     small_px=0.0,
     false_people=0.0,
+    preset="perfect",
 )
 """Sees everything that is in the image, exactly, even through walls."""
 
@@ -180,7 +160,7 @@ STEEPNESS = 2.35  # with which somebody who gets smaller is lost
 MISSING_S, STRAY_S, UNFOUND_S = 2.5, 0.15, 0.3  # about how long
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@plain_dataclass(frozen=True, slots=True, eq=False)
 class Footage:
     """What happens before one camera.
 

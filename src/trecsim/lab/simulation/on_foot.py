@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import radians
 
 import numpy as np
 from jaxtyping import Float64
@@ -126,16 +127,16 @@ def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[B
     if isinstance(first, Stand):
         return [stay(place, first.seconds)]
     if isinstance(first, Turn):
-        return [turned(place, turn_rad(first, place), first.speed_radps)]
+        return [turned(place, turn_rad(first, place), radians(first.speed_degps))]
     legs = [(action.to_m, action.speed_mps) for action in group if isinstance(action, Walk | Run)]
     return ways(place, legs, comes=comes, goes=goes)
 
 
 def turn_rad(turn: Turn, place: Place) -> float:
     """Return by how much somebody at this place turns, counter-clockwise [rad]."""
-    if turn.by_rad is not None:
-        return turn.by_rad
-    return shortest((turn.to_rad or 0.0) - place.heading_rad)
+    if turn.by_deg is not None:
+        return radians(turn.by_deg)
+    return shortest(radians(turn.to_deg or 0.0) - place.heading_rad)
 
 
 def strides(

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import degrees, radians
 
 import numpy as np
 from jaxtyping import Float32, Float64
@@ -36,6 +37,7 @@ from trecsim.lab.simulation.sampled import Sampled
 from trecsim.lab.simulation.turns import Place
 
 LONGEST_S = 4 * 3600.0  # every moment is in memory
+CRAWLER_TURNS_RADPS = 1.5  # before going down
 BRIDGE_S = 0.6  # from a posture into a clip and out of it
 
 
@@ -227,7 +229,10 @@ class _Script:
         if self.posture.name not in (*LYING, "fours", "kneel"):
             self.become(STAND)
             if abs(shortest(towards_rad - self.place.heading_rad)) > AHEAD_RAD:
-                self.go([Turn(to_rad=towards_rad)], False)
+                self.go(
+                    [Turn(to_deg=degrees(towards_rad), speed_degps=degrees(CRAWLER_TURNS_RADPS))],
+                    False,
+                )
         self.become(Posture("fours"))
         self.times_s(_least_s(self.place, [Walk(action.to_m, 1.0)]) / action.speed_mps)
         pose, self.place = crawl(self.being.body, self.place, action.to_m, action.speed_mps)
@@ -278,7 +283,7 @@ def _posture(action: RaiseArms | Bend | Sit | Lie) -> Posture:
     if isinstance(action, RaiseArms):
         return Posture("arms", action.arms)
     if isinstance(action, Bend):
-        return Posture("bend", action.angle_rad)
+        return Posture("bend", radians(action.angle_deg))
     if isinstance(action, Sit):
         return Posture("sit", action.seat_m)
     return Posture(action.on)

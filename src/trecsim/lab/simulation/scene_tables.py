@@ -3,15 +3,15 @@
 This module is the table of all keys; :mod:`trecsim.lab.simulation.scene_file` reads a file by it.
 """
 
-from dataclasses import fields
+from dataclasses import asdict
 from math import hypot, radians
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, create_model, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from trecsim.errors import InputError
 from trecsim.geometry.rig import Rig
-from trecsim.lab.simulation.action_tables import AnyAction
+from trecsim.lab.simulation.actions import AnyAction, Point, Seconds
 from trecsim.lab.simulation.camera_placement import Make
 from trecsim.lab.simulation.camera_tables import (
     MOST_CAMERAS,
@@ -19,9 +19,7 @@ from trecsim.lab.simulation.camera_tables import (
     ClockTable,
     Length,
     Place,
-    Point,
     RigTable,
-    Seconds,
     possible,
 )
 from trecsim.lab.simulation.cast import Company, Players, Wanderers
@@ -30,72 +28,23 @@ from trecsim.lab.simulation.occlusion import Obstacle
 from trecsim.lab.simulation.roles import SHORTEST_M, TALLEST_M, Role, Visit
 from trecsim.lab.simulation.scene import LONGEST_S, Scene
 from trecsim.toml_models import Table
-from trecsim.toml_models.described import descriptions
 from trecsim.toml_models.toml_reading import Fault
 
 FEWEST_CAMERAS = 2
 MOST_PEOPLE = 200
 MOST_ACTIONS = 200
-LARGEST = 1e4  # of a number of the detector
 
 PRESETS = {"real": REAL, "annotated": ANNOTATED, "perfect": PERFECT}
 """Detectors to begin with."""
 
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 SceneName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 """A name that may become one of a file."""
 
 
-if TYPE_CHECKING:
-
-    class DetectorTable(Table):
-        """Stands for the model that is made from the detector."""
-
-        preset: Literal["real", "annotated", "perfect"] = "real"
-else:
-    _ABOUT = descriptions(Detector)
-    DetectorTable = create_model(
-        "DetectorTable",
-        __base__=Table,
-        __doc__="How good, or bad, the 2D pose estimator is.",
-        preset=(
-            Literal["real", "annotated", "perfect"],
-            Field(
-                "real",
-                description="Errs like a real one; like a real one compared with what people "
-                "marked; or not at all.",
-            ),
-        ),
-        **{
-            field.name: (
-                Number | None
-                if field.type is float
-                else Annotated[tuple[Number, ...], Field(strict=False)] | Number | None,
-                Field(None, description=_ABOUT[field.name]),
-            )
-            for field in fields(Detector)
-        },
-    )
-
-
-def detector(table: DetectorTable) -> Detector:
-    """Return the detector that a table describes.
-
-    Raises
-    ------
-    InputError
-        Numbers that cannot be.
-    """
-    preset = PRESETS[table.preset]
-    values: dict[str, Any] = {}
-    for field in fields(Detector):
-        usual, value = getattr(preset, field.name), getattr(table, field.name)
-        if isinstance(usual, tuple) and isinstance(value, float | int):
-            value = (float(value),) * len(usual)
-        if isinstance(usual, tuple) and value is not None and len(value) != len(usual):
-            raise InputError(f"{field.name} needs one number or {len(usual)}, got {len(value)}")
-        values[field.name] = usual if value is None else value
-    return Detector(**values)
+def _over_preset(given: Any) -> Any:
+    """Return the table with the values of its preset where it gives none."""
+    preset = given.get("preset", "real") if isinstance(given, dict) else None
+    return {**asdict(PRESETS[preset]), **given} if preset in list(PRESETS) else given
 
 
 class ObstacleTable(Table):
@@ -134,7 +83,7 @@ class VisitTable(Table):
         """Return the visit, of somebody who comes later and keeps aside."""
         moved = Visit(
             start_m=self.start_m,
-            actions=tuple(action.action() for action in self.actions),
+            actions=self.actions,
             facing_rad=None if self.facing_deg is None else radians(self.facing_deg),
             enter_s=self.enter_s + later_s,
             leaves=self.leaves,
@@ -216,7 +165,7 @@ class SceneTable(Table):
     """Single cameras by name: placed by hand, or of the pattern and different."""
     clock: ClockTable = ClockTable()
     """When all cameras take their images, and what they believe about that."""
-    detector: DetectorTable = DetectorTable()
+    detector: Annotated[Detector, BeforeValidator(_over_preset)] = REAL
     """How good, or bad, the 2D pose estimator is."""
     people: Annotated[tuple[PersonTable, ...], Field(strict=False, max_length=MOST_PEOPLE)] = ()
     """People with a script."""
@@ -242,8 +191,8 @@ class SceneTable(Table):
             What it is called.
         """
         faults: list[Fault] = []
-        rig, made = self._rig(faults), self._detector(faults)
-        if rig is None or made is None:
+        rig = self._rig(faults)
+        if rig is None:
             return None, faults
         tables = [self.cameras.get(camera.name, CameraTable()) for camera in rig]
         named = list(zip(rig.names, tables, strict=True))
@@ -251,7 +200,7 @@ class SceneTable(Table):
             rig=rig,
             cast=self._cast(),
             seconds=self.seconds,
-            detector=made,
+            detector=self.detector,
             clocks=tuple(
                 table.clock.clock(self.clock, number) for number, table in enumerate(tables)
             ),
@@ -282,13 +231,6 @@ class SceneTable(Table):
             )
             faults.append((("cameras",), told))
         return Rig(tuple(cameras.values())) if len(faults) == before else None
-
-    def _detector(self, faults: list[Fault]) -> Detector | None:
-        try:
-            return detector(self.detector)
-        except InputError as error:
-            faults.append((("detector",), str(error)))
-            return None
 
     def _cast(self) -> Company:
         roles = tuple(role for table in self.people for role in table.roles())
