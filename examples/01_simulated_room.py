@@ -1,6 +1,7 @@
-"""Follow people through a simulated room, and see how far off the tracks are.
+"""Track people in a simulated room and compare the tracks with the ground truth.
 
-Everything here is public: the same calls work on recordings of your own. Run it:
+`trecsim.follow` works the same on your own recordings. The modules under `trecsim.lab` make the
+synthetic scene and the comparison; docs/reference/api.md lists them. Run it:
 ``python examples/01_simulated_room.py``
 """
 
@@ -17,7 +18,7 @@ def main() -> None:
     snapshots = list(trecsim.follow(made.poses, made.rig))
     result = compare(snapshots, made.truth_t_s, made.truth_xyz_m)
     tracks = {person for snapshot in snapshots for person in snapshot.id.tolist()}
-    print(f"{len(made.truth_xyz_m)} people walked, {len(tracks)} were followed")
+    print(f"{len(made.truth_xyz_m)} people simulated, {len(tracks)} tracked")
     print(f"mean error {100 * result.mean_m:.1f} cm, {result.switches} identity switches")
 
     last = snapshots[-1]

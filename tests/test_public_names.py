@@ -19,6 +19,11 @@ def test_public_names_are_sorted_and_listed():
     assert set(trecsim.__all__) <= set(dir(trecsim))
 
 
+def test_completion_offers_public_names_alone():
+    shown = {name for name in dir(trecsim) if not name.startswith("__")}
+    assert shown == set(trecsim.__all__)
+
+
 def test_a_name_that_is_not_there_is_an_attribute_error():
     with pytest.raises(AttributeError, match="trakc"):
         trecsim.trakc  # noqa: B018

@@ -1,6 +1,6 @@
-"""3D trajectories of all the people a set of fixed, calibrated cameras sees.
+"""Track every person in 3D from two or more fixed, calibrated cameras.
 
-The public names load on first use, so that importing the package costs next to nothing.
+The public names are imported on first use, so that `import trecsim` is fast.
 
 Examples
 --------
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from trecsim.geometry import Rig as Rig
     from trecsim.geometry import triangulate as triangulate
     from trecsim.lab.evaluation.evaluating import evaluate as evaluate
+    from trecsim.lab.report.building import report as report
     from trecsim.pipeline import run as run
     from trecsim.pipeline import track as track
     from trecsim.sites.check import check_site as check_site
@@ -54,6 +55,7 @@ _HOMES = {
     "trecsim.errors": ("CalibrationError", "ConfigError", "Error", "InputError", "SetupError"),
     "trecsim.estimators.pool": ("estimate",),
     "trecsim.lab.evaluation.evaluating": ("evaluate",),
+    "trecsim.lab.report.building": ("report",),
     "trecsim.fusion": ("FusionSettings", "Tracker"),
     "trecsim.geometry": ("Camera", "Rig", "triangulate"),
     "trecsim.pipeline": ("run", "track"),
@@ -77,4 +79,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted([*__all__, *(name for name in globals() if name.startswith("__"))])

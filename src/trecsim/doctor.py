@@ -11,6 +11,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, Literal
 
+from trecsim.extras import install_command
+
 State = Literal["ok", "missing", "broken"]
 
 _LEAST_FREE_BYTES = 2 * 10**9
@@ -118,6 +120,15 @@ def _kernels() -> Finding:
     return Finding(name, "ok" if kept else "missing", state, remedy)
 
 
+def kernels_are_cached() -> bool:
+    """Return whether compiled kernels are kept on this machine; True where nothing can tell."""
+    try:
+        folder = _cache_folder()
+        return folder is None or any(folder.glob("*.nbc"))
+    except (ImportError, OSError, RuntimeError):
+        return True
+
+
 def _cache_folder() -> Path | None:
     kernels = import_module("trecsim.fusion.kernels")
     folder: Path | None = import_module("trecsim.compiler").cache_folder(Path(kernels.__path__[0]))
@@ -125,7 +136,7 @@ def _cache_folder() -> Path | None:
 
 
 def _video() -> Finding:
-    remedy = "pip install 'mc3d-trecsim[video]'"
+    remedy = install_command("video")
     try:
         av: Any = import_module("av")
     except ImportError as error:
@@ -146,7 +157,7 @@ def _openvino() -> Finding:
         processor = core.get_property("CPU", "FULL_DEVICE_NAME") if "CPU" in devices else "no CPU"
         able = core.get_property("CPU", "OPTIMIZATION_CAPABILITIES") if "CPU" in devices else []
     except ImportError as error:
-        return Finding(name, "missing", _brief(error), "pip install 'mc3d-trecsim[video]'")
+        return Finding(name, "missing", _brief(error), install_command("video"))
     except RuntimeError as error:
         return Finding(name, "broken", _brief(error), "pip install --force-reinstall openvino")
     bf16 = ", bfloat16" if "BF16" in able else ""
@@ -172,7 +183,7 @@ def _extra(package: str, extra: str, purpose: str) -> Callable[[], Finding]:
         try:
             return Finding(f"{purpose} ({package})", "ok", version(package))
         except PackageNotFoundError:
-            remedy = f"pip install 'mc3d-trecsim[{extra}]'"
+            remedy = install_command(extra)
             return Finding(f"{purpose} ({package})", "missing", "not installed", remedy)
 
     return check

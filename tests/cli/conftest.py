@@ -4,7 +4,13 @@ from collections.abc import Callable
 
 import pytest
 
-from trecsim import cli
+from trecsim import cli, doctor
+
+
+@pytest.fixture(autouse=True)
+def _compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no command tell of a first run: whether it is one depends on the machine."""
+    monkeypatch.setattr(doctor, "kernels_are_cached", lambda: True)
 
 
 @pytest.fixture

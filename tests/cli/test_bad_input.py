@@ -112,17 +112,17 @@ ARGUMENTS = {
     "a video in place of poses": (["track", "rig.toml", "rig.toml"], "rig.toml"),
     "rig and poses exchanged": (
         ["track", "walk.poses.jsonl", "rig.toml"],
-        "walk.poses.jsonl is a file of 2D poses; the rig comes first: "
+        "walk.poses.jsonl is a file of 2D poses; give the rig first: "
         "trecsim track rig.toml walk.poses.jsonl\n",
     ),
     "poses twice": (
         ["track", "walk.poses.jsonl", "walk.poses.jsonl"],
-        "the rig comes first: trecsim track RIG walk.poses.jsonl\n",
+        "give the rig first: trecsim track RIG walk.poses.jsonl\n",
     ),
     "a rig twice": (["track", "rig.toml", "rig.toml"], "trecsim track rig.toml POSES\n"),
     "a folder of poses in place of the rig": (
         ["track", "poses", "rig.toml"],
-        "rig.toml is no file of 2D poses but a calibration, by its name; the rig comes first, "
+        "rig.toml is a calibration by its name, not a file of 2D poses; give the rig first, "
         "then the poses: trecsim track rig.toml poses\n",
     ),
     "a negative lag": (["track", "rig.toml", "walk.poses.jsonl", "--lag-s", "-1"], "lag"),

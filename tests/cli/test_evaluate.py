@@ -38,12 +38,12 @@ def test_several_tracks_stand_side_by_side(trecsim: Run, case: Path) -> None:
         "evaluate", case / "newest.csv", case / "lagged.parquet", "--truth", case
     )
     assert (code, err) == (0, "")
-    lines = {line[:40].strip(): line[40:].split() for line in told.splitlines()}
+    lines = {line[:50].strip(): line[50:].split() for line in told.splitlines()}
     assert told.splitlines()[0].split() == ["newest.csv", "lagged.parquet"]
-    assert lines["error of the joints, mean [cm]"] == ["1.00", "0.00"]
+    assert lines["joint error, mean [cm]"] == ["1.00", "0.00"]
     assert lines["identity switches"] == ["1", "0"]
     assert lines["MOTA [%]"] == ["87.5", "100.0"]
-    assert lines["missed [%]"] == ["0.0", "(0)", "0.0", "(0)"]
+    assert lines["missed person-frames [%]"] == ["0.0", "(0)", "0.0", "(0)"]
     assert len({len(line) for line in told.splitlines()}) == 1  # columns are aligned
 
 

@@ -33,6 +33,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
         (["trakc"], "there is no command 'trakc'; did you mean 'track'? See: trecsim --help"),
         (["xyzzy"], "there is no command 'xyzzy'; there are: demo, doctor, estimate, "),
         (["rig", "shoow"], "there is no command 'shoow'; did you mean 'show'? See: trecsim rig"),
+        (["--quickly"], "there is no option '--quickly'. See: trecsim --help"),
         (["export", "a.csv"], 'Command "export" parameter OUT requires an argument.'),
         (["export", "a.csv", "b.csv", "--jsno"], "Unknown option: --jsno. Did you mean --json?"),
         (["export", "a", "b", "c"], "Unused Tokens: ['c']."),
@@ -78,7 +79,7 @@ def test_a_fault_of_ours_asks_for_a_report(
     failing(ZeroDivisionError("division\nby zero"))
     code, out, err = trecsim("export", "a.csv", "b.csv")
     assert (code, out) == (1, "")
-    assert "ZeroDivisionError: division by zero; set TRECSIM_DEBUG=1 to see where" in err
+    assert "internal error: ZeroDivisionError: division by zero; set TRECSIM_DEBUG=1 to see" in err
     assert err.count("\n") == 1
 
 
@@ -130,3 +131,17 @@ def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     )
     assert ended.stdout == "{\n"
     assert ended.stderr == ""
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_installed_for_the_shell(
+    trecsim: Command, shell: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    code, out, _ = trecsim("--install-completion", "--shell", shell)
+    assert code == 0
+    scripts = [path for path in tmp_path.rglob("*trecsim*") if path.is_file()]
+    assert len(scripts) == 1
+    assert str(scripts[0]) in out
+    assert "--lag-s" in scripts[0].read_text()
+    assert "simulate" in scripts[0].read_text()

@@ -24,7 +24,7 @@ def models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_the_list_tells_what_is_here(trecsim: Command, models: Path) -> None:
     code, out, _ = trecsim("models", "list")
     assert code == 0
-    assert "movenet   not here  Apache-2.0  Google" in out
+    assert "movenet   missing   Apache-2.0  Google" in out
     assert str(models) in out
 
 
@@ -78,7 +78,7 @@ def test_a_model_that_is_here(
     path = models / "movenet_multipose_lightning.tflite"
     path.touch()
     assert trecsim("models", "path", "movenet")[:2] == (0, f"{path}\n")
-    assert trecsim("models", "pull", "movenet")[1].startswith(f"movenet is here: {path}")
+    assert trecsim("models", "pull", "movenet")[1].startswith(f"movenet: {path}")
     pulled = json.loads(trecsim("models", "pull", "movenet", "--json")[1])
     assert pulled["path"] == str(path)
     assert pulled["licence"] == "Apache-2.0"

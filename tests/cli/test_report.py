@@ -39,8 +39,8 @@ def test_warnings_are_told_on_the_terminal_too(trecsim: Command, walk: Path) -> 
     (walk / "summary.json").write_text('{"ended": "stopped"}')
     code, out, _ = trecsim("report", walk, "--out", walk / "r.html")
     assert code == 0
-    assert "look at this: The run was stopped before its end" in out
-    assert "look at this: Nobody was followed" in out
+    assert "warning: The run was stopped before its end" in out
+    assert "warning: Nobody was followed" in out
 
 
 HOSTILE = {

@@ -52,7 +52,7 @@ def test_show_gives_the_same_facts_as_json(command, rig_file):
 def test_show_draws_the_picture(command, rig_file, tmp_path):
     code, out, _ = command("show", rig_file, "--out", tmp_path / "rig.png")
     assert code == 0
-    assert "rig.png: the cameras over the floor" in out
+    assert "rig.png: the cameras from above" in out
     assert (tmp_path / "rig.png").read_bytes().startswith(b"\x89PNG")
 
 

@@ -10,7 +10,7 @@ from made_site import make_site
 from trecsim import pipeline
 
 Command = Callable[..., tuple[int, str, str]]
-LINE = r"trecsim: \d+ frame sets, (1 person|0 people) so far; fusion (\d+\.\d\d|nan) ms per set"
+LINE = r"trecsim: \d+ frame sets, (1 person|0 people) so far; fusion \d+\.\d\d ms per set"
 
 
 @pytest.fixture(autouse=True)
@@ -25,7 +25,9 @@ def test_without_a_terminal_it_says_now_and_then_how_far_it_is(
     assert code == 0
     lines = err.splitlines()
     assert len(lines) == 120
-    assert all(re.match(LINE, line) for line in lines), lines[:3]
+    begun = next(number for number, line in enumerate(lines) if "no frame set yet" not in line)
+    assert begun < 110
+    assert all(re.match(LINE, line) for line in lines[begun:]), lines[:3]
     assert out.count("\n") == 1
 
 
@@ -46,5 +48,5 @@ def test_without_matplotlib_there_is_no_picture_and_a_remark(
     monkeypatch.setitem(__import__("sys").modules, "matplotlib", None)
     code, _, err = trecsim("run", make_site(tmp_path), "--out", tmp_path / "out")
     assert code == 0
-    assert "mc3d-trecsim[plot]" in err
+    assert "[plot]" in err
     assert not (tmp_path / "out" / "paths.png").exists()

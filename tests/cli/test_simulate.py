@@ -68,6 +68,15 @@ def test_the_list_has_a_line_and_a_picture_of_each_scene(
         assert any("⠀" < character <= "⣿" or character == "o" for character in part), name
 
 
+def test_names_are_a_line_for_each_scene(trecsim: Run) -> None:
+    code, told, err = trecsim("simulate", "--names")
+    assert (code, err) == (0, "")
+    lines = told.splitlines()
+    assert [line.split()[0] for line in lines if line.startswith("  ")] == list(BUILT_IN)
+    assert len(lines) < 45
+    assert "  gate               " in told
+
+
 def test_the_list_is_whole_as_json(trecsim: Run) -> None:
     code, told, err = trecsim("simulate", "--list", "--json")
     assert (code, err) == (0, "")

@@ -109,5 +109,5 @@ def test_an_image_that_is_a_view_into_another_can_be_scaled():
 
 def test_a_missing_pyav_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(SetupError, match=r"needs PyAV.*mc3d-trecsim\[video\]"):
+    with pytest.raises(SetupError, match=r"needs PyAV.*\[video\]"):
         scale(np.zeros((4, 4, 3), np.uint8), (2, 2))

@@ -179,5 +179,5 @@ def test_a_file_that_is_no_model_is_told(tmp_path, content):
 
 def test_a_missing_openvino_is_told(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "openvino", None)
-    with pytest.raises(SetupError, match=r"needs OpenVINO.*mc3d-trecsim\[video\]"):
+    with pytest.raises(SetupError, match=r"needs OpenVINO.*\[video\]"):
         MoveNet(tmp_path / "m.tflite", MoveNetSettings())

@@ -145,5 +145,5 @@ def test_threads_are_shared_between_images_and_the_layers_of_one(file):
 
 def test_a_missing_onnx_runtime_is_told(file, monkeypatch):
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
-    with pytest.raises(SetupError, match=r"needs ONNX Runtime.*mc3d-trecsim\[onnx\]"):
+    with pytest.raises(SetupError, match=r"needs ONNX Runtime.*\[onnx\]"):
         load(f"onnx:{file}")

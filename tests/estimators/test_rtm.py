@@ -104,7 +104,7 @@ def test_settings_of_the_other_kind_are_refused(rtmlib):
 
 def test_missing_rtmlib_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "rtmlib", None)
-    with pytest.raises(SetupError, match=r"needs rtmlib.*mc3d-trecsim\[rtmlib\]"):
+    with pytest.raises(SetupError, match=r"needs rtmlib.*\[rtmlib\]"):
         load("rtmlib")
 
 

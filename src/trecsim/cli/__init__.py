@@ -18,28 +18,28 @@ from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
 from trecsim.errors import Error
 
 COMMANDS = {
-    "demo": "Show the main job on a simulated room: no camera, no download.",
-    "run": "Run a whole site: recordings in, people in 3D out.",
-    "estimate": "Find people's 2D poses in videos.",
-    "track": "Reconstruct everybody's 3D trajectory from 2D poses.",
-    "evaluate": "Score tracks: against a known truth, or by what needs none.",
-    "export": "Turn recorded tracks into another format.",
-    "report": "Show a recording on one page: who was where, and how far it can be trusted.",
-    "simulate": "Make 2D poses with known truth: people and cameras of a scene.",
-    "study": "Try settings of the fusion on scenes with known truth; report which of them matter.",
-    "doctor": "Check whether this machine has what trecsim needs.",
-    "sample": "Fetch a real multi-camera recording to try things on.",
+    "demo": "Run the full pipeline on a simulated room: no camera, no download.",
+    "run": "Run the pipeline of a site file: videos in, people in 3D out.",
+    "estimate": "Estimate 2D poses in videos.",
+    "track": "Track people in 3D from 2D poses.",
+    "evaluate": "Evaluate tracks with or without ground truth.",
+    "export": "Convert tracks to another format.",
+    "report": "Write a report on a recording: one HTML page with quality checks.",
+    "simulate": "Simulate a scene: synthetic 2D poses with ground truth.",
+    "study": "Vary settings of the fusion on synthetic scenes; report which of them matter.",
+    "doctor": "Check the installation.",
+    "sample": "Download a real multi-camera recording to try.",
 }
 GROUPS = {
     "rig": (
-        "Look at camera calibrations and convert them.",
+        "Show and convert camera calibrations.",
         {
-            "show": "Show the cameras of a rig: a table, and a picture over the floor.",
-            "convert": "Write a rig in another format.",
+            "show": "Show the cameras of a rig: a table, and a picture from above.",
+            "convert": "Convert a rig to another format.",
         },
     ),
     "site": (
-        "Check site files, and help editors to complete them.",
+        "Check site files, and print their schema.",
         {
             "check": "Check a site file and everything it names.",
             "schema": "Print the JSON schema of site files.",
@@ -48,9 +48,9 @@ GROUPS = {
     "models": (
         "Manage the files of pose models.",
         {
-            "list": "List the known models and whether they are here.",
-            "pull": "Fetch a model and check it.",
-            "path": "Print where a model lies.",
+            "list": "List the known models and whether they are downloaded.",
+            "pull": "Download a model and verify it.",
+            "path": "Print the path of a model.",
         },
     ),
 }
@@ -62,12 +62,12 @@ def command_line(called: Sequence[str] = ()) -> App:
     Parameters
     ----------
     called
-        The command about to run: its help is its whole docstring instead of the line it has
-        among the others.
+        The command about to run. Its help is its full docstring; the help of all others is the
+        line in the list of commands.
     """
     app = App(
         name="trecsim",
-        help="3D trajectories of all the people a set of fixed, calibrated cameras sees.",
+        help="Track every person in 3D from two or more fixed, calibrated cameras.",
         version=lambda: f"trecsim {version('mc3d-trecsim')}",
         help_epilogue="Exit codes: 0 done, 2 the input is wrong, 1 anything else.",
         default_parameter=Parameter(negative=()),
@@ -78,6 +78,7 @@ def command_line(called: Sequence[str] = ()) -> App:
         sub = App(name=group, help=about)
         _add(sub, f"{group}:", commands, called[1:2] if called[:1] == [group] else ())
         app.command(sub)
+    app.register_install_completion_command(help="Install shell completion (bash, zsh, fish).")
     return app
 
 
@@ -108,7 +109,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 @contextmanager
 def _warnings_as_lines() -> Iterator[None]:
-    """Show what the library warns of or logs as it shows errors: one line on stderr."""
+    """Show warnings and log messages of the library like errors: one line each on stderr."""
     if logging.lastResort is not None:
         logging.lastResort.setFormatter(logging.Formatter("trecsim: %(message)s"))
     with warnings.catch_warnings():
@@ -132,7 +133,7 @@ def _run(arguments: list[str]) -> int:
     except BrokenPipeError:  # the reader of stdout went away, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except Exception as error:  # the boundary: nobody on site should read a traceback
+    except Exception as error:  # the boundary: users get a line, not a traceback
         if os.environ.get("TRECSIM_DEBUG"):
             raise
         return _tell(_report(error), 1)
@@ -155,6 +156,8 @@ def _argument_fault(error: CycloptsError) -> str:
 
 
 def _unknown_command(name: str, known: Iterable[str]) -> str:
+    if name.startswith("-"):
+        return f"there is no option {name!r}."
     near = get_close_matches(name, known, n=1)
     if near:
         return f"there is no command {name!r}; did you mean {near[0]!r}?"
@@ -167,6 +170,6 @@ def _one_line(text: str) -> str:
 
 def _report(error: Exception) -> str:
     return (
-        f"a fault in trecsim itself: {type(error).__name__}: {_one_line(str(error))}; set "
-        "TRECSIM_DEBUG=1 to see where, and report it with that output"
+        f"internal error: {type(error).__name__}: {_one_line(str(error))}; set TRECSIM_DEBUG=1 "
+        "to see the traceback, and report it with that output"
     )

@@ -4,10 +4,13 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
+from trecsim.cli.first_run import tell_first_run
 from trecsim.cli.terminal import finish, note, progress_bar
+from trecsim.extras import has_extra
 
 if TYPE_CHECKING:
     from trecsim.lab.demo import DemoSummary
+    from trecsim.lab.evaluation.ground_truth import Comparison
 
 
 def demo(
@@ -19,31 +22,31 @@ def demo(
     seed: int = 0,
     json: bool = False,
 ) -> None:
-    """Show the main job on a simulated room: no camera, no download.
+    """Run the full pipeline on a simulated room: no camera, no download.
 
-    People walk about a room; what a pose estimator would report of its cameras, with the errors
-    of a real one, goes through the same code as a recording does. Ends with the error against the
-    known truth and a picture of people and paths.
+    People walk about in a room. Synthetic 2D poses of its cameras, with the errors of a real pose
+    estimator, go through the same code as those of a recording. Prints the error against the
+    ground truth and draws the people and their paths.
 
     Parameters
     ----------
     out
-        Directory to make; what an earlier demo left in it is replaced, anything else is not.
+        Directory to write to. Files of an earlier demo are replaced; other files are never
+        touched.
     seconds
         Length of the scene [s].
     people
-        How many walk about.
+        Number of people.
     cameras
-        How many look on, from two.
+        Number of cameras (at least 2).
     seed
-        Another number gives other people on other paths.
+        Seed of the random numbers: each gives other people on other paths.
     json
         Print the summary as one JSON object.
     """
     from trecsim.lab.demo import demo as run_demo
 
-    if not json:
-        note("on its first run the kernels of the fusion are compiled: up to half a minute more")
+    tell_first_run(quiet=json)
     with progress_bar("images", quiet=json) as bar:
         result = run_demo(
             out,
@@ -76,33 +79,45 @@ def _facts(result: "DemoSummary") -> dict[str, Any]:
 def _told(result: "DemoSummary") -> str:
     run, truth = result.run, result.comparison
     rows = [
-        ("people", f"{run.people} followed, {result.people} simulated"),
-        ("frame sets", f"{run.frame_sets} of {run.images} images"),
+        ("people", f"{run.people} tracked, {result.people} simulated"),
+        ("frame sets", f"{run.frame_sets}, from {run.images} images of {result.cameras} cameras"),
+        *(_against_truth(truth) if truth is not None else ()),
         (
             "fusion",
-            f"{run.fusion_ms['median']:.2f} ms per frame set (p95 {run.fusion_ms['p95']:.2f})",
+            f"median {run.fusion_ms['median']:.2f} ms per frame set, 95th percentile "
+            f"{run.fusion_ms['p95']:.2f} ms (wall time)",
         ),
     ]
-    if truth is not None:
-        rows += [
-            ("error", f"median {_cm(truth.median_m)}, p95 {_cm(truth.p95_m)} per joint"),
-            ("switches", f"{truth.switches} times somebody took another identity"),
-            (
-                "missed",
-                f"{_share(truth.missed, truth.person_frames)} of the moments of people there",
-            ),
-            ("ghosts", f"{_share(truth.ghosts, truth.person_frames)}, as a share of the same"),
-        ]
-    lines = [f"  {name:<12}{value}" for name, value in rows]
+    width = max(len(name) for name, _ in rows)
+    lines = [f"  {name:<{width}}  {value}" for name, value in rows]
     picture = f"picture: {result.picture}" if result.picture else "no picture: see above"
-    commands = {
-        f"trecsim report {quote(str(result.folder))}": "all about it on one page",
-        f"trecsim run {quote(str(result.folder / 'site.toml'))}": "the same as any other site",
-        "trecsim sample": "a real recording of four cameras to try",
-    }
+    commands = _next_commands(result.folder)
     width = max(map(len, commands))
     following = [f"  {command:<{width}}    {about}" for command, about in commands.items()]
     return "\n".join([*lines, "", picture, "next:", *following])
+
+
+def _against_truth(truth: "Comparison") -> list[tuple[str, str]]:
+    return [
+        ("joint error", f"median {_cm(truth.median_m)}, 95th percentile {_cm(truth.p95_m)}"),
+        ("identity switches", f"{truth.switches}"),
+        ("missed", f"{_share(truth.missed, truth.person_frames)} of the person-frames"),
+        ("false positives", f"{_share(truth.ghosts, truth.person_frames)} of the person-frames"),
+    ]
+
+
+def _next_commands(folder: Path) -> dict[str, str]:
+    """Return commands that work with the extras that are installed, with what each does."""
+    commands = {
+        f"trecsim run {quote(str(folder / 'site.toml'))}": "run it again, as any other site",
+        "trecsim simulate --names": "the other built-in scenes",
+    }
+    if has_extra("report"):
+        report = f"trecsim report {quote(str(folder))}"
+        commands = {report: "the results on one page, with quality checks", **commands}
+    if has_extra("video"):
+        commands["trecsim sample"] = "fetch a real recording of four cameras"
+    return commands
 
 
 def _cm(length_m: float) -> str:

@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 def doctor(*, json: bool = False) -> None:
-    """Check whether this machine has what trecsim needs.
+    """Check the installation.
 
-    Each line says what was found, and what to do where something is missing. What only some
-    people need may be missing; the exit code is 1 only when nothing would work.
+    Each line says what was found, and what to do if something is missing. Optional parts may be
+    missing; the exit code is 1 only if nothing would work.
 
     Parameters
     ----------

@@ -29,38 +29,38 @@ def estimate(
     threads: int | None = None,
     json: bool = False,
 ) -> None:
-    """Find people's 2D poses in videos.
+    """Estimate 2D poses in videos.
 
-    Several videos are worked on at once. After Ctrl-C or an error, what was finished stays beside
-    the output under a name that ends with `.partial`.
+    Several videos are processed at once. After Ctrl-C or an error, the results so far are kept
+    beside the output under a name that ends with `.partial`.
 
     Parameters
     ----------
     videos
-        Videos, one per camera, or directories of such. A camera is called like its file, without
-        the suffix, unless it is given as NAME=VIDEO.
+        Videos, one per camera, or directories of videos. The name of a camera is the file name
+        without its suffix, or NAME in NAME=VIDEO.
     out
         The file to write, `*.poses.jsonl`.
     estimator
-        `movenet`, `onnx:FILE`, `rtmlib:rtmo-m`, or one that a package brings.
+        `movenet`, `onnx:FILE`, `rtmlib:rtmo-m`, or the name of an installed plug-in.
     long_side
-        Longer side of the image as the estimator sees it [px]. Larger finds smaller people and
-        costs more.
+        Longer side of the image given to the estimator [px]. Larger values find smaller people
+        and take more time.
     second_look
-        For movenet: longer side of a second, smaller version [px], which finds people who fill
-        the image; 0 leaves it out.
+        Only movenet: longer side of a second, smaller version of the image [px], which finds
+        people who fill the image; 0 turns it off.
     max_people
-        At most so many in one image.
+        Largest number of people in an image.
     min_person_score
-        Who scores less, from 0 to 1, is left out.
+        Leave out people with a lower score (0 to 1).
     min_joint_score
-        Key points that score less, from 0 to 1, are left out.
+        Leave out key points with a lower score (0 to 1).
     precision
-        For movenet: `auto`, or `f32` for the same numbers on every machine.
+        Only movenet: `auto`, or `f32` for identical numbers on every machine.
     device
-        For onnx and rtmlib: where it runs, `cpu`, `cuda` or another.
+        Only onnx and rtmlib: `cpu`, `cuda` or another device of the runtime.
     threads
-        Processor threads for the estimator; all cores, if not given.
+        Processor threads for the estimator (default: all cores).
     json
         Print the summary as one JSON object.
     """

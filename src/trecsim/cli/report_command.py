@@ -19,26 +19,26 @@ def report(
     to_s: float = math.inf,
     json: bool = False,
 ) -> None:
-    """Show a recording on one page: who was where, and how far it can be trusted.
+    """Write a report on a recording: one HTML page with quality checks.
 
-    The page is one HTML file that needs nothing else: summary and warnings, people over time
-    against fit time, paths, time spent, limb lengths, cameras, uncertainty, and the error where
-    the truth is known. It follows light and dark, and prints on A4. What is missing for a part is
-    said in its place.
+    The page shows a summary with warnings, the people over time, their paths and skeletons, limb
+    lengths, cameras, uncertainty, errors against ground truth where there is one, and compute
+    time. It is one self-contained file, for light and dark screens and for A4 paper. Where input
+    for a part is missing, the page says which.
 
     Parameters
     ----------
     recording
-        A folder that `trecsim run` has made, one with tracks beside rig and poses, or a file of
+        A folder written by `trecsim run`, a folder with tracks, rig and poses, or a file of
         tracks.
     out
-        The page to write. Without it, `report.html` in the folder of the recording.
+        The page to write (default: `report.html` in the folder of the recording).
     rig
         The cameras, if not in the folder: any format that `trecsim rig show` reads.
     poses
-        The 2D poses the tracks were made of, if not in the folder.
+        The 2D poses the tracks were computed from, if not in the folder.
     truth
-        Where everybody truly was (`truth.npz`), if not in the folder.
+        Ground truth (`truth.npz`), if not in the folder.
     lengths
         Limb lengths measured with a tape, to compare with (TOML).
     from_s
@@ -50,7 +50,7 @@ def report(
     """
     from trecsim.lab.report.building import report as build
 
-    with progress_bar("moments", quiet=json) as bar:
+    with progress_bar("frames", quiet=json) as bar:
         made = build(
             recording,
             out,
@@ -64,5 +64,5 @@ def report(
         )
     identities = f"{made.identities} identit{'y' if made.identities == 1 else 'ies'}"
     told = [f"{made.out}: {identities} in {made.length_s:.1f} s"]
-    told += [f"  look at this: {warning}" for warning in made.warnings]
+    told += [f"  warning: {warning}" for warning in made.warnings]
     finish({name: getattr(made, name) for name in made.__slots__}, json, "\n".join(told))

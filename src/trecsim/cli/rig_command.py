@@ -1,4 +1,4 @@
-"""The commands `trecsim rig`: look at calibrations, convert them."""
+"""The commands `trecsim rig`: show and convert calibrations."""
 
 import sys
 from pathlib import Path
@@ -25,14 +25,14 @@ def show(
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
-    """Show the cameras of a rig: a table, and a picture over the floor.
+    """Show the cameras of a rig: a table, and a picture from above.
 
     Parameters
     ----------
     rig
         A rig file, or a directory with one, in any format that is read.
     out
-        Where to draw the cameras over the floor: a file .png, .svg, .pdf or .jpg.
+        Draw the cameras and what they see of the floor to this file: .png, .svg, .pdf or .jpg.
     json
         Print the summary as one JSON object.
     """
@@ -49,7 +49,7 @@ def show(
         save_figure(rig_figure(found, rig.resolve().name), out)
     text = _table(found)
     if out is not None:
-        text += f"\n{out}: the cameras over the floor"
+        text += f"\n{out}: the cameras from above"
     finish(summary, json, text)
 
 
@@ -63,20 +63,20 @@ def convert(
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
-    """Write a rig in another format.
+    """Convert a rig to another format.
 
     Parameters
     ----------
     rig
         A rig file, or a directory with one, in any format that is read.
     out
-        The file to write; of EasyMocap, the directory.
+        The file to write; for EasyMocap, the directory.
     format
-        Format to write: trecsim, mc-calib, pose2sim, anipose or easymocap; without it, the name
-        of the file decides: Calib*.toml is Pose2Sim's, other .toml trecsim's own, .yml
-        MC-Calib's, a name without suffix EasyMocap's.
+        Format to write: trecsim, mc-calib, pose2sim, anipose or easymocap. Without it the name of
+        the file decides: Calib*.toml is Pose2Sim, any other .toml trecsim, .yml MC-Calib, a name
+        without suffix EasyMocap.
     out_unit_m
-        Length of the unit of the file that is written, in metres.
+        Length unit of the file to write, in metres.
     json
         Print the summary as one JSON object.
     """

@@ -1,4 +1,4 @@
-"""What a user can say about a rig file that does not say it itself, as options of commands."""
+"""Options of commands for what a rig file does not hold."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,19 +20,19 @@ class RigOptions:
     Parameters
     ----------
     in_format
-        Format of the rig that is read: trecsim, mc-calib, pose2sim, anipose, easymocap, qualisys,
-        panoptic or json; without it, it is recognised by the content.
+        Format of the rig to read: trecsim, mc-calib, pose2sim, anipose, easymocap, qualisys,
+        panoptic or json (default: recognised by the content).
     unit_m
-        Length of the file's unit in metres, e.g. 0.01 for centimetres.
+        Length unit of the rig to read, in metres: 0.01 for centimetres.
     floor_rotation_deg
         Rotation vector from the file's frame to the floor, in degrees.
     floor_translation_m
         Translation after that rotation, in metres.
     floor_up
-        The axis that points up after both; without it, the one about which the cameras stand
-        most upright.
+        The axis that points up after both (default: the axis about which the cameras are most
+        upright).
     size_px
-        Width and height of the images, for formats that do not tell it.
+        Width and height of the images, for formats that do not hold them.
     """
 
     in_format: str | None = None

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from trecsim.cli.first_run import tell_first_run
 from trecsim.cli.models_command import fetch_first
 from trecsim.cli.terminal import counted_people, finish, note, progress_bar
 
@@ -19,22 +20,22 @@ if TYPE_CHECKING:
 
 
 def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
-    """Run a whole site: recordings in, people in 3D out.
+    """Run the pipeline of a site file: videos in, people in 3D out.
 
-    Keeps in one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), what each
-    frame set cost (`timing.csv`), a summary with all settings (`summary.json`), a picture of
-    everybody's paths (`paths.png`) and, if the site file asks for them, the 2D poses
-    (`poses.jsonl`): all that `trecsim report` shows. Whatever ends it, what was finished is kept;
-    after a crash or power failure the tracks too, but for the last two seconds. Without a terminal
-    it says once a minute how far it is.
+    Writes to one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), the time of
+    each frame set (`timing.csv`), a summary with all settings (`summary.json`), a picture of the
+    paths (`paths.png`) and, if the site file asks for them, the 2D poses (`poses.jsonl`).
+    `trecsim report` shows all of it. Results so far are kept if the run is interrupted; after a
+    crash or a power failure at most the last two seconds are lost. Without a terminal the command
+    writes a line of progress once a minute.
 
     Parameters
     ----------
     site
-        The site file; what may stand in it tells `trecsim site schema`.
+        The site file. `trecsim site schema` lists its keys.
     out
-        Directory to make. Without it, one for the present time in `recordings` beside the site
-        file, or where the site file says.
+        Directory to write to. Without it: a directory named by the time, under `recordings`
+        beside the site file or where the site file says.
     json
         Print the summary as one JSON object.
     """
@@ -46,7 +47,8 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
         note(remark)
     if checked.videos:
         fetch_first(checked.file.site.estimator.name, quiet=json)
-    told = json or sys.stderr.isatty()  # there, a bar tells it, or nobody wants to know
+    tell_first_run(quiet=json)
+    told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
     with progress_bar("images", quiet=json) as bar, _ctrl_c() as stop:
         summary = run_site(
             checked, out, progress=bar, stop=stop,
@@ -63,7 +65,10 @@ def _tell_nothing(tally: "Tally") -> None:
 
 
 def _tell_how_far(tally: "Tally") -> None:
-    """Write a line for a log, where no bar shows how far things are."""
+    """Write a line of progress where no bar is shown."""
+    if not tally.frame_sets:
+        note("no frame set yet: waiting for the first 2D poses or for compiled kernels")
+        return
     ms = tally.fusion_ms()
     note(
         f"{tally.frame_sets} frame sets, {counted_people(len(tally.people))} so far; fusion "

@@ -6,15 +6,16 @@ from trecsim.cli.terminal import finish, progress_bar
 
 
 def sample(*, out: Path = Path("sample"), json: bool = False) -> None:
-    """Fetch a real multi-camera recording to try things on.
+    """Download a real multi-camera recording to try.
 
-    It is the demo recording of Pose2Sim (BSD-3-Clause): four calibrated cameras, 100 frames, one
-    scene with one person and one with two. A site file is written beside each, ready to run.
+    It is the demo recording of Pose2Sim (BSD-3-Clause): four calibrated cameras, 100 frames each,
+    one scene with one person and one with two actors and a bystander. A site file is written
+    beside each scene, ready to run.
 
     Parameters
     ----------
     out
-        Directory to put it into.
+        Directory to write to.
     json
         Print the summary as one JSON object.
     """

@@ -1,4 +1,4 @@
-"""Scores as a person reads them: one column per tracks, the most asked for first."""
+"""The table of scores that `trecsim evaluate` prints: one column per file of tracks."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -17,23 +17,23 @@ Line = tuple[str, Sequence[str]]
 
 
 def score_table(results: "Sequence[Evaluation]") -> str:
-    """Return the scores of some tracks side by side."""
+    """Return the scores of several tracks side by side."""
     lines: list[Line] = [("", _names(results))]
     if all(result.scores for result in results):
         lines += _against_truth([result.scores for result in results if result.scores])
     else:
         lines += _each(
             results,
-            ("moments with somebody", lambda one: str(one.moments)),
+            ("frames with people", lambda one: str(one.moments)),
             ("identities", lambda one: str(one.people)),
-            ("  that seem to go on another", lambda one: str(len(one.breaks))),
+            ("  probably continuing an earlier identity", lambda one: str(len(one.breaks))),
         )
     lines += _without_truth(results)
     return _aligned(lines)
 
 
 def details_table(result: "Evaluation") -> str:
-    """Return what there is about single joints, limbs and actors of some tracks."""
+    """Return the scores of each joint, limb and actor of one file of tracks."""
     parts = [str(result.tracks)]
     if result.scores:
         head = ("mean cm", "median cm", "p95 cm", "within 15 cm %")
@@ -45,7 +45,7 @@ def details_table(result: "Evaluation") -> str:
         parts.append(_aligned(_honesty(result.scores)))
     if result.shelf:
         parts.append(_aligned(list(_actors(result))))
-    parts.append(_aligned([("limb", ("mean cm", "sd cm", "true cm", "off cm")), *_limbs(result)]))
+    parts.append(_aligned([("limb", ("mean cm", "sd cm", "true cm", "error cm")), *_limbs(result)]))
     return "\n\n".join(parts)
 
 
@@ -62,23 +62,23 @@ def _each(
 
 def _against_truth(scores: "Sequence[Scores]") -> list[Line]:
     rows: list[tuple[str, Callable[[Scores], str]]] = [
-        ("moments", lambda one: str(one.moments)),
-        ("people there x moments", lambda one: str(one.person_moments)),
-        ("error of the joints, mean [cm]", lambda one: _cm(one.error.mean_m)),
+        ("frames", lambda one: str(one.moments)),
+        ("person-frames in the ground truth", lambda one: str(one.person_moments)),
+        ("joint error, mean [cm]", lambda one: _cm(one.error.mean_m)),
         ("  median [cm]", lambda one: _cm(one.error.median_m)),
-        ("  95 % within [cm]", lambda one: _cm(one.error.p95_m)),
+        ("  95th percentile [cm]", lambda one: _cm(one.error.p95_m)),
         ("joints within 15 cm [%]", lambda one: _pc(one.error.recall_15cm)),
-        ("missed [%]", lambda one: _counted(one.missed_share, one.missed)),
-        ("ghosts [%]", lambda one: _counted(one.ghosts_share, one.ghosts)),
-        ("right number of people [%]", lambda one: _pc(one.right_count)),
+        ("missed person-frames [%]", lambda one: _counted(one.missed_share, one.missed)),
+        ("false positive person-frames [%]", lambda one: _counted(one.ghosts_share, one.ghosts)),
+        ("frames with the right number of people [%]", lambda one: _pc(one.right_count)),
         ("identity switches", lambda one: str(one.identity.switches)),
         ("IDF1 [%]", lambda one: _pc(one.identity.idf1)),
         ("MOTA [%]", lambda one: _pc(one.identity.mota)),
         ("HOTA (DetA, AssA) [%]", _hota),
-        ("found after, median (most) [s]", lambda one: _delay(one.latency.birth)),
-        ("forgotten after, median (most) [s]", lambda one: _delay(one.latency.death)),
-        ("truth where 50, 90, 95 % should be [%]", lambda one: _within(one.honesty)),
-        ("error over stated sigma, RMS", lambda one: _number(one.honesty.normalised_rms, 2)),
+        ("delay of birth, median (max) [s]", lambda one: _delay(one.latency.birth)),
+        ("track ends after person left, median (max) [s]", lambda one: _delay(one.latency.death)),
+        ("ground truth inside the 50, 90, 95 % regions [%]", lambda one: _within(one.honesty)),
+        ("error / stated sigma, RMS", lambda one: _number(one.honesty.normalised_rms, 2)),
     ]
     return [(label, [tell(one) for one in scores]) for label, tell in rows]
 
@@ -86,13 +86,15 @@ def _against_truth(scores: "Sequence[Scores]") -> list[Line]:
 def _without_truth(results: "Sequence[Evaluation]") -> list[Line]:
     lines = _each(
         results,
-        ("limb lengths vary by, sd [cm]", lambda one: _cm(one.limb_summary.sd_m)),
-        ("  differ from the true by [cm]", lambda one: _cm(one.limb_summary.difference_m)),
-        ("joints tremble by [mm]", lambda one: _number(1e3 * one.jitter[0].jitter_m, 2)),
-        ("joints seen by 0, 1, 2, 3+ cameras [%]", _support),
+        ("limb length, standard deviation [cm]", lambda one: _cm(one.limb_summary.sd_m)),
+        ("  difference to the true length [cm]", lambda one: _cm(one.limb_summary.difference_m)),
+        ("joint jitter [mm]", lambda one: _number(1e3 * one.jitter[0].jitter_m, 2)),
+        ("joints supported by 0, 1, 2, 3+ cameras [%]", _support),
     )
     if any(one.reprojection for one in results):
-        lines += _each(results, ("reprojection error, median (90 %) [px]", _reprojection))
+        lines += _each(
+            results, ("reprojection error, median (90th percentile) [px]", _reprojection)
+        )
     if any(one.shelf for one in results):
         lines += _each(results, ("PCP3D, mean of actors 1 to 3 [%]", _pcp))
     return lines
@@ -166,7 +168,7 @@ def _cm(value_m: float) -> str:
 
 
 def _pc(share: float) -> str:
-    """Return a percentage; what is not quite all or nothing must not look so."""
+    """Return a percentage; a share just below 1 or just above 0 is not rounded to it."""
     percent = 100 * share
     if 99.95 <= percent < 100:
         return f"{math.floor(1000 * percent) / 1000:.3f}"

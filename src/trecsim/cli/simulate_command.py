@@ -21,51 +21,53 @@ def simulate(
     seed: int | None = None,
     seconds: float | None = None,
     list_: Annotated[bool, Parameter(name="--list")] = False,
+    names: bool = False,
     show: str | None = None,
     pictures: Path | None = None,
     schema: bool = False,
     json: bool = False,
 ) -> None:
-    """Make 2D poses with known truth: people and cameras of a scene.
+    """Simulate a scene: synthetic 2D poses with ground truth.
 
-    Writes `rig.toml`, `poses.jsonl` and `truth.npz`: what calibrated cameras would give of people
-    who do what the scene says, with the errors of a real pose estimator, and where everybody
-    truly was.
+    Writes the cameras (`rig.toml`), synthetic 2D poses with the errors of a real pose estimator
+    (`poses.jsonl`), and the true position of every joint (`truth.npz`).
 
     Parameters
     ----------
     scene
         A scene file, or the name of a built-in scene.
     out
-        Directory for the files, new or empty; without it `simulated/SCENE`.
+        Directory to write to, new or empty (default: `simulated/SCENE`).
     seed
-        The same number gives the same files, another one other bodies and noise; without it that
-        of the scene.
+        Seed of the random numbers (default: that of the scene). The same seed gives the same
+        files; another one gives other bodies and noise.
     seconds
-        Length [s]; without it that of the scene.
+        Length [s] (default: that of the scene).
     list_
-        List the built-in scenes with a small picture of each.
+        List the built-in scenes, each with a small floor plan.
+    names
+        List the built-in scenes, one line each.
     show
-        Print the file of a built-in scene, to begin your own with.
+        Print the file of a built-in scene, as a template for your own.
     pictures
-        Directory to draw a picture of each built-in scene into, or of the one scene given.
+        Directory to write a picture of each built-in scene to, or of SCENE alone.
     schema
         Print the JSON schema of scene files, for editors.
     json
         Print the summary as one JSON object.
     """
-    asked = [scene is not None and pictures is None, list_, show is not None, pictures is not None]
-    if sum(asked) + schema != 1:
+    asked = [scene is not None and pictures is None, list_, names, show is not None]
+    if sum(asked) + (pictures is not None) + schema != 1:
         raise InputError(
-            "expected one of: a SCENE to simulate, --list, --show NAME, --pictures DIRECTORY, "
-            "--schema; trecsim simulate --list shows the built-in scenes"
+            "expected one of: a SCENE to simulate, --names, --list, --show NAME, "
+            "--pictures DIRECTORY, --schema; trecsim simulate --names lists the built-in scenes"
         )
     if show is not None:
         _show(show, json)
     elif schema:
         _schema(json)
-    elif list_:
-        _list(json)
+    elif list_ or names:
+        _list(json, plans=list_)
     elif pictures is not None:
         _draw(scene, pictures, json)
     elif scene is not None:
@@ -110,7 +112,7 @@ def _schema(json: bool) -> None:
     finish(schema, json, format_json.dumps(schema, indent=2))
 
 
-def _list(json: bool) -> None:
+def _list(json: bool, *, plans: bool) -> None:
     from trecsim.lab.simulation.scene_file import CHAPTERS, read_scene
 
     chapters = [
@@ -119,7 +121,7 @@ def _list(json: bool) -> None:
     facts = {
         "scenes": [_facts(scene) | {"chapter": title} for title, ones in chapters for scene in ones]
     }
-    finish(facts, json, "" if json else _told(chapters))
+    finish(facts, json, "" if json else _told(chapters) if plans else _names(chapters))
 
 
 def _facts(scene: "Scene") -> dict[str, Any]:
@@ -130,6 +132,22 @@ def _facts(scene: "Scene") -> dict[str, Any]:
         "people": scene.cast.people,
         "seconds": scene.seconds,
     }
+
+
+def _names(chapters: "list[tuple[str, list[Scene]]]") -> str:
+    """Return a line for each scene, under the title of its chapter."""
+    width = max(len(scene.name) for _, scenes in chapters for scene in scenes)
+    lines = []
+    for title, scenes in chapters:
+        lines += [title, *(_line(scene, width) for scene in scenes), ""]
+    lines.append("next: trecsim simulate NAME; --list adds a floor plan of each")
+    return "\n".join(lines)
+
+
+def _line(scene: "Scene", width: int) -> str:
+    facts = _facts(scene)
+    cameras, people = f"{facts['cameras']} cameras", counted_people(facts["people"])
+    return f"  {scene.name:<{width}}  {cameras:>10}  {people:>10}  {scene.seconds:>5g} s"
 
 
 def _told(chapters: "list[tuple[str, list[Scene]]]") -> str:
@@ -146,7 +164,7 @@ def _told(chapters: "list[tuple[str, list[Scene]]]") -> str:
             lines += [f"    {scene.about}", ""]
             lines += [f"    {row}".rstrip() for row in floor_plan(scene).splitlines()]
             lines.append("")
-    lines.append("→ camera, o where somebody ends, ▒ obstacle; next: trecsim simulate NAME")
+    lines.append("→ camera, o last position of a person, ▒ obstacle; next: trecsim simulate NAME")
     return "\n".join(lines)
 
 

@@ -33,41 +33,41 @@ def study(
     report_only: bool = False,
     json: bool = False,
 ) -> None:
-    """Try settings of the fusion on scenes with known truth; report which of them matter.
+    """Vary settings of the fusion on synthetic scenes; report which of them matter.
 
     Every finished run is kept in the directory of the study. After Ctrl-C, a crash or a change of
-    the study the same command does only what is missing.
+    the study, the same command computes only the missing runs.
 
     Parameters
     ----------
     file
-        The study file. Without it the options say what to try; without them either, the study in
-        the directory goes on.
+        The study file. Without a file the options define the study; without options the study in
+        the directory is continued.
     out
-        Directory of the study; gets `report.html`, `results.csv` and the runs.
+        Directory of the study, for `report.html`, `results.csv` and the runs.
     set_
-        A setting with the values to try: `knot_s=0.1,0.15`, `joint_sigma_m=0.01:0.04:5` for five
-        equal steps, `0.01:0.04:5log` for equal factors. May be given several times.
+        A setting with its values: `knot_s=0.1,0.15`, `joint_sigma_m=0.01:0.04:5` for five
+        equal steps, `0.01:0.04:5log` for equal factors. Can be repeated.
     scene
         `room`, `room:people=8,cameras=6,seconds=10`, the name of a built-in scene, a scene file, or
-        the folder of a made scene; `NAME=` before it names it. May be given several times; a room
-        with four people if not given.
+        the directory of a simulated scene; `NAME=` before it names it. Can be repeated (default: a
+        room with four people).
     seeds
-        Of simulated scenes, `100-109,120`; 100-109 if not given. Below 1000 they are for choosing
-        settings, from 1000 on for reporting.
+        Seeds of the simulated scenes: `100-109,120` (default: 100-109). Seeds below 1000 are for
+        choosing settings, seeds from 1000 on for reporting.
     design
-        `grid` tries every combination, `one-at-a-time` changes one setting of the default, `random`
-        spreads `--points` points evenly.
+        `grid` runs every combination, `one-at-a-time` changes one setting from its default,
+        `random` spreads `--points` points evenly.
     points
-        How many points the random design has.
+        Number of points of the random design.
     lag_s
-        Report this much later than the newest image [s].
+        Report each state this long after the newest image [s].
     jobs
-        Processes at once; all cores, if not given.
+        Number of processes (default: all cores).
     reporting
-        Take seeds from 1000 on, which no setting was chosen by.
+        Use seeds from 1000 on, by which no setting was chosen.
     report_only
-        Make no runs; write the report of those that are there.
+        Compute no runs; write the report of the finished ones.
     json
         Print the summary as one JSON object.
     """
@@ -110,7 +110,7 @@ def _plan(
         )
     if file is None and not path.exists():
         raise ConfigError(
-            "give a study file, or what to try: trecsim study --set knot_s=0.08,0.1,0.15 "
+            "give a study file, or settings to vary: trecsim study --set knot_s=0.08,0.1,0.15 "
             f"--out {out}"
         )
     return planned(read_study_table(path), str(path))
@@ -153,8 +153,7 @@ def _run(plan: "Study", out: Path, jobs: int | None, *, reporting: bool, quiet: 
             done = run_study(plan, out, workers=jobs, progress=bar, remark=note)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"stopped by Ctrl-C; all finished runs are in {out / NAME}, and the same command goes "
-            "on"
+            f"stopped by Ctrl-C; all finished runs are in {out / NAME}; the same command continues"
         ) from None
     if done.failed:
         note(f"{done.failed} of {done.made} runs failed; the report says why")
@@ -188,9 +187,11 @@ def _told(plan: "Study", found: "Findings", out: Path) -> str:
     from trecsim.lab.study.words import figure_text
 
     matter = settings_that_matter(found)
-    lines = [f"  {'measure':<28}{'what matters, strongest first':<44}where the default stands"]
+    lines = [
+        f"  {'measure':<28}{'settings with an effect, strongest first':<44}rank of the default"
+    ]
     for finding in found.findings:
-        names = ", ".join(matter[finding.measure.name]) or "nothing beyond noise"
+        names = ", ".join(matter[finding.measure.name]) or "no significant effect"
         stands = finding.standing
         rank = ""
         if stands is not None:

@@ -1,4 +1,4 @@
-"""What commands say: results to stdout, everything else to stderr."""
+"""Output of commands: results to stdout, everything else to stderr."""
 
 import json
 import math
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class ProgressBar:
-    """How far a long piece of work has come; may be handed to a library as its `progress`."""
+    """Progress of a long task; can be passed to the library as its `progress`."""
 
     def __init__(self, bar: "Progress | None" = None, task: "TaskID | None" = None) -> None:
         self._bar = bar
@@ -31,7 +31,7 @@ class ProgressBar:
 
 
 def counted_people(count: int) -> str:
-    """Return how many people, as one says it.
+    """Return a number of people in words.
 
     Examples
     --------
@@ -54,13 +54,13 @@ def progress_bar(
     Parameters
     ----------
     description
-        What is being done, a few words.
+        The task, in a few words.
     total
         Number of steps; None while it is unknown.
     quiet
-        Show nothing; so it is too when stderr is not a terminal.
+        Show nothing. Nothing is shown either if stderr is not a terminal.
     time_left
-        Show the time that is left instead of the time that has passed.
+        Show the remaining time instead of the elapsed time.
     """
     if quiet or not sys.stderr.isatty():
         yield ProgressBar()
@@ -87,7 +87,7 @@ def progress_bar(
 
 
 def note(text: str) -> None:
-    """Say something on stderr that is neither the result nor an error."""
+    """Write a remark to stderr."""
     print(f"trecsim: {text}", file=sys.stderr)
 
 
@@ -101,7 +101,7 @@ def finish(summary: Mapping[str, Any], as_json: bool, text: str) -> None:
     as_json
         Print `summary` as one JSON object instead of `text`.
     text
-        The result as a person reads it.
+        The result as text.
     """
     print(json.dumps(plain(summary), allow_nan=False) if as_json else text)
 

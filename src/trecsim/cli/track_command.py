@@ -5,6 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from trecsim.cli.first_run import tell_first_run
 from trecsim.cli.rig_options import RigOptions
 from trecsim.cli.terminal import counted_people, finish, progress_bar
 from trecsim.errors import InputError
@@ -25,9 +26,9 @@ def track(
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
-    """Reconstruct everybody's 3D trajectory from 2D poses.
+    """Track people in 3D from 2D poses.
 
-    One state per person and frame set, at the newest time of the set minus the lag.
+    Writes one state per person and frame set, at the newest time of the set minus the lag.
 
     Parameters
     ----------
@@ -36,13 +37,13 @@ def track(
     poses
         2D poses: a `*.poses.jsonl` file, a directory of OpenPose results, or COCO results.
     out
-        Where the tracks go: `*.csv` or `*.parquet`.
+        The file to write: `*.csv` or `*.parquet`.
     lag_s
-        Report this much later than the newest image, and smoother [s].
+        Report each state this long after the newest image [s]. Later images make it smoother.
     fps
-        Frames per second, for poses that number their frames and tell no time.
+        Frames per second, for poses without time stamps.
     timing
-        Also write what each frame set cost: `t_s,images,people,fusion_ms` (CSV).
+        Also write the time of each frame set to this CSV file: `t_s,images,people,fusion_ms`.
     json
         Print the summary as one JSON object.
     """
@@ -50,6 +51,7 @@ def track(
 
     _check_order(rig, poses)
     cameras = reading.read(rig)
+    tell_first_run(quiet=json)
     with progress_bar("frame sets", quiet=json) as bar:
         summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
     ms = summary["fusion_ms"]
@@ -61,16 +63,16 @@ def track(
 
 
 def _check_order(rig: Path, poses: Path) -> None:
-    """Tell who gave the two files the other way round, or one of them twice."""
+    """Reject two files in the wrong order, or one of them given twice."""
     if _is_poses(rig):
         right = "RIG" if _is_poses(poses) else poses
         raise InputError(
-            f"{rig} is a file of 2D poses; the rig comes first: trecsim track {right} {rig}"
+            f"{rig} is a file of 2D poses; give the rig first: trecsim track {right} {rig}"
         )
     if poses.is_file() and poses.suffix.lower() in _OF_RIGS and not _is_poses(poses):
         right = "POSES" if rig.suffix.lower() in _OF_RIGS or not rig.exists() else rig
         raise InputError(
-            f"{poses} is no file of 2D poses but a calibration, by its name; the rig comes first, "
+            f"{poses} is a calibration by its name, not a file of 2D poses; give the rig first, "
             f"then the poses: trecsim track {poses} {right}"
         )
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, Float64, UInt8
 
 from trecsim.errors import SetupError
+from trecsim.extras import install_command
 
 Size = tuple[int, int]
 
@@ -121,7 +122,7 @@ def scale(image: UInt8[np.ndarray, "h w 3"], size_px: Size) -> UInt8[np.ndarray,
         import av
     except ImportError as error:
         raise SetupError(
-            f"scaling images needs PyAV ({error}): pip install 'mc3d-trecsim[video]'"
+            f"scaling images needs PyAV ({error}): {install_command('video')}"
         ) from error
     frame = av.VideoFrame.from_ndarray(np.ascontiguousarray(image), format="rgb24")
     kind = "AREA" if size_px[0] <= width and size_px[1] <= height else "BILINEAR"

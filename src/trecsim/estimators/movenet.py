@@ -20,6 +20,7 @@ from trecsim.estimators.estimator_settings import (
     cores,
 )
 from trecsim.estimators.letterbox import Letterbox
+from trecsim.extras import install_command
 from trecsim.skeleton import COCO17
 from trecsim.values import Frame, Poses2D
 
@@ -148,7 +149,7 @@ def _compile(path: Path, settings: MoveNetSettings, threads: int) -> "ov.Compile
         import openvino as ov
     except ImportError as error:
         raise SetupError(
-            f"the estimator 'movenet' needs OpenVINO ({error}): pip install 'mc3d-trecsim[video]'"
+            f"the estimator 'movenet' needs OpenVINO ({error}): {install_command('video')}"
         ) from error
     core = ov.Core()
     config: dict[str, object] = {

@@ -18,6 +18,7 @@ from trecsim.estimators.estimator_settings import (
 )
 from trecsim.estimators.letterbox import Letterbox
 from trecsim.estimators.model_layouts import Tensor, recognise
+from trecsim.extras import install_command
 from trecsim.skeleton import COCO17
 from trecsim.values import Frame, Poses2D
 
@@ -178,7 +179,7 @@ def _open(path: Path, device: str, threads: int) -> "ort.InferenceSession":
         import onnxruntime as ort
     except ImportError as error:
         raise SetupError(
-            f"the estimator 'onnx' needs ONNX Runtime ({error}): pip install 'mc3d-trecsim[onnx]'"
+            f"the estimator 'onnx' needs ONNX Runtime ({error}): {install_command('onnx')}"
         ) from error
     options = ort.SessionOptions()
     options.intra_op_num_threads = threads

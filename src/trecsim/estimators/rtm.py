@@ -14,6 +14,7 @@ from trecsim.errors import ConfigError, SetupError
 from trecsim.estimators import decode
 from trecsim.estimators.estimator_settings import MaxPeople, Score, checked
 from trecsim.estimators.onnx import OnnxEstimator, OnnxSettings
+from trecsim.extras import install_command
 from trecsim.skeleton import COCO17
 from trecsim.values import Frame, Poses2D
 
@@ -123,7 +124,7 @@ def _rtmlib() -> ModuleType:
         import rtmlib
     except ImportError as error:
         raise SetupError(
-            f"the estimator 'rtmlib' needs rtmlib ({error}): pip install 'mc3d-trecsim[rtmlib]'"
+            f"the estimator 'rtmlib' needs rtmlib ({error}): {install_command('rtmlib')}"
         ) from error
     module: ModuleType = rtmlib
     return module

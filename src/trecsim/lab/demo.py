@@ -36,18 +36,18 @@ FLOOR_PER_PERSON_M2 = 4.0
 
 @dataclass(frozen=True, slots=True)
 class DemoSummary:
-    """What came of the demo.
+    """Result of the demo.
 
     Attributes
     ----------
     folder
-        Where everything lies.
+        Directory of all files.
     picture
         The picture of people and paths; None without Matplotlib.
-    people
-        How many were simulated.
+    people, cameras
+        Number of simulated people and cameras.
     run
-        What the run says of itself.
+        Summary of the run.
     comparison
         Its tracks against the ground truth; None where that needs SciPy and it is missing.
     """
@@ -55,6 +55,7 @@ class DemoSummary:
     folder: Path
     picture: Path | None
     people: int
+    cameras: int
     run: RunSummary
     comparison: Comparison | None
 
@@ -109,7 +110,7 @@ def demo(
     moments = with_empty_moments(read_moments(folder / RUN), first_s, last_s, truth.t_s)
     comparison = _compared(moments, truth, remark)
     picture = _draw(folder, made, comparison)
-    return DemoSummary(folder, picture, people, summary, comparison)
+    return DemoSummary(folder, picture, people, cameras, summary, comparison)
 
 
 def _compared(moments: Moments, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:

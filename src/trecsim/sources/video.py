@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError, SetupError
+from trecsim.extras import install_command
 from trecsim.sources.orientation import Orientation
 from trecsim.values import Frame
 
@@ -91,7 +92,7 @@ def _decoding() -> ModuleType:
         from trecsim.sources import decoding
     except ImportError as error:
         raise SetupError(
-            f"reading video needs PyAV: pip install 'mc3d-trecsim[video]' ({error})"
+            f"reading video needs PyAV: {install_command('video')} ({error})"
         ) from error
     return decoding
 

@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import SetupError
+from trecsim.extras import install_command
 
 
 def need_scipy() -> None:
@@ -18,7 +19,7 @@ def need_scipy() -> None:
         import scipy.special  # noqa: F401
     except ImportError:
         raise SetupError(
-            "evaluation and studies need SciPy: pip install 'mc3d-trecsim[evaluate]'"
+            f"evaluation and studies need SciPy: {install_command('evaluate')}"
         ) from None
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.errors import SetupError
+from trecsim.extras import install_command
 from trecsim.lab.evaluation.assignment import heaviest_pairs
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.lab.evaluation.truth_matching import GATE_M, NOBODY, Nearness
@@ -154,6 +155,6 @@ def _motrics() -> ModuleType:
         import motrics
     except ImportError:
         raise SetupError(
-            "scores of identities need motrics: pip install 'mc3d-trecsim[evaluate]'"
+            f"scores of identities need motrics: {install_command('evaluate')}"
         ) from None
     return motrics

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trecsim.errors import InputError, SetupError
+from trecsim.extras import install_command
 from trecsim.store.atomic import atomic_write
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def empty_figure(width_in: float, height_in: float) -> "Figure":
         import matplotlib  # noqa: F401  the package itself, wherever its parts come from
         from matplotlib.figure import Figure
     except ImportError:
-        raise SetupError("pictures need Matplotlib: pip install 'mc3d-trecsim[plot]'") from None
+        raise SetupError(f"pictures need Matplotlib: {install_command('plot')}") from None
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 

@@ -6,6 +6,7 @@ from importlib.resources import files
 from typing import Literal
 
 from trecsim.errors import SetupError
+from trecsim.extras import install_command
 from trecsim.lab.report.style import css_variables
 
 Alignment = Literal["left", "right"]
@@ -164,7 +165,7 @@ def page(
         from jinja2 import Environment, PackageLoader, StrictUndefined
         from markupsafe import Markup
     except ImportError:
-        raise SetupError("reports need Jinja: pip install 'mc3d-trecsim[report]'") from None
+        raise SetupError(f"reports need Jinja: {install_command('report')}") from None
     environment = Environment(
         loader=PackageLoader("trecsim.lab.report", "."),
         autoescape=True,

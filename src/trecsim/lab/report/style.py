@@ -7,6 +7,7 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any, Literal
 
 from trecsim.errors import SetupError
+from trecsim.extras import install_command
 from trecsim.lab.plots.colours import COLOURS
 
 if TYPE_CHECKING:
@@ -99,7 +100,7 @@ def need_matplotlib() -> None:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise SetupError("reports need Matplotlib: pip install 'mc3d-trecsim[report]'") from None
+        raise SetupError(f"reports need Matplotlib: {install_command('report')}") from None
 
 
 @contextmanager
