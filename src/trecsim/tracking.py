@@ -1,6 +1,7 @@
 """2D poses in, people in 3D out: frame sets and the tracker, timed."""
 
 import logging
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -9,15 +10,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from trecsim.consistency import Consistency
-from trecsim.errors import InputError
+from trecsim.errors import Error, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.arguments import called, check_arguments
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.store.timing_csv import StepTiming
-from trecsim.sync import frame_sets
-from trecsim.values import Poses2D, Snapshot
+from trecsim.sync import FrameSetBuffer
+from trecsim.values import FrameSet, Poses2D, Snapshot
 
 logger = logging.getLogger(__name__)
 
@@ -105,6 +106,90 @@ class _Reach:
         return snapshot.of(good)
 
 
+class Follower:
+    """2D poses in, in the order in which they arrive; snapshots out.
+
+    Puts the buffer that makes frame sets and the tracker together. `follow` does the same for a
+    recording. Live, tell the time of arrival with each image and call `poll` when none arrives.
+
+    Parameters
+    ----------
+    rig
+        The cameras; their time offsets are added to the images' times.
+    settings
+        Of the fusion.
+    lag_s
+        How far behind the newest image of a frame set each snapshot is [s], up to 10.
+    tally
+        Is kept up to date.
+    max_delay_s
+        How long a frame set waits for a camera that is late [s].
+
+    Raises
+    ------
+    InputError, ConfigError
+        One of these is something else than it should be; the message tells which.
+    """
+
+    def __init__(
+        self,
+        rig: Rig,
+        settings: FusionSettings | None = None,
+        *,
+        lag_s: float = 0.0,
+        tally: Tally | None = None,
+        max_delay_s: float = 1.0,
+    ) -> None:
+        self._tracker = Tracker(rig, settings, lag_s=lag_s)
+        self._reach, self._consistency = _Reach(rig), Consistency(rig)
+        offsets_s = {camera.name: camera.time_offset_s for camera in rig}
+        self._buffer = FrameSetBuffer(offsets_s, max_delay_s=max_delay_s)
+        self._tally = tally if tally is not None else Tally()
+        self._given_s = math.nan
+
+    def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[Snapshot]:
+        """Take in one image; yield a snapshot for each frame set that it completes.
+
+        Parameters
+        ----------
+        image
+            The image.
+        arrived_s
+            When it arrived, by one steady clock for all cameras [s]; None in a recording.
+        """
+        return self._steps(self._buffer.add(image, arrived_s))
+
+    def poll(self, arrived_s: float) -> Iterator[Snapshot]:
+        """Let time pass without an image; yield what can be told by now.
+
+        When all cameras are silent, these are snapshots in which people end.
+
+        Parameters
+        ----------
+        arrived_s
+            The present, by the clock of arrivals [s].
+        """
+        return self._steps(self._buffer.poll(arrived_s))
+
+    def flush(self) -> Iterator[Snapshot]:
+        """Yield the snapshots of the images that still wait; no image comes any more."""
+        yield from self._steps(self._buffer.flush())
+        self._tally.remark(self._consistency.end())
+
+    def _steps(self, frame_sets: Iterable[FrameSet]) -> Iterator[Snapshot]:
+        for frame_set in frame_sets:
+            began_s = time.perf_counter()
+            snapshot = self._tracker.step(frame_set)
+            fusion_ms = 1e3 * (time.perf_counter() - began_s)
+            snapshot = self._reach.kept(snapshot)
+            step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
+            self._tally.add(step, snapshot.id.tolist())
+            self._tally.remark(self._consistency.observe(frame_set, snapshot))
+            if snapshot.t_s != self._given_s:  # else no image of the set could be used
+                self._given_s = snapshot.t_s
+                yield snapshot
+
+
 def follow(
     poses: Iterable[Poses2D],
     rig: Rig,
@@ -169,19 +254,13 @@ def _followed(
     tally: Tally,
 ) -> Iterator[Snapshot]:
     warm_up()
-    tracker = Tracker(rig, settings, lag_s=lag_s)
-    reach, consistency = _Reach(rig), Consistency(rig)
-    given_s = float("nan")
-    offsets_s = {camera.name: camera.time_offset_s for camera in rig}
-    for frame_set in frame_sets(_each_checked(poses), offsets_s=offsets_s):
-        began_s = time.perf_counter()
-        snapshot = tracker.step(frame_set)
-        fusion_ms = 1e3 * (time.perf_counter() - began_s)
-        snapshot = reach.kept(snapshot)
-        step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
-        tally.add(step, snapshot.id.tolist())
-        tally.remark(consistency.observe(frame_set, snapshot))
-        if snapshot.t_s != given_s:  # else no image of the set could be used
-            given_s = snapshot.t_s
-            yield snapshot
-    tally.remark(consistency.end())
+    follower = Follower(rig, settings, lag_s=lag_s, tally=tally)
+    fault: Error | None = None
+    try:
+        for image in _each_checked(poses):
+            yield from follower.add(image)
+    except Error as error:  # what came before it is good, and is given first
+        fault = error
+    yield from follower.flush()
+    if fault is not None:
+        raise fault

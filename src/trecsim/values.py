@@ -80,7 +80,7 @@ class FrameSet:
     Attributes
     ----------
     t_s
-        Time of the newest image in the set [s].
+        Time of the newest image in the set; of a set without images, the present [s].
     views
         One entry per image, each with its own time; a camera may appear more than once.
     """

@@ -187,7 +187,7 @@ def test_cameras_one_after_the_other_in_a_file_are_remarked_once_each(caplog):
     assert sum(len(one.views) for one in sets) == 200
     (message,) = caplog.messages
     assert "'b'" in message
-    assert "time order" in message
+    assert "order of the cameras" in message
 
 
 def test_a_camera_that_floods_does_not_fill_the_memory():

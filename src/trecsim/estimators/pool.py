@@ -10,17 +10,21 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Se
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from dataclasses import replace
+from functools import partial
 from heapq import merge
 from pathlib import Path
+from threading import Lock, Semaphore, Thread
 
 from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
+from trecsim.sources.mailbox import TICK_S, Mailbox
 from trecsim.values import Frame, Poses2D
 
 Progress = Callable[[int, int | None], None]
 
+_LIVE_DEPTH = 16  # poses of a camera that may wait for the fusion
 _BEGUN_PER_WORKER = 2  # enough that no worker waits while the consumer of the poses is busy
 
 
@@ -113,6 +117,68 @@ def estimate_videos(
             if progress is not None:
                 progress(done, total)
             yield replace(poses, xy_px=by_camera[poses.camera].original_px(poses.xy_px))
+
+
+def estimate_live(
+    frames: Mailbox[Frame], estimator: Estimator2D, fault: Callable[[Exception], None]
+) -> Mailbox[Poses2D]:
+    """Find the people in the images of live cameras; return where the 2D poses arrive.
+
+    An image is taken when a thread is free for it, so images wait, and are dropped, in `frames`.
+    The poses of one camera keep their order, whichever thread is done first.
+
+    Parameters
+    ----------
+    frames
+        Where the images arrive.
+    estimator
+        Called by as many threads as it takes.
+    fault
+        Is told, in another thread, when the estimator failed on an image; the next are tried.
+    """
+    poses: Mailbox[Poses2D] = Mailbox(_LIVE_DEPTH)
+    poses.begin()
+    Thread(
+        target=_estimate_live, args=(frames, estimator, fault, poses), name="estimate", daemon=True
+    ).start()
+    return poses
+
+
+def _estimate_live(
+    frames: Mailbox[Frame],
+    estimator: Estimator2D,
+    fault: Callable[[Exception], None],
+    poses: Mailbox[Poses2D],
+) -> None:
+    at_once = workers(estimator)
+    free = Semaphore(at_once)
+    in_order = Lock()
+    begun: dict[str, deque[Future[Poses2D]]] = {}
+
+    def finished(camera: str, _: Future[Poses2D]) -> None:
+        free.release()
+        with in_order:
+            while begun[camera] and begun[camera][0].done():
+                done = begun[camera].popleft()
+                error = done.exception()
+                if error is None:
+                    poses.put(done.result())
+                elif isinstance(error, Exception):
+                    fault(error)
+
+    with ThreadPoolExecutor(at_once, thread_name_prefix="estimate") as pool:
+        while not frames.is_over and not poses.closed:
+            free.acquire()
+            frame = frames.take(TICK_S)
+            if frame is None:
+                free.release()
+                continue
+            future = pool.submit(estimator, frame)
+            with in_order:
+                begun.setdefault(frame.camera, deque()).append(future)
+            future.add_done_callback(partial(finished, frame.camera))
+    frames.close()
+    poses.end()
 
 
 def estimate_frames(

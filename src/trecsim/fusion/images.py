@@ -135,7 +135,7 @@ def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     Parameters
     ----------
     views
-        At least one image of a known camera.
+        Images of known cameras.
     model
         Constants of the run, among them lenses and thresholds.
     """
@@ -146,8 +146,9 @@ def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     # Into C order: of views that lie otherwise in memory, the kernels would be compiled again.
     xy_px = np.empty((offset[-1], len(model.skeleton.joints), 2))
     score = np.empty(xy_px.shape[:2])
-    np.concatenate([view.xy_px for view in views], out=xy_px)
-    np.concatenate([view.score for view in views], out=score)
+    if views:
+        np.concatenate([view.xy_px for view in views], out=xy_px)
+        np.concatenate([view.score for view in views], out=score)
     factor, kept = np.empty(score.shape), np.empty_like(offset)
     kernels.prefilter(
         xy_px, score, cam, offset, model.undistortion, s.min_score, s.good_score, s.min_joints,

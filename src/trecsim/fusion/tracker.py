@@ -8,7 +8,6 @@ from jaxtyping import Int64
 from trecsim.fusion import birth, fitting, kernels, lifecycle, memory
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association, associate
-from trecsim.fusion.clocks import JUMP_S, Clocks
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.memory import Lost
@@ -19,6 +18,7 @@ from trecsim.fusion.snapshots import SAME_S, snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
+from trecsim.sync.clocks import JUMP_S, Clocks
 from trecsim.values import FrameSet, Poses2D, Snapshot
 
 # Leftover detections of different cameras this close in time may begin a person together [s].
@@ -74,10 +74,17 @@ class Tracker:
         self._restart()
 
     def step(self, frame_set: FrameSet) -> Snapshot:
-        """Take in one frame set and return where everybody is, at its time minus the lag."""
+        """Take in one frame set and return where everybody is, at its time minus the lag.
+
+        Parameters
+        ----------
+        frame_set
+            Images of some cameras. A set without images lets time pass up to its own time: tracks
+            that no camera supports end, also when all cameras are silent.
+        """
         before_s = self._clocks.now_s
         views = self._usable(frame_set)
-        if not views:
+        if not views and (frame_set.views or self._grid is None):
             return self._snapshot(self._clocks.now_s if self._grid else frame_set.t_s)
         elapsed_s = max(0.0, self._t_s - before_s) if math.isfinite(before_s) else 0.0
         self._advance(self._t_s)
@@ -114,7 +121,10 @@ class Tracker:
         """Return the views that bring something new, are not too late and whose time is right."""
         views = frame_set.views
         t_s = [float(view.t_s) for view in views]
-        use, anew = self._clocks.judge(cameras(views, self._model), t_s)
+        if views:
+            use, anew = self._clocks.judge(cameras(views, self._model), t_s)
+        else:
+            use, anew = [], self._clocks.move_on(frame_set.t_s)
         if anew:
             self._restart()
         start_s = -math.inf if self._grid is None else self._grid.start_s

@@ -1,5 +1,5 @@
 """Which images belong together: 2D poses in, frame sets out."""
 
-from trecsim.sync.buffer import frame_sets
+from trecsim.sync.buffer import FrameSetBuffer, frame_sets
 
-__all__ = ["frame_sets"]
+__all__ = ["FrameSetBuffer", "frame_sets"]

@@ -13,17 +13,20 @@ from itertools import islice
 from statistics import median
 
 from trecsim.errors import Error
-from trecsim.sync.camera_queue import AGREE_S, LEARN_INTERVALS, SILENT_S, CameraQueue
+from trecsim.sync.camera_queue import LEARN_INTERVALS, CameraQueue
+from trecsim.sync.stream_time import StreamTime
 from trecsim.values import FrameSet, Poses2D
 
 logger = logging.getLogger(__name__)
 
-LEARN_S = 1.0  # so long the rhythm is learnt, or for LEARN_INTERVALS, if that comes first
+LEARN_S = 1.0  # so long the periods are learnt, or for LEARN_INTERVALS, if that comes first
 WINDOW_PERIODS = 0.9  # below 1, so that an image never falls together with its successor's peers
-NEAREST_PERIODS = 0.55  # no further away than this is nearest; in the middle is near enough
+NEAREST_PERIODS = 0.55  # join the nearest set if within this; slightly above half a period
 OTHER_RATE = 1.5  # ratio of two cameras' periods from which on they do not run in step
 FALLBACK_WINDOW_S = 0.02  # where no camera delivered twice
+LATE_S = 1.0  # a camera that delivers later than this, and than it may, is remarked
 MAX_WAITING = 4096  # images; a camera that floods us cannot fill the memory
+EMPTY_EVERY_S = 0.1  # of live cameras that are all silent, an empty set tells so often
 
 
 def frame_sets(
@@ -80,74 +83,137 @@ def frame_sets(
     0.04 ['north']
     0.09 ['north', 'south']
     """
-    offsets_s = offsets_s or {}
-    if max_delay_s > 0.0 and offsets_s:  # offsets disturb the order that a recording came in
-        max_delay_s += max(0.0, *offsets_s.values()) - min(0.0, *offsets_s.values())
-    waiting = _WaitingRoom(window_s, max_delay_s)
+    buffer = FrameSetBuffer(offsets_s, window_s, max_delay_s)
     fault: Error | None = None
     try:
         for image in poses:
-            offset_s = offsets_s.get(image.camera, 0.0)
-            waiting.add(replace(image, t_s=image.t_s + offset_s) if offset_s else image)
-            while waiting.can_close():
-                yield waiting.take()
+            yield from buffer.add(image)
     except Error as error:  # what came before it is good, and is given first
         fault = error
-    while waiting.count:
-        yield waiting.take()
+    yield from buffer.flush()
     if fault is not None:
         raise fault
 
 
-class _WaitingRoom:
-    """Where images wait for the others of their set.
+class FrameSetBuffer:
+    """Images in, as they arrive; frame sets out, as soon as each is complete or waits in vain.
 
-    How much time passes is counted by each camera's own steps from image to image, of which none
-    counts for more than three of its periods. So no clock that is wrong, or jumps, makes time fly.
+    `frame_sets` does the same for a recording. Live, tell the time of arrival with each image, and
+    call `poll` when nothing arrives: then a stalled camera holds no set up for longer than the
+    window and `max_delay_s`, and when all cameras are silent, empty sets tell that time passes.
+
+    Parameters
+    ----------
+    offsets_s, window_s, max_delay_s
+        As for `frame_sets`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> def image(camera, t_s):
+    ...     return Poses2D(camera, t_s, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
+    >>> buffer = FrameSetBuffer(max_delay_s=0.1)
+    >>> for n in range(50):  # Unix time on the images, any steady clock for their arrival
+    ...     sets = list(buffer.add(image("north", 1.7e9 + 0.04 * n), 7.0 + 0.04 * n))
+    >>> [round(one.t_s - 1.7e9, 2) for one in buffer.poll(10.0)]
+    [3.0]
     """
 
-    def __init__(self, window_s: float | None, max_delay_s: float) -> None:
-        self.count = 0
+    def __init__(
+        self,
+        offsets_s: Mapping[str, float] | None = None,
+        window_s: float | None = None,
+        max_delay_s: float = 1.0,
+    ) -> None:
+        self._offsets_s = offsets_s or {}
+        if max_delay_s > 0.0 and self._offsets_s:  # they disturb the order a recording came in
+            values_s = self._offsets_s.values()
+            max_delay_s += max(0.0, *values_s) - min(0.0, *values_s)
         self._window_s = window_s
         self._max_delay_s = max_delay_s
+        self._count = 0
         self._cameras: dict[str, CameraQueue] = {}
-        self._passed_s = 0.0
-        self._newest_s = math.nan  # of the image that told so
-        self._apart: deque[Poses2D] = deque()  # single images with a wrong time
+        self._time: StreamTime[str] = StreamTime()
+        self._misdated: deque[Poses2D] = deque()
+        self._newest: tuple[float, float] | None = None  # stamp of the newest set, and its arrival
         self._given_s = -math.inf
         self._learning = True
         self._remarked: set[str] = set()
 
-    def add(self, image: Poses2D) -> None:
-        """Let one more image wait."""
+    def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[FrameSet]:
+        """Take in one image; yield the sets that are closed now.
+
+        Parameters
+        ----------
+        image
+            The image.
+        arrived_s
+            When it arrived, by one steady clock for all cameras [s]; None in a recording.
+        """
+        offset_s = self._offsets_s.get(image.camera, 0.0)
+        self._add(replace(image, t_s=image.t_s + offset_s) if offset_s else image, arrived_s)
+        yield from self._closed()
+
+    def poll(self, arrived_s: float) -> Iterator[FrameSet]:
+        """Let time pass without an image; yield the sets that have waited long enough.
+
+        When all cameras are silent, an empty set follows; its time is the present, in the time of
+        the cameras' stamps.
+
+        Parameters
+        ----------
+        arrived_s
+            The present, by the clock of arrivals [s].
+        """
+        self._time.move_on(arrived_s)
+        yield from self._closed()
+        if self._newest is None or self._count or not self._time.all_silent():
+            return
+        stamp_s, stamped_s = self._newest
+        now_s = stamp_s + self._time.elapsed_s - stamped_s
+        if now_s - self._given_s >= EMPTY_EVERY_S:
+            self._given_s = now_s
+            yield FrameSet(now_s, ())
+
+    def flush(self) -> Iterator[FrameSet]:
+        """Yield what still waits; no image will come any more."""
+        while self._count:
+            yield self._take()
+
+    def _closed(self) -> Iterator[FrameSet]:
+        while self._can_close():
+            yield self._take()
+
+    def _add(self, image: Poses2D, arrived_s: float | None) -> None:
         self._warn_if_late(image)
         camera = self._cameras.setdefault(image.camera, CameraQueue())
-        self._apart.extend(camera.wrong_before(image))
-        if math.isnan(self._newest_s):
-            self._newest_s = image.t_s
-        if camera.add(image, self._passed_s, self._newest_s):
-            self._passed_s, self._newest_s = camera.own_s, image.t_s
-        self.count += 1
+        self._misdated.extend(camera.pop_misdated(image))
+        time = self._time.note(image.camera, image.t_s, arrived_s)
+        camera.add(image, time.own_s, time.heard_s)
+        self._count += 1
         if self._learning:
-            rhythm_known = len(camera.intervals_s) >= LEARN_INTERVALS or self._passed_s >= LEARN_S
-            self._learning = not rhythm_known or self._passed_s < self._max_delay_s
+            elapsed_s = self._time.elapsed_s
+            known = len(camera.intervals_s) >= LEARN_INTERVALS or elapsed_s >= LEARN_S
+            self._learning = not known or elapsed_s < self._max_delay_s
 
-    def can_close(self) -> bool:
+    def _can_close(self) -> bool:
         """Tell whether no image is missing in the oldest set, or none is worth waiting for."""
-        if self._apart:
+        if self._misdated:
             return True
-        if not self.count or (self._learning and self.count < MAX_WAITING):
+        if not self._count or (self._learning and self._count < MAX_WAITING):
             return False
-        if self.count >= MAX_WAITING or self._overdue():
+        if self._count >= MAX_WAITING or self._overdue():
             return True
         oldest = self._oldest()
-        return not any(self._is_missed(camera, oldest) for camera in self._cameras.values())
+        return not any(
+            self._may_still_deliver(name, camera, oldest) for name, camera in self._cameras.items()
+        )
 
-    def take(self) -> FrameSet:
+    def _take(self) -> FrameSet:
         """Return the oldest set, complete or not, or images that are far ahead of the others."""
-        if self._apart:
-            self.count -= 1
-            return FrameSet(self._apart[0].t_s, (self._apart.popleft(),))
+        if self._misdated:
+            self._count -= 1
+            return FrameSet(self._misdated[0].t_s, (self._misdated.popleft(),))
         window_s = self._window()
         opener = self._far_ahead(window_s) or self._oldest()
         limit_s = NEAREST_PERIODS * self._period()
@@ -161,19 +227,29 @@ class _WaitingRoom:
                 and _in_phase(camera, opener, limit_s)
             )
         ]
-        views = sorted(
-            (camera.images.popleft().image for camera in members),
-            key=lambda view: (view.t_s, view.camera),
+        taken = sorted(
+            (camera.images.popleft() for camera in members),
+            key=lambda one: (one.image.t_s, one.image.camera),
         )
-        self.count -= len(views)
-        if views[0].t_s - self._newest_s > AGREE_S and 2 * len(views) <= len(self._cameras):
-            self._warn_of_early(views[0])
-            return FrameSet(views[-1].t_s, tuple(views))
-        return FrameSet(self._time_of(views[-1].t_s), tuple(views))
+        self._count -= len(taken)
+        views = tuple(one.image for one in taken)
+        if self._are_ahead(views):
+            self._warn_of_ahead(views[0])
+            return FrameSet(views[-1].t_s, views)
+        self._newest = views[-1].t_s, taken[-1].heard_s
+        return FrameSet(self._time_of(views[-1].t_s), views)
+
+    def _are_ahead(self, views: tuple[Poses2D, ...]) -> bool:
+        """Tell whether these images' cameras run further ahead than late images explain."""
+        if views[0].t_s - self._given_s <= self._patience() + LATE_S:
+            return False
+        names, stamps_s = [view.camera for view in views], [view.t_s for view in views]
+        ahead = self._time.ahead(names, stamps_s, tolerance_s=self._max_delay_s + LATE_S)
+        return len(ahead) == len(views)
 
     def _time_of(self, newest_s: float) -> float:
         """Return a set's time: not before the last one's, unless a clock has jumped."""
-        if not 0.0 < self._given_s - newest_s <= self._patience() + SILENT_S:
+        if not 0.0 < self._given_s - newest_s <= self._patience() + LATE_S:
             self._given_s = newest_s
         return self._given_s
 
@@ -185,30 +261,38 @@ class _WaitingRoom:
 
     def _far_ahead(self, window_s: float) -> CameraQueue | None:
         """Return a camera whose image is later than the oldest's set, and waits in vain."""
-        cameras, end_s = self._cameras.values(), self._oldest().head_s + window_s
-        told_s = min(one.last_s for one in cameras if one.images or one.is_alive(self._passed_s))
+        end_s = self._oldest().head_s + window_s
+        told_s = min(
+            camera.last_s
+            for name, camera in self._cameras.items()
+            if camera.images or not self._is_silent(name)
+        )
         late_s = max(end_s, told_s)
         return next((camera for camera in self._overdue() if camera.head_s > late_s), None)
 
     def _overdue(self) -> list[CameraQueue]:
         """Return the cameras whose oldest image has waited long enough for the others."""
-        since_s = self._passed_s - self._patience()
+        since_s = self._time.elapsed_s - self._patience()
         return [
             camera
             for camera in self._cameras.values()
             if camera.images and camera.images[0].own_s < since_s
         ]
 
-    def _is_missed(self, camera: CameraQueue, oldest: CameraQueue) -> bool:
+    def _may_still_deliver(self, name: str, camera: CameraQueue, oldest: CameraQueue) -> bool:
         """Tell whether a camera may still deliver what belongs to the oldest image's set."""
-        if camera.images or not camera.is_alive(self._passed_s):
+        if camera.images or self._is_silent(name):
             return False
-        if camera.heard_s <= oldest.images[0].heard_s:  # nothing since then
+        time = self._time.heard(name)
+        if time.heard_s <= oldest.images[0].heard_s:  # nothing since then
             return True
-        return oldest.head_s - camera.last_s <= self._max_delay_s + camera.patience_s
+        return oldest.head_s - camera.last_s <= self._max_delay_s + time.silent_after_s
+
+    def _is_silent(self, name: str) -> bool:
+        return self._time.is_silent(self._time.heard(name), self._max_delay_s)
 
     def _patience(self) -> float:
-        """Return how long a set waits for cameras that are alive [s]."""
+        """Return how long a set waits for cameras that are not silent [s]."""
         return self._window() + self._max_delay_s
 
     def _period(self) -> float:
@@ -216,8 +300,8 @@ class _WaitingRoom:
         return min(
             (
                 camera.period_s
-                for camera in self._cameras.values()
-                if camera.images or camera.is_alive(self._passed_s)
+                for name, camera in self._cameras.items()
+                if camera.images or not self._is_silent(name)
             ),
             default=math.inf,
         )
@@ -230,23 +314,23 @@ class _WaitingRoom:
 
     def _warn_if_late(self, image: Poses2D) -> None:
         late_s = self._given_s - image.t_s
-        if late_s > max(SILENT_S, self._max_delay_s) and image.camera not in self._remarked:
+        if late_s > max(LATE_S, self._max_delay_s) and image.camera not in self._remarked:
             self._remarked.add(image.camera)
             logger.warning(
-                "camera %r delivers %.3g s late: the other cameras' images of that time are gone. "
-                "Are the cameras in time order in the file, and their time offsets right?",
+                "camera %r delivers %.3g s late, after the other cameras' images of that time were "
+                "used. Check the order of the cameras in the file, and their time offsets",
                 image.camera,
                 late_s,
             )
 
-    def _warn_of_early(self, image: Poses2D) -> None:
+    def _warn_of_ahead(self, image: Poses2D) -> None:
         if image.camera not in self._remarked:
             self._remarked.add(image.camera)
             logger.warning(
-                "camera %r tells times %.3g s ahead of the other cameras': its images are not put "
-                "together with theirs. Are its clock and its time offset right?",
+                "camera %r is %.3g s ahead of the other cameras, so its images are not combined "
+                "with theirs. Check its clock and its time offset",
                 image.camera,
-                image.t_s - self._newest_s,
+                image.t_s - self._given_s,
             )
 
 

@@ -1,9 +1,4 @@
-"""One camera's images that wait for those of the others, and the rhythm in which they come.
-
-How much time passes is told by the cameras that agree about the time. A camera that does not agree
-with the last that did has its own steps from image to image, and they are believed when no other
-camera has delivered for half a second. So no clock that is wrong, or jumps, makes time fly.
-"""
+"""Images of one camera that wait for those of the others, and the camera's mean period."""
 
 import math
 from collections import deque
@@ -13,13 +8,9 @@ from typing import NamedTuple
 
 from trecsim.values import Poses2D
 
-LEARN_INTERVALS = 16  # so many intervals, and the rhythm is known
+LEARN_INTERVALS = 16  # so many intervals, and the period is known
 REMEMBER_INTERVALS = 64
-SILENT_S = 1.0  # after this a camera is not waited for until it delivers again
-AGREE_S = 1.0  # cameras that tell times this close to each other agree
-LEAD_S = 0.5  # a camera that does not agree is believed when the others are this far behind
 PAUSE_PERIODS = 1.9  # a gap of this many periods: an image is missing
-PATIENCE_PERIODS = 3.0  # a camera that has delivered nothing for so many is gone
 
 
 class Waiting(NamedTuple):
@@ -30,11 +21,11 @@ class Waiting(NamedTuple):
     image
         The image.
     gap_s
-        Time between the camera's last image and this one, as it tells [s].
+        Time between the camera's last image and this one, by its stamps [s].
     own_s
-        Its place in the time that passes for all cameras [s].
+        When it was taken, on the axis of elapsed time [s].
     heard_s
-        How much time had passed when it came [s].
+        Elapsed time when it came [s].
     """
 
     image: Poses2D
@@ -45,7 +36,7 @@ class Waiting(NamedTuple):
 
 @dataclass(slots=True)
 class CameraQueue:
-    """Images of one camera that wait, in order of arrival, and what is known of its rhythm.
+    """Images of one camera that wait, in order of arrival.
 
     Attributes
     ----------
@@ -53,9 +44,8 @@ class CameraQueue:
         Those that wait.
     intervals_s
         Between its last images [s].
-    last_s, own_s, heard_s
-        Of its last image: its time, its place in the time that passes for all cameras, and how
-        much time had passed when it came [s].
+    last_s
+        Stamp of its last image that is believed [s].
     period_s
         Mean time between images, infinite while unknown [s].
     """
@@ -63,14 +53,12 @@ class CameraQueue:
     images: deque[Waiting] = field(default_factory=deque)
     intervals_s: deque[float] = field(default_factory=lambda: deque(maxlen=REMEMBER_INTERVALS))
     last_s: float = -math.inf
-    own_s: float = -math.inf
-    heard_s: float = -math.inf
     period_s: float = math.inf
 
-    def wrong_before(self, image: Poses2D) -> list[Poses2D]:
-        """Take out waiting images whose clock had run ahead, as `image` is back in time.
+    def pop_misdated(self, image: Poses2D) -> list[Poses2D]:
+        """Remove and return waiting images whose stamps ran ahead, as `image` shows.
 
-        Of a clock that is set back, and stays there, nothing is taken out.
+        Of a clock that is set back and stays there, nothing is removed.
         """
         count, before_s = 0, self.last_s
         for one in reversed(self.images):
@@ -82,53 +70,14 @@ class CameraQueue:
         self.last_s = before_s
         return [self.images.pop().image for _ in range(count)][::-1]
 
-    def add(self, image: Poses2D, passed_s: float, newest_s: float) -> bool:
-        """Let an image wait; return whether time passes with it.
-
-        Parameters
-        ----------
-        image
-            The image.
-        passed_s
-            How much time has passed for all cameras.
-        newest_s
-            The time of the image that told so.
-        """
-        gap_s, ahead_s = image.t_s - self.last_s, image.t_s - newest_s
-        agrees = -AGREE_S <= ahead_s <= self._longest_step_s
-        self.own_s = (
-            passed_s + ahead_s
-            if agrees
-            else max(self.own_s + self._step_s(gap_s), passed_s - AGREE_S)
-        )
+    def add(self, image: Poses2D, own_s: float, heard_s: float) -> None:
+        """Let an image wait that was taken at `own_s` and came at `heard_s` of elapsed time."""
+        gap_s = image.t_s - self.last_s
         self.last_s = image.t_s
-        self.heard_s = max(passed_s, self.own_s)
-        self.images.append(Waiting(image, gap_s, self.own_s, self.heard_s))
+        self.images.append(Waiting(image, gap_s, own_s, heard_s))
         if 0.0 < gap_s < math.inf:
             self.intervals_s.append(gap_s)
             self.period_s = _mean_without_pauses(self.intervals_s)
-        return self.own_s >= passed_s + (0.0 if agrees else LEAD_S)
-
-    def _step_s(self, gap_s: float) -> float:
-        """Return how much time a gap counts that no other camera confirms [s]."""
-        if gap_s > self._longest_step_s:
-            return self.period_s if len(self.intervals_s) >= LEARN_INTERVALS else 0.0
-        return max(gap_s, 0.0)
-
-    @property
-    def _longest_step_s(self) -> float:
-        """The longest way from one image to the next that is no jump [s]."""
-        known = len(self.intervals_s) >= LEARN_INTERVALS
-        return PATIENCE_PERIODS * self.period_s if known else AGREE_S
-
-    @property
-    def patience_s(self) -> float:
-        """How long it may deliver nothing and still be alive [s]."""
-        return max(SILENT_S, PATIENCE_PERIODS * self.period_s if self.intervals_s else 0.0)
-
-    def is_alive(self, passed_s: float) -> bool:
-        """Return whether it has delivered lately."""
-        return passed_s - self.heard_s <= self.patience_s
 
     @property
     def head_s(self) -> float:
@@ -143,7 +92,7 @@ class CameraQueue:
 
 
 def _mean_without_pauses(intervals_s: Iterable[float]) -> float:
-    """Return the mean interval; of jitter, unlike of pauses and jumps, nothing is left in it."""
+    """Return the mean interval; jitter averages out, pauses and jumps are left out."""
     kept = sorted(intervals_s)
     limit_s = 2.5 * kept[(3 * len(kept)) // 4]
     kept = [interval_s for interval_s in kept if interval_s <= limit_s]

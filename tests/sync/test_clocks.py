@@ -5,7 +5,7 @@ from itertools import compress
 import numpy as np
 import pytest
 
-from trecsim.fusion.clocks import Clocks
+from trecsim.sync.clocks import Clocks
 
 FPS = 25.0
 

@@ -1,0 +1,52 @@
+"""The seam behind the fusion: what takes snapshots, step timings or 2D poses."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from trecsim.store.timing_csv import StepTiming
+from trecsim.values import Poses2D, Snapshot
+
+Item_contra = TypeVar("Item_contra", contravariant=True)
+
+
+class Sink(Protocol[Item_contra]):
+    """Takes one result after the other, in the order of time.
+
+    What has to be opened and closed is a context manager as well, and whoever made it closes it.
+    """
+
+    def write(self, item: Item_contra, /) -> None:
+        """Take one more.
+
+        Raises
+        ------
+        Error
+            It cannot take any more, as when the disk is full; the pipeline ends with it.
+        """
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Sinks:
+    """Who takes what of a pipeline.
+
+    Attributes
+    ----------
+    snapshots
+        Take where everybody is.
+    steps
+        Take what each frame set cost.
+    poses
+        Take the 2D poses, as they enter the fusion.
+    """
+
+    snapshots: Sequence[Sink[Snapshot]] = ()
+    steps: Sequence[Sink[StepTiming]] = ()
+    poses: Sequence[Sink[Poses2D]] = ()
+
+    def take(self, snapshots: Iterable[Snapshot]) -> None:
+        """Hand snapshots to all who take them."""
+        for snapshot in snapshots:
+            for sink in self.snapshots:
+                sink.write(snapshot)
