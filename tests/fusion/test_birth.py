@@ -3,14 +3,24 @@
 import numpy as np
 import pytest
 
-from fusion.made import made, path
+from fusion.made import frame_sets, made, path
 from fusion.somebody import MODEL
-from trecsim.fusion.birth import completed
+from trecsim.fusion import Tracker, initialisation
+from trecsim.fusion.birth import Candidate
+from trecsim.fusion.images import Detections
+from trecsim.fusion.initialisation import Birth, own_detections
 from trecsim.lab.simulation.detector import PERFECT
 from trecsim.skeleton import COCO17
 
 LEGS = [COCO17.index(f"{side}_{part}") for part in ("knee", "ankle") for side in ("left", "right")]
 HIPS = [COCO17.index("left_hip"), COCO17.index("right_hip")]
+
+
+def completed(xyz_m, model):
+    none = np.empty(0, np.int64)
+    others = Candidate(none, none, np.roll(xyz_m, 1, axis=0), False)
+    both = initialisation.completed([others, Candidate(none, none, xyz_m, False)], model)
+    return both[1]
 
 
 @pytest.fixture(scope="module")
@@ -50,3 +60,52 @@ def test_one_joint_alone_has_all_others_about_it():
     full = completed(xyz, MODEL)
     assert np.isfinite(full).all()
     assert np.linalg.norm(full - xyz[0], axis=1).max() < 2.0
+
+
+def test_each_new_track_is_fitted_to_its_own_detections_and_no_others():
+    """Detections of a pool are in any order; some of a camera are from an earlier image."""
+    rng = np.random.default_rng(3)
+    cam, t_s = np.array([2, 0, 1, 0, 2, 1, 0]), np.array([0.1, 0.1, 0.1, 0.0, 0.1, 0.1, 0.1])
+    pool = Detections(cam, t_s, rng.normal(size=(7, 17, 2)), rng.uniform(1, 2, (7, 17)))
+    members = [([0, 1], [0, 1]), ([2, 3, 4], [0, 0, 1])]
+    births = [
+        Birth(
+            Candidate(np.array(m), np.array(f), np.zeros((17, 3)), False),
+            np.zeros((17, 3)),
+            k,
+            False,
+        )
+        for k, (m, f) in enumerate(members)
+    ]
+    images, association = own_detections(births, pool)
+    assert len(set(zip(images.cam.tolist(), images.t_s.tolist(), strict=True))) == len(images) == 4
+    for k, (member, flip) in enumerate(members):
+        views = np.flatnonzero(association.match[k] >= 0)
+        assert len(views) == len(member)
+        rows = association.match[k, views]
+        assert ((images.offset[views] <= rows) & (rows < images.offset[views + 1])).all()
+        order = [
+            int(np.flatnonzero((pool.xy_px[member] == images.xy_px[row]).all(axis=(1, 2)))[0])
+            for row in rows
+        ]
+        assert sorted(order) == list(range(len(member)))
+        np.testing.assert_array_equal(images.cam[views], cam[member][order])
+        np.testing.assert_array_equal(images.t_s[views], t_s[member][order])
+        np.testing.assert_array_equal(images.factor[rows], pool.factor[member][order])
+        np.testing.assert_array_equal(association.flip[k, views], np.array(flip)[order])
+
+
+def test_a_crowd_that_is_there_at_once_begins_together_each_in_the_right_place():
+    places = [(x, y) for x in (-2.0, 0.0, 2.0) for y in (-1.5, 0.5)]
+    scene = made(
+        [path((0, x, y), (1, x, y)) for x, y in places],
+        detector=PERFECT,
+        seconds=0.2,
+        stagger=False,
+    )
+    first = Tracker(scene.rig).step(frame_sets(scene)[0])
+    assert sorted(first.id.tolist()) == list(range(len(places)))
+    hips_m = first.xyz_m[:, HIPS, :2].mean(axis=1)
+    away_m = np.linalg.norm(hips_m[:, None] - np.array(places), axis=-1)
+    assert sorted(away_m.argmin(axis=1).tolist()) == list(range(len(places)))
+    assert away_m.min(axis=1).max() < 0.1

@@ -122,3 +122,22 @@ def test_a_body_made_of_two_others_who_fit_its_detections_is_needless():
             np.array(confirmed), looks,
         )  # fmt: skip
         assert looks.tolist() == expected
+
+
+@given(SEEDS)
+def test_midpoints_of_detections_are_those_of_their_rays(seed):
+    rng = np.random.default_rng(seed)
+    target = rng.normal(size=(17, 3))
+    p, q = rng.normal(0, 4, 3), rng.normal(0, 4, 3)
+    u, v = target - p, target + rng.normal(0, 0.2, (17, 3)) - q
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    v /= np.linalg.norm(v, axis=1, keepdims=True)
+    u[rng.random(17) < 0.2] = np.nan
+    found, expected = np.empty((17, 3)), np.full((17, 3), np.nan)
+    for j in range(17):
+        point = np.empty(3)
+        if kernels.ray_midpoint(p, u[j], q, v[j], point) < 0.25:
+            expected[j] = point
+    count = kernels.midpoints(p, u, q, v, 0.25, found)
+    np.testing.assert_array_equal(found, expected)
+    assert count == np.isfinite(expected[:, 0]).sum()

@@ -95,9 +95,17 @@ class Detections:
             np.concatenate([self.factor, other.factor]),
         )
 
-    def as_images(self) -> Images:
-        """Return every detection as an image of its own."""
-        return Images(self.cam, self.t_s, np.arange(len(self) + 1), self.xy_px, self.factor)
+    def as_images(self) -> tuple[Images, Int64[np.ndarray, " person"]]:
+        """Return the images that the detections are from, and each one's row in them."""
+        order = np.lexsort((self.t_s, self.cam))
+        cam, t_s = self.cam[order], self.t_s[order]
+        starts = np.flatnonzero((np.diff(cam, prepend=-1) != 0) | (np.diff(t_s, prepend=0.0) != 0))
+        row_of = np.empty(len(order), np.int64)
+        row_of[order] = np.arange(len(order))
+        return Images(
+            cam[starts], t_s[starts], np.append(starts, len(order)), self.xy_px[order],
+            self.factor[order],
+        ), row_of  # fmt: skip
 
 
 def cameras(views: Sequence[Poses2D], model: Model) -> list[int]:

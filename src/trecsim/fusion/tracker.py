@@ -1,14 +1,16 @@
 """The one object with state: frame sets in, people in 3D out."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Float64, Int64
 
 from trecsim.fusion import birth, fitting, kernels, lifecycle, memory
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.images import Detections, Images, cameras, prepare
+from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.memory import Lost
 from trecsim.fusion.model import build
@@ -184,22 +186,25 @@ class Tracker:
         pool = old.joined(images.detections(open_))
         owner = np.concatenate([np.full(len(old), kernels.FREE), owner[open_]])
         free = owner == kernels.FREE
+        candidates = list(birth.candidates(self._model, pool))
+        births: list[Birth] = []
         named: set[int] = set()
-        for candidate in birth.candidates(self._model, pool):
-            owners = np.unique(owner[candidate.member])
-            owners = owners[owners >= 0]
-            unnamed = owners[~np.isin(self._people.id[owners], list(named))]
-            if len(owners) and not len(unnamed):  # each identity is given once
+        for candidate, xyz_m in zip(candidates, completed(candidates, self._model), strict=True):
+            owners = {o for o in owner[candidate.member].tolist() if o >= 0}
+            unnamed = [o for o in sorted(owners) if int(self._people.id[o]) not in named]
+            if owners and not unnamed:  # each identity is given once
                 continue
             free[candidate.member] = False
-            torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso]
             eyes = np.isin(images.cam, pool.cam[candidate.member])
-            if not len(owners) and lifecycle.is_known(
-                self._people, torso, eyes, association, self._model
+            if not owners and lifecycle.is_known(
+                self._people, xyz_m[self._model.torso], eyes, association, self._model
             ):
                 continue
-            named.add(self._add(candidate, pool, unnamed))
-            replaced.update(owners.tolist())
+            identity, known = self._identify(xyz_m, unnamed)
+            births.append(Birth(candidate, xyz_m, identity, known or candidate.sure))
+            named.add(identity)
+            replaced |= owners
+        self._add(births, pool)
         self._leftover = pool.take(free)
         return replaced
 
@@ -212,40 +217,33 @@ class Tracker:
         n_open = kernels.owners(association.match, two_s, self._t_s, SUPPORT_S, owner)
         return owner, n_open
 
-    def _add(
-        self,
-        candidate: birth.Candidate,
-        pool: Detections,
-        owners: Int64[np.ndarray, " owner"],
-    ) -> int:
-        """Add somebody new, somebody who is back, or a better place for the tracks `owners`.
-
-        Returns the identity.
-        """
-        identity, known = self._identify(candidate, owners)
-        person = birth.newborn(candidate, identity, self._t_s, self._live, self._model)
-        person.confirmed[:] = known or candidate.sure
-        images = pool.take(candidate.member).as_images()
-        match = np.arange(len(images), dtype=np.int64)[None]
-        association = Association(match, candidate.flip[None], np.ones(match.shape))
-        prediction = fitting.predict(person, images, self._knots, self._t_s)
-        # Its images have just been noted, so they weigh little here: the candidate's place is
-        # theirs already, and the next frame set counts in full.
+    def _add(self, births: Sequence[Birth], pool: Detections) -> None:
+        """Add new tracks, all in one fit to their detections in `pool`."""
+        if not births:
+            return
+        people = first_states(births, self._t_s, self._live, self._model)
+        images, association = own_detections(births, pool)
+        prediction = fitting.predict(people, images, self._knots, self._t_s)
+        # Their images have just been noted, so they weigh little here: the first place is theirs
+        # already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
-        inlier = fitting.fit(person, images, association, prediction, self._model, since_s)
-        lifecycle.note_support(person, images, association, inlier, self._t_s, 0.0)
-        self._people = self._people.joined(person)
-        return identity
+        inlier = fitting.fit(people, images, association, prediction, self._model, since_s)
+        lifecycle.note_support(people, images, association, inlier, self._t_s, 0.0)
+        self._people = self._people.joined(people)
 
     def _identify(
-        self, candidate: birth.Candidate, owners: Int64[np.ndarray, " owner"]
+        self, xyz_m: Float64[np.ndarray, "joint 3"], owners: Sequence[int]
     ) -> tuple[int, bool]:
-        """Return the candidate's identity, and whether it has been reported before."""
-        if len(owners):
-            oldest = owners[np.argmin(self._people.id[owners])]
+        """Return the identity of a new track, and whether it has been reported before.
+
+        It is that of the oldest of the tracks `owners` that it replaces, or of a track that died
+        lately where this one begins, or else a new one.
+        """
+        if owners:
+            oldest = min(owners, key=lambda o: int(self._people.id[o]))
             return int(self._people.id[oldest]), bool(self._people.confirmed[oldest])
-        torso = birth.completed(candidate.xyz_m, self._model)[self._model.torso].mean(axis=0)
-        back = memory.recall(self._lost, torso, self._t_s, self._model.settings.recall_s)
+        torso_m = xyz_m[self._model.torso].mean(axis=0)
+        back = memory.recall(self._lost, torso_m, self._t_s, self._model.settings.recall_s)
         if back is not None:
             self._lost.remove(back)
             return back.id, True

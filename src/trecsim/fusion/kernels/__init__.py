@@ -28,7 +28,13 @@ from trecsim.fusion.kernels.matching import (
     score_view,
 )
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
-from trecsim.fusion.kernels.pairing import note_exchanges, note_needless, pair_scores, ray_midpoint
+from trecsim.fusion.kernels.pairing import (
+    midpoints,
+    note_exchanges,
+    note_needless,
+    pair_scores,
+    ray_midpoint,
+)
 from trecsim.fusion.kernels.prefilter import prefilter
 from trecsim.fusion.kernels.presence import (
     age,
@@ -74,6 +80,7 @@ __all__ = [
     "locate",
     "locate_joint",
     "match_view",
+    "midpoints",
     "note_exchanges",
     "note_needless",
     "note_support",

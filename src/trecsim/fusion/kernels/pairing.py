@@ -53,6 +53,29 @@ def ray_midpoint(p, u, q, v, out):
 
 
 @kernel
+def midpoints(p, u, q, v, most_m, out):
+    """Write the points halfway between the rays of two detections to `out`; count them.
+
+    Parameters
+    ----------
+    p, u, q, v
+        Where the rays start, (3,), and their directions, (joint, 3).
+    most_m
+        Rays that pass further from each other do not meet [m].
+    out
+        Result, (joint, 3); NaN where rays do not meet.
+    """
+    n = 0
+    for j in range(u.shape[0]):
+        meet = ray_midpoint(p, u[j], q, v[j], out[j]) < most_m
+        n += meet
+        if not meet:
+            for a in range(3):
+                out[j, a] = math.nan
+    return n
+
+
+@kernel
 def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     """Return how well the rays of detections `i` and `k` meet, and how many joints do.
 
