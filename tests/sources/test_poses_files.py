@@ -1,14 +1,17 @@
 import json
 import logging
+from collections import Counter
 
 import numpy as np
 import pytest
 
 from sources.made_poses import assert_same, made_poses
 from trecsim.errors import InputError
-from trecsim.sources import coco, read_poses
+from trecsim.skeleton import COCO17
+from trecsim.sources import json_stream, read_poses
 from trecsim.sources.openpose import MAX_FILE_BYTES, camera_folders
 from trecsim.store.poses_writer import PosesWriter
+from trecsim.sync import frame_sets
 
 
 def flat(image, person):
@@ -99,7 +102,7 @@ def test_people_without_points_are_left_out(tmp_path):
         ('{"people": {}}', "expected an object with a list 'people'"),
         ('{"people": [7]}', "expected an object with a list 'people'"),
         ('{"people": [{"pose_keypoints_2d": [1, 2, 3]}]}', "person 0: expected x, y, score"),
-        ('{"people": [{"pose_keypoints_2d": [NaN]}]}', "NaN is not JSON"),
+        ('{"people": [{"pose_keypoints_2d": [Infinity]}]}', "Infinity is not JSON"),
         ('{"people": ' + "[" * 100_000, "nested too deeply"),
         ("[" + " " * MAX_FILE_BYTES + "]", "larger than"),
     ],
@@ -157,9 +160,204 @@ def test_a_list_read_in_pieces_is_the_same(tmp_path, monkeypatch, chunk):
     images = [made_poses("a", i / 25, 2, i) for i in range(3)]
     write_coco(tmp_path / "a.json", images, 25)
     whole = list(read_poses(tmp_path / "a.json", fps=25))
-    monkeypatch.setattr(coco, "CHUNK_CHARS", chunk)
+    monkeypatch.setattr(json_stream, "CHUNK_CHARS", chunk)
     for found, expected in zip(read_poses(tmp_path / "a.json", fps=25), whole, strict=True):
         assert_same(found, expected)
+
+
+NAMES = {
+    "the camera's number after it": "{:06d}_cam1.jpg",
+    "the size of the images after it": "hall_{:06d}_1080p.png",
+    "numbers on both sides": "VID_2_{:d}_001_2.png",
+    "a time in milliseconds after it": "frame_{:d}_at_{ms:d}.jpg",
+    "a date before it": "2024-01-31_12-00_{:05d}.jpg",
+}
+
+
+@pytest.mark.parametrize("name", NAMES.values(), ids=NAMES)
+def test_of_several_numbers_in_names_the_one_that_counts_is_the_frame(tmp_path, name):
+    images = [made_poses("cam1", i / 25, 1, i) for i in range(9, 13)]
+    write_coco(tmp_path / "cam1.json", images, 25, lambda frame: name.format(frame, ms=40 * frame))
+    found = read_poses(tmp_path / "cam1.json", fps=25)
+    assert [image.t_s for image in found] == [image.t_s for image in images]
+
+
+@pytest.mark.parametrize(
+    "name", ["{:06d}_cam1_keypoints.json", "{:06d}_1080p.json", "cam1_{:06d}_keypoints.json"]
+)
+def test_the_frame_is_found_in_the_names_of_openpose_files_too(tmp_path, name):
+    for frame in (9, 10, 11):
+        write_openpose(tmp_path / "cam1_json", made_poses("a", 0, 1), name.format(frame))
+    assert [image.t_s for image in read_poses(tmp_path, fps=10)] == [0.9, 1.0, 1.1]
+
+
+def test_the_number_of_the_camera_is_not_the_frame_of_its_only_image(tmp_path):
+    write_coco(tmp_path / "cam7.json", [made_poses("a", 12 / 25, 1)], 25, "{:d}_cam7.jpg".format)
+    (image,) = read_poses(tmp_path / "cam7.json", fps=25)
+    assert image.t_s == 12 / 25
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["a_1.jpg", "b_1.jpg"], "'a_1.jpg' and 'b_1.jpg' are both frame 1"),
+        (["1_20.jpg", "2_21.jpg"], "cannot tell the frame number in names like '1_20' and '2_21'"),
+        (["1_1.jpg", "1_2.jpg", "2_1.jpg"], "no number is another in each"),
+    ],
+)
+def test_names_that_do_not_tell_the_frame_are_refused(tmp_path, names, message):
+    entries = [{"image_id": name, "keypoints": [5, 5, 0.5] * 17} for name in names]
+    (tmp_path / "a.json").write_text(json.dumps(entries))
+    with pytest.raises(InputError, match=r"a\.json: ") as caught:
+        list(read_poses(tmp_path / "a.json", fps=25))
+    assert message in str(caught.value)
+
+
+def test_an_image_without_people_is_one_in_which_only_other_cameras_have_entries(tmp_path):
+    frames = {"a": (0, 1, 3), "b": (1, 2, 3), "c": (1, 2)}
+    for camera, numbers in frames.items():
+        write_coco(
+            tmp_path / f"{camera}.json", [made_poses(camera, i / 25, 1) for i in numbers], 25
+        )
+    found = {camera: {} for camera in frames}
+    for image in read_poses(tmp_path, fps=25):
+        found[image.camera][round(25 * image.t_s)] = len(image.xy_px)
+    # Before its first entry and after its last nothing is known of a camera.
+    assert found == {"a": {0: 1, 1: 1, 2: 0, 3: 1}, "b": {1: 1, 2: 1, 3: 1}, "c": {1: 1, 2: 1}}
+
+
+def test_the_first_camera_to_find_people_in_an_empty_room_is_not_said_to_be_ahead(tmp_path, caplog):
+    for camera, resumes in (("a", 800), ("b", 790), ("c", 803)):
+        frames = [*range(50), *range(resumes, resumes + 50)]
+        images = [made_poses(camera, frame / 25, 1) for frame in frames]
+        write_coco(tmp_path / f"{camera}.json", images, 25)
+    times = Counter(image.t_s for image in read_poses(tmp_path, fps=25))
+    assert {count for t_s, count in times.items() if t_s < 840 / 25} == {3}
+    list(frame_sets(read_poses(tmp_path, fps=25)))
+    assert caplog.messages == []
+
+
+def test_a_camera_of_which_each_fifth_frame_was_looked_at_gets_no_images_between(tmp_path):
+    write_coco(tmp_path / "a.json", [made_poses("a", i / 25, 1) for i in range(21)], 25)
+    write_coco(tmp_path / "b.json", [made_poses("b", i / 25, 1) for i in (0, 10, 15, 20)], 25)
+    images = [image for image in read_poses(tmp_path, fps=25) if image.camera == "b"]
+    assert [(round(25 * image.t_s), len(image.xy_px)) for image in images] == [
+        (0, 1), (5, 0), (10, 1), (15, 1), (20, 1),
+    ]  # fmt: skip
+
+
+def instance(image, person):
+    return {
+        "keypoints": np.nan_to_num(image.xy_px[person]).tolist(),
+        "keypoint_scores": image.score[person].tolist(),
+        "bbox": [[0, 0, 9, 9]],
+        "bbox_score": image.person_score[person],
+    }
+
+
+def mmpose_frames(images):
+    return [
+        {
+            "frame_id": round(25 * image.t_s),
+            "instances": [instance(image, person) for person in range(len(image.xy_px))],
+        }
+        for image in images
+    ]
+
+
+META = {"dataset_name": "coco", "keypoint_id2name": dict(enumerate(COCO17.joints))}
+
+
+@pytest.mark.parametrize("kind", ["inferencer", "demo", "demo with names"])
+def test_mmposes_own_files_are_read_with_their_empty_images(tmp_path, kind):
+    images = [made_poses("north", i / 25, i % 3, i) for i in range(7)]
+    content = mmpose_frames(images)
+    if kind != "inferencer":
+        meta = META if kind == "demo with names" else {"dataset_name": "coco"}
+        content = {"meta_info": meta, "instance_info": content}
+    name = "north.json" if kind == "inferencer" else "results_north.json"
+    (tmp_path / name).write_text(json.dumps(content))
+    for path in (tmp_path, tmp_path / name):
+        for found, expected in zip(read_poses(path, fps=25), images, strict=True):
+            same_points(found, expected)
+            np.testing.assert_array_equal(found.person_score, expected.person_score)
+
+
+def test_mmposes_files_of_single_images_are_read_from_a_folder_for_each_camera(tmp_path):
+    images = [made_poses("north", i / 25, 2, i) for i in range(1, 4)]
+    (tmp_path / "north").mkdir()
+    for image in images:
+        people = [instance(image, person) for person in range(2)]
+        (tmp_path / "north" / f"{round(25 * image.t_s):06d}.json").write_text(json.dumps(people))
+    for path in (tmp_path, tmp_path / "north"):
+        for found, expected in zip(read_poses(path, fps=25), images, strict=True):
+            same_points(found, expected)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ('[{"frame_id": 0}]', "entry 0: expected frame_id and instances"),
+        ('[{"frame_id": -1, "instances": []}]', "entry 0: expected frame_id and instances"),
+        ('[{"frame_id": 3, "instances": []}, {"frame_id": 3, "instances": []}]', "3 after 3"),
+        ('[{"frame_id": 0, "instances": [7]}]', "instance 0: expected as many keypoint_scores"),
+        (
+            '[{"frame_id": 0, "instances": [{"keypoints": [[1, 2, 3]], "keypoint_scores": [1]}]}]',
+            "expected key points [x, y] in pixels",
+        ),
+        (
+            '[{"frame_id": 0, "instances": [{"keypoints": [[1, 2]], "keypoint_scores": [1]}]}]',
+            "found 3 numbers, 1 key points",
+        ),
+        ('{"meta_info": {}}', "it lacks 'instance_info'"),
+        ('{"meta_info": {"keypoint_id2name": {"0": "root"}}}', "its key points lack nose"),
+        ('{"meta_info": {}, "instance_info": [', "damaged or cut off"),
+        ('{"meta_info" 1', "damaged or cut off"),
+    ],
+)
+def test_what_is_wrong_with_a_file_of_mmpose_is_told(tmp_path, content, message):
+    (tmp_path / "a.json").write_text(content)
+    with pytest.raises(InputError, match=r"a\.json: ") as caught:
+        list(read_poses(tmp_path / "a.json", fps=25))
+    assert message in str(caught.value)
+
+
+def test_nan_is_missing_where_pose2sim_keeps_a_place_for_somebody_unseen(tmp_path):
+    folder = tmp_path / "cam1_json"
+    folder.mkdir()
+    nobody = '{"pose_keypoints_2d": [' + ", ".join(["NaN"] * 78) + "]}"
+    somebody = '{"pose_keypoints_2d": [' + ", ".join(["5, 6, 0.5"] * 25 + ["NaN, NaN, NaN"]) + "]}"
+    (folder / "cam1_0.json").write_text('{"people": [' + nobody + ", " + somebody + "]}")
+    (image,) = read_poses(tmp_path, fps=25)
+    assert image.person_score.tolist() == [0.5]
+
+
+PROJECT = ("pose-associated", "pose-sync", "pose")
+
+
+@pytest.mark.parametrize("taken", PROJECT)
+def test_of_a_pose2sim_project_the_last_step_is_taken_with_a_remark(tmp_path, taken, caplog):
+    for number, name in enumerate(PROJECT[PROJECT.index(taken) :]):
+        write_openpose(tmp_path / name / "cam1_json", made_poses("a", 0, 1), f"cam1_{number}.json")
+    (image,) = read_poses(tmp_path, fps=10)
+    assert image.t_s == 0.0
+    told = [f"{taken} is taken, as Pose2Sim does" in message for message in caplog.messages]
+    assert told == ([] if taken == "pose" else [True])
+
+
+def test_poses_of_an_earlier_step_that_are_given_are_taken_with_a_remark(tmp_path, caplog):
+    for number, name in enumerate(PROJECT):
+        write_openpose(tmp_path / name / "cam1_json", made_poses("a", 0, 1), f"cam1_{number}.json")
+    (image,) = read_poses(tmp_path / "pose", fps=10)
+    assert image.t_s == 0.2
+    assert "pose-associated lies beside it" in caplog.messages[0]
+
+
+def test_two_folders_of_one_camera_are_refused(tmp_path):
+    for name in ("cam1", "cam1_json"):
+        write_openpose(tmp_path / name, made_poses("a", 0, 1), "a_0.json")
+    with pytest.raises(InputError, match="cam1 and cam1_json are both of the camera 'cam1'"):
+        read_poses(tmp_path, fps=25)
 
 
 def test_an_empty_list_has_no_images(tmp_path):
@@ -174,16 +372,21 @@ ENTRY = '{"image_id": 1, "keypoints": [' + ",".join(["1"] * 51) + '], "score": 1
     ("content", "message"),
     [
         ("", "json list"),
-        ('{"annotations": []}', "json list"),
+        ('{"annotations": []}', "this is a COCO annotation file"),
+        ('{"info": {"description": "COCO 2017"}, "images": []}', "this is a COCO annotation file"),
+        ('{"people": []}', "json list"),
         ("[" + ENTRY, "cut off"),
         ("[" + ENTRY + ', {"image_id": 1, "keyp', "cut off"),
         ("[" + ENTRY + ", 7]", "entry 1: expected image_id, keypoints and score"),
         ("[" + ENTRY + ", {}]", "entry 1: expected image_id, keypoints and score"),
         ('[{"image_id": -1, "keypoints": []}]', "image_id must be a number"),
-        ('[{"image_id": "north", "keypoints": []}]', "image_id must be a number"),
+        ('[{"image_id": "north", "keypoints": []}]', "no frame number in the name 'north'"),
         ('[{"image_id": true, "keypoints": []}]', "image_id must be a number"),
         ('[{"image_id": 1, "keypoints": [1]}]', "keypoints: expected x, y, score"),
-        ("[" + ENTRY.replace("1,1,1", "NaN,1,1", 1) + "]", "NaN is not JSON"),
+        ("[" + ENTRY.replace("1,1,1", "Infinity,1,1", 1) + "]", "Infinity is not JSON"),
+        ("[" + "," * 5_000_000, "damaged or cut off"),
+        ("[" + ENTRY + ",," + ENTRY + "]", "damaged or cut off"),
+        ("[" + ENTRY + " " + ENTRY + "]", "damaged or cut off"),
         (
             "[" + ENTRY.replace("_id", "_id_", 1).replace("score", "score", 1) + "]",
             "expected image",
@@ -234,7 +437,7 @@ def test_a_rate_is_not_asked_for_where_times_are_told(tmp_path, caplog):
     assert caplog.messages == []
 
 
-@pytest.mark.parametrize("fps", [0.0, -25.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("fps", [0.0, -25.0, float("nan"), float("inf"), 1e-300, 1e6])
 def test_an_impossible_rate_is_refused(tmp_path, fps):
     with pytest.raises(InputError, match="frame rate"):
         read_poses(tmp_path, fps=fps)

@@ -4,7 +4,10 @@ The number of key points tells the layout. (OpenPose's experimental BODY_25B sha
 with BODY_25 and cannot be told from it; BODY_25 is assumed, it is what people have.)
 """
 
+import logging
+import math
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from reprlib import repr as brief
 from typing import Any
 
@@ -15,7 +18,11 @@ from trecsim.skeleton import COCO17
 from trecsim.sources.faults import FaultError
 from trecsim.values import Poses2D
 
+logger = logging.getLogger(__name__)
+
 MAX_COORDINATE_PX = 1e6
+MAX_ABS_TIME_S = 1e11
+HIGHEST_SCORE = 1.5  # regressed scores pass 1 by a little; beyond this they mean something else
 
 _COCO17 = " ".join(COCO17.joints)
 
@@ -53,17 +60,38 @@ ORDERS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def _places(order: Sequence[str]) -> Int64[np.ndarray, " joint"]:
+Places = Int64[np.ndarray, " joint"]
+
+
+def _places(order: Sequence[str]) -> Places:
     return np.array([order.index(joint) for joint in COCO17.joints])
+
+
+def places_of(names: Sequence[str]) -> Places:
+    """Return where the joints of COCO-17 are among key points that a file names.
+
+    Raises
+    ------
+    FaultError
+        When one of them is not there.
+    """
+    lacking = [joint for joint in COCO17.joints if joint not in names]
+    if lacking:
+        raise FaultError(
+            f"its key points lack {', '.join(lacking[:3])}{' and others' * (len(lacking) > 3)}: "
+            f"trecsim takes the joints of COCO-17, found {brief(list(names))}"
+        )
+    return _places(names)
 
 
 _PLACES = {len(order): _places(order) for order in ORDERS.values()}
 
 
-def coco17(flat: Any, where: str) -> Float64[np.ndarray, "joint 3"]:
+def coco17(flat: Any, where: str, places: Places | None = None) -> Float64[np.ndarray, "joint 3"]:
     """Return x, y [px] and score of the COCO-17 joints out of ``[x, y, score, x, ...]``.
 
-    A key point at 0, 0 or without a score is missing in these formats: NaN, NaN, 0.
+    A key point at 0, 0, with NaN or null, or without a score is missing: NaN, NaN, 0. Scores come
+    as they are in the file.
 
     Parameters
     ----------
@@ -71,6 +99,8 @@ def coco17(flat: Any, where: str) -> Float64[np.ndarray, "joint 3"]:
         The list as it stands in the file.
     where
         What to call it in a message.
+    places
+        Where the joints of COCO-17 are, if the file names its key points; else their number tells.
 
     Raises
     ------
@@ -82,38 +112,96 @@ def coco17(flat: Any, where: str) -> Float64[np.ndarray, "joint 3"]:
     >>> coco17([1.0, 2.0, 0.5] * 25, "person 0")[0]
     array([1. , 2. , 0.5])
     """
-    if not isinstance(flat, list) or len(flat) % 3 or len(flat) // 3 not in _PLACES:
-        known = ", ".join(f"{len(order)} ({name})" for name, order in ORDERS.items())
+    if not isinstance(flat, list) or len(flat) % 3:
         found = f"{len(flat)} numbers" if isinstance(flat, list) else brief(flat)
-        raise FaultError(f"{where}: expected x, y, score for one of {known}; found {found}")
-    if not all(isinstance(number, int | float) for number in flat):
+        raise FaultError(f"{where}: expected x, y, score of each key point, found {found}")
+    if places is None:
+        places = _PLACES.get(len(flat) // 3)
+    if places is None or 3 * places.max() >= len(flat):
+        known = ", ".join(f"{len(order)} ({name})" for name, order in ORDERS.items())
+        raise FaultError(
+            f"{where}: expected x, y, score for one of {known} key points; found {len(flat)} "
+            f"numbers, {len(flat) // 3} key points"
+        )
+    if not all(isinstance(number, int | float) or number is None for number in flat):
         raise FaultError(f"{where}: not all key point values are numbers: {brief(flat)}")
-    if not all(abs(number) <= MAX_COORDINATE_PX for number in flat):
+    values = [math.nan if number is None else number for number in flat]
+    if any(abs(number) > MAX_COORDINATE_PX for number in values):
         raise FaultError(f"{where}: a value is beyond {MAX_COORDINATE_PX:g} or infinite")
-    table: Float64[np.ndarray, "joint 3"] = np.array(flat, dtype=np.float64).reshape(-1, 3)
-    table = table[_PLACES[len(table)]]
-    table[:, 2] = table[:, 2].clip(0.0, 1.0)
-    missing = (table[:, 2] == 0.0) | (table[:, :2] == 0.0).all(axis=1)
+    table: Float64[np.ndarray, "joint 3"] = np.array(values, dtype=np.float64).reshape(-1, 3)
+    table = table[places]
+    missing = ~(table[:, 2] > 0.0) | (table[:, :2] == 0.0).all(axis=1)
+    missing |= np.isnan(table[:, :2]).any(axis=1)
     table[missing] = (np.nan, np.nan, 0.0)
     return table
 
 
-def poses(
-    camera: str,
-    t_s: float,
-    tables: Sequence[Float64[np.ndarray, "joint 3"]],
-    person_score: Sequence[float | None],
-) -> Poses2D:
-    """Return one image; a person without a score of its own gets the mean of its key points'."""
-    table = np.array(tables).reshape(-1, len(COCO17.joints), 3)
-    score = np.ascontiguousarray(table[:, :, 2])
-    seen = np.maximum((score > 0.0).sum(axis=1), 1)
-    means = score.sum(axis=1) / seen
-    own = np.array([np.nan if value is None else value for value in person_score])
-    return Poses2D(
-        camera,
-        t_s,
-        np.ascontiguousarray(table[:, :, :2]),
-        score,
-        np.where(np.isfinite(own), own, means).clip(0.0, 1.0),
-    )
+class NumberedImages:
+    """Makes the images of a camera whose files number their frames.
+
+    Parameters
+    ----------
+    camera
+        Name of the camera.
+    fps
+        Frames per second.
+    path
+        The file or folder, for remarks.
+    """
+
+    def __init__(self, camera: str, fps: float, path: Path) -> None:
+        self._camera = camera
+        self._fps = fps
+        self._path = path
+        self._remarked = False
+
+    def __call__(
+        self,
+        frame: int,
+        tables: Sequence[Float64[np.ndarray, "joint 3"]],
+        person_score: Sequence[float | None],
+    ) -> Poses2D:
+        """Return one image; a person without a score of its own gets the mean of its key points'.
+
+        Parameters
+        ----------
+        frame
+            Its number.
+        tables
+            Of `coco17`; people without any key point are left out.
+        person_score
+            Score of each of these people, if it is known.
+
+        Raises
+        ------
+        FaultError
+            When the frame number is a time beyond all bounds.
+        """
+        t_s = frame / self._fps
+        if t_s > MAX_ABS_TIME_S:
+            raise FaultError(f"frame {frame} would be at {t_s:g} s; check the frame rate (--fps)")
+        there = [index for index, table in enumerate(tables) if table[:, 2].any()]
+        table = np.array([tables[index] for index in there]).reshape(-1, len(COCO17.joints), 3)
+        self._remark(table[:, :, 2])
+        score = np.ascontiguousarray(table[:, :, 2].clip(0.0, 1.0))
+        means = score.sum(axis=1) / np.maximum((score > 0.0).sum(axis=1), 1)
+        given = [person_score[index] for index in there]
+        own = np.array([np.nan if value is None else value for value in given])
+        return Poses2D(
+            self._camera,
+            t_s,
+            np.ascontiguousarray(table[:, :, :2]),
+            score,
+            np.where(np.isfinite(own), own, means).clip(0.0, 1.0),
+        )
+
+    def _remark(self, score: Float64[np.ndarray, "person joint"]) -> None:
+        if not self._remarked and score.max(initial=0.0) > HIGHEST_SCORE:
+            self._remarked = True
+            logger.warning(
+                "%s: key points have scores such as %g, expected 0 to 1; all above 1 are taken as "
+                "1, so that no key point counts as doubtful. Write scores from 0 to 1 for better "
+                "tracks",
+                self._path,
+                score.max(),
+            )

@@ -2,13 +2,16 @@
 
 import heapq
 import logging
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Literal
 
 from trecsim.errors import InputError
 from trecsim.sources.coco import read_coco
+from trecsim.sources.empty_images import with_empty_images
 from trecsim.sources.faults import Faults, unknown_camera
+from trecsim.sources.mmpose import read_mmpose
 from trecsim.sources.openpose import camera_folders, read_openpose
 from trecsim.sources.poses_jsonl import read_poses_jsonl
 from trecsim.store.atomic import opened_for_reading
@@ -17,16 +20,17 @@ from trecsim.values import Poses2D
 logger = logging.getLogger(__name__)
 
 DEFAULT_FPS = 30.0
-MAX_FPS = 1e5
+FPS_RANGE = (1e-3, 1e5)
 _KINDS = (
     "a *.poses.jsonl file, a folder of them, a folder of OpenPose json folders (one per camera), "
-    "or COCO key point results (*.json, one per camera)"
+    "or results of MMPose or COCO tools (*.json, one per camera)"
 )
-
-
-@runtime_checkable
-class _Reader(Protocol):
-    def __call__(self, path: Path, /, *, camera: str, fps: float) -> Iterator[Poses2D]: ...
+_KIND_BYTES = 4096
+_FIRST_KEY = re.compile(rb'\s*(?:\[\s*)?\{\s*"(\w{1,40})"')
+_INSTANCE = re.compile(rb'\[\s*\{\s*"keypoints"\s*:\s*\[\s*\[')  # MMPose's file of a single image
+_MMPOSE_KEYS = {b"frame_id", b"instances", b"meta_info", b"instance_info"}
+_ANNOTATION_KEYS = {b"info", b"licenses", b"images", b"annotations", b"categories"}
+Kind = Literal["coco", "mmpose", "annotations", "other"]
 
 
 def read_poses(
@@ -41,8 +45,8 @@ def read_poses(
     ----------
     path
         A ``*.poses.jsonl`` file or a folder of such files; a folder with a folder of OpenPose
-        json files for each camera; a COCO key point results file, or a folder with one for each
-        camera (named like the camera).
+        json files for each camera, or a project of Pose2Sim; a file of MMPose or of COCO key
+        point results, or a folder with one for each camera (named like the camera).
     rig_cameras
         Names of the cameras that may occur; all, if None.
     fps
@@ -56,14 +60,17 @@ def read_poses(
         when something in the files is wrong.
     """
     path = Path(path)
-    if fps is not None and not 0.0 < fps <= MAX_FPS:
-        raise InputError(f"the frame rate must be between 0 and {MAX_FPS:g} per second, got {fps}")
+    if fps is not None and not FPS_RANGE[0] <= fps <= FPS_RANGE[1]:
+        raise InputError(
+            f"the frame rate must be from {FPS_RANGE[0]:g} to {FPS_RANGE[1]:g} frames per second, "
+            f"got {fps:g}"
+        )
     if not path.exists():
         raise InputError(f"{path}: no such file or folder; expected {_KINDS}")
     if path.is_dir():
         return _read_folder(path, rig_cameras, fps)
     if path.suffix == ".json":
-        return _by_camera(read_coco, {path.stem: path}, path, rig_cameras, fps)
+        return _read_results({path: _kind(path)}, path, rig_cameras, fps)
     return read_poses_jsonl(path, rig_cameras=rig_cameras)
 
 
@@ -73,42 +80,88 @@ def _read_folder(
     jsonl = sorted(path.glob("*.poses.jsonl"))
     if jsonl:
         return _merged([read_poses_jsonl(file, rig_cameras=rig_cameras) for file in jsonl])
-    results = {file.stem: file for file in sorted(path.glob("*.json")) if _begins_a_list(file)}
+    kinds = {file: _kind(file) for file in sorted(path.glob("*.json"))}
+    results = {file: kind for file, kind in kinds.items() if kind in ("coco", "mmpose")}
     if results:
-        return _by_camera(read_coco, results, path, rig_cameras, fps)
+        return _read_results(results, path, rig_cameras, fps)
+    annotations = [file for file, kind in kinds.items() if kind == "annotations"]
+    if annotations:
+        raise InputError(f"{annotations[0]}: {_ANNOTATIONS}")
     folders = camera_folders(path)
     if folders:
-        return _by_camera(read_openpose, folders, path, rig_cameras, fps)
+        fps = _checked(folders, path, rig_cameras, fps)
+        return _merged([read_openpose(at, camera=name, fps=fps) for name, at in folders.items()])
     raise InputError(f"{path}: no 2D poses in this folder; expected {_KINDS}")
 
 
-def _begins_a_list(file: Path) -> bool:
+def _kind(file: Path) -> Kind:
+    """Return what a json file is, by how it begins: results for one camera, or none."""
     with opened_for_reading(file) as content:
-        return content.read(64).removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"[")
+        start = content.read(_KIND_BYTES).removeprefix(b"\xef\xbb\xbf").lstrip()
+    match = _FIRST_KEY.match(start)
+    key = match[1] if match else b""
+    if key in _MMPOSE_KEYS:
+        return "mmpose"
+    if start.startswith(b"[") and not _INSTANCE.match(start):
+        return "coco"
+    return "annotations" if key in _ANNOTATION_KEYS else "other"
 
 
-def _by_camera(
-    read: _Reader,
-    places: Mapping[str, Path],
+def _read_results(
+    kinds: Mapping[Path, Kind],
     path: Path,
     rig_cameras: Collection[str] | None,
     fps: float | None,
 ) -> Iterator[Poses2D]:
+    """Yield the images of files of which each has the results of one camera."""
+    if "annotations" in kinds.values():
+        raise InputError(f"{path}: {_ANNOTATIONS}")
+    mmpose = {_mmpose_camera(f, rig_cameras): f for f, k in kinds.items() if k == "mmpose"}
+    coco = {file.stem: file for file, kind in kinds.items() if kind != "mmpose"}
+    cameras = {**mmpose, **coco}
+    if len(cameras) < len(kinds):
+        names = ", ".join(file.name for file in kinds)
+        raise InputError(f"{path}: two files are of one camera, by their names: {names}")
+    fps = _checked(cameras, path, rig_cameras, fps)
+    images = [read_mmpose(file, camera=name, fps=fps) for name, file in mmpose.items()]
+    results = {name: read_coco(file, camera=name, fps=fps) for name, file in coco.items()}
+    return _merged([*images, with_empty_images(results, fps)])
+
+
+_ANNOTATIONS = (
+    "this is a COCO annotation file (images, annotations), which is not read; give key point "
+    "results, a json list with one entry per person and image: image_id, keypoints, score"
+)
+
+
+def _mmpose_camera(file: Path, rig_cameras: Collection[str] | None) -> str:
+    """Return the camera of a file; MMPose's demo puts ``results_`` before the video's name."""
+    short = file.stem.removeprefix("results_")
+    return file.stem if rig_cameras is not None and file.stem in rig_cameras else short
+
+
+def _checked(
+    places: Mapping[str, Path],
+    path: Path,
+    rig_cameras: Collection[str] | None,
+    fps: float | None,
+) -> float:
+    """Return the frame rate, when the rig has all the cameras."""
     faults = Faults(str(path))
     known = places if rig_cameras is None else rig_cameras
     for camera in places:
         if camera not in known:
             faults.add("", unknown_camera(camera, known))
     faults.raise_if_any()
-    if fps is None:
-        fps = DEFAULT_FPS
-        logger.warning(
-            "%s tells frame numbers but no times: %g frames per second assumed; give the true "
-            "rate if it is another",
-            path,
-            fps,
-        )
-    return _merged([read(place, camera=camera, fps=fps) for camera, place in places.items()])
+    if fps is not None:
+        return fps
+    logger.warning(
+        "%s has frame numbers but no times: %g frames per second assumed; give the true rate "
+        "(--fps) if it is another",
+        path,
+        DEFAULT_FPS,
+    )
+    return DEFAULT_FPS
 
 
 def _merged(cameras: Iterable[Iterator[Poses2D]]) -> Iterator[Poses2D]:

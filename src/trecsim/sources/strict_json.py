@@ -1,6 +1,7 @@
-"""JSON as its standard has it: no NaN, no key twice, no bottomless nesting."""
+"""JSON as its standard has it: no key twice, no bottomless nesting, and no NaN unless asked for."""
 
 import json
+import math
 from typing import Any, NoReturn
 
 from trecsim.sources.faults import FaultError
@@ -19,11 +20,23 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return fields
 
 
-_DECODER = json.JSONDecoder(object_pairs_hook=_object, parse_constant=_refuse_constant)
+def _nan(name: str) -> float:
+    return math.nan if name == "NaN" else _refuse_constant(name)
 
 
-def loads(data: bytes) -> Any:
+_STRICT = json.JSONDecoder(object_pairs_hook=_object, parse_constant=_refuse_constant)
+_WITH_NAN = json.JSONDecoder(object_pairs_hook=_object, parse_constant=_nan)
+
+
+def loads(data: bytes, *, nan: bool = False) -> Any:
     """Return the value that `data`, UTF-8 with or without a byte order mark, stands for.
+
+    Parameters
+    ----------
+    data
+        The whole text.
+    nan
+        Whether NaN is a number, as Python's json module writes it into other programs' files.
 
     Raises
     ------
@@ -36,7 +49,7 @@ def loads(data: bytes) -> Any:
     {'t_s': 1.5, 'people': []}
     """
     try:
-        return _DECODER.decode(data.decode("utf-8-sig"))
+        return _decoder(nan).decode(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise FaultError(f"not UTF-8 text (byte {error.start})") from error
     except FaultError:
@@ -49,8 +62,19 @@ def loads(data: bytes) -> Any:
         raise FaultError(str(error)) from error
 
 
-def next_value(text: str, position: int) -> tuple[Any, int]:
+def _decoder(nan: bool) -> json.JSONDecoder:
+    return _WITH_NAN if nan else _STRICT
+
+
+def next_value(text: str, position: int, *, nan: bool = False) -> tuple[Any, int]:
     """Return the value that starts at `position` of `text`, and where it ends.
+
+    Parameters
+    ----------
+    text, position
+        Where to look.
+    nan
+        Whether NaN is a number.
 
     Raises
     ------
@@ -60,7 +84,7 @@ def next_value(text: str, position: int) -> tuple[Any, int]:
         When more text cannot help.
     """
     try:
-        return _DECODER.raw_decode(text, position)
+        return _decoder(nan).raw_decode(text, position)
     except (FaultError, json.JSONDecodeError):
         raise
     except RecursionError as error:
