@@ -8,6 +8,7 @@ from trecsim.errors import ConfigError
 from trecsim.lab.evaluation.limbs import (
     LIMBS,
     limb_lengths,
+    limb_named,
     limb_series,
     limb_summary,
     limb_table,
@@ -28,14 +29,14 @@ def test_the_lengths_of_somebody_known():
         {
             "nose - right shoulder": 100 * np.sqrt(0.1**2 + 0.18**2 + 0.2**2),
             "nose - left shoulder": 100 * np.sqrt(0.1**2 + 0.18**2 + 0.2**2),
-            "shoulder line": 36,
-            "right brachium": 30,
-            "left brachium": 30,
-            "right antebrachium": 25,
-            "left antebrachium": 25,
-            "right flank": 100 * np.sqrt(0.08**2 + 0.5**2),
-            "left flank": 100 * np.sqrt(0.08**2 + 0.5**2),
-            "waist": 20,
+            "shoulder width": 36,
+            "right upper arm": 30,
+            "left upper arm": 30,
+            "right forearm": 25,
+            "left forearm": 25,
+            "right trunk": 100 * np.sqrt(0.08**2 + 0.5**2),
+            "left trunk": 100 * np.sqrt(0.08**2 + 0.5**2),
+            "pelvis width": 20,
             "right thigh": 42,
             "left thigh": 42,
             "right shin": 40,
@@ -144,12 +145,32 @@ lengths_cm = {}
 """
 
 
+@pytest.mark.parametrize(
+    ("written", "limb"),
+    [
+        *((limb, limb) for limb in LIMBS),
+        ("left brachium", "left upper arm"),
+        ("left humerus", "left upper arm"),
+        ("Right Antebrachium", "right forearm"),
+        ("r_tibia", "right shin"),
+        ("left flank", "left trunk"),
+        ("shoulder line", "shoulder width"),
+        ("waist", "pelvis width"),
+        ("pelvis-width", "pelvis width"),
+        ("humerus", None),
+        ("left nose", None),
+    ],
+)
+def test_a_limb_is_known_by_its_common_names(written, limb):
+    assert limb_named(written) == limb
+
+
 def test_measured_lengths_go_to_every_identity_of_a_subject(tmp_path):
     path = tmp_path / "measured.toml"
     path.write_text(MEASURED)
     given = read_measured(path)
     assert sorted(given) == [3, 4, 8]
-    assert given[8][LIMBS.index("shoulder line")] == pytest.approx(0.40)
+    assert given[8][LIMBS.index("shoulder width")] == pytest.approx(0.40)
     assert given[3][LIMBS.index("left shin")] == pytest.approx(0.415)
     assert np.isfinite(given[3]).sum() == 2
     assert np.isnan(given[4]).all()
@@ -161,6 +182,7 @@ def test_measured_lengths_go_to_every_identity_of_a_subject(tmp_path):
         ('"left shin" = 41.5', '"left shin" = -1', "greater than 0"),
         ('"left shin" = 41.5', '"left shin" = nan', "finite"),
         ('"left shin" = 41.5', '"left shine" = 41.5', "did you mean 'left shin'"),
+        ('"left shin" = 41.5', '"shoulders" = 41.5', "the same limb as 'shoulder line'"),
         ("[4]", "[8]", "line 7: subjects.bert.people: identity 8 is also that of 'anna'"),
         ("[4]", "[-4]", "greater than or equal to 0"),
         ("trecsim.limbs/1", "trecsim.limbs/9", "trecsim.limbs/1"),

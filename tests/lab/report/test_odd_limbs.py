@@ -40,7 +40,7 @@ def test_a_jump_that_no_camera_supports_is_not_told() -> None:
 
 def test_a_limb_that_varies_is_told() -> None:
     series = steady()
-    series.length_m[::2, LIMBS.index("right antebrachium")] += 0.12
+    series.length_m[::2, LIMBS.index("right forearm")] += 0.12
     assert told(series) == [
         "Person 0: right forearm varies in length by 6.0 cm around 53 cm; a noisy detector does "
         "that (joint_sigma_m), or a camera that is off."
@@ -49,7 +49,7 @@ def test_a_limb_that_varies_is_told() -> None:
 
 def test_lines_across_the_body_change_with_the_posture() -> None:
     series = steady()
-    series.length_m[::2, LIMBS.index("left flank")] = 0.2
+    series.length_m[::2, LIMBS.index("left trunk")] = 0.2
     assert told(series) == []
 
 

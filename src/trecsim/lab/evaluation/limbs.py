@@ -16,21 +16,31 @@ from trecsim.store.truth import Truth
 _LINES = {
     "nose - right shoulder": ("nose", "right_shoulder"),
     "nose - left shoulder": ("nose", "left_shoulder"),
-    "shoulder line": ("left_shoulder", "right_shoulder"),
-    "right brachium": ("right_shoulder", "right_elbow"),
-    "left brachium": ("left_shoulder", "left_elbow"),
-    "right antebrachium": ("right_elbow", "right_wrist"),
-    "left antebrachium": ("left_elbow", "left_wrist"),
-    "right flank": ("right_shoulder", "right_hip"),
-    "left flank": ("left_shoulder", "left_hip"),
-    "waist": ("left_hip", "right_hip"),
+    "shoulder width": ("left_shoulder", "right_shoulder"),
+    "right upper arm": ("right_shoulder", "right_elbow"),
+    "left upper arm": ("left_shoulder", "left_elbow"),
+    "right forearm": ("right_elbow", "right_wrist"),
+    "left forearm": ("left_elbow", "left_wrist"),
+    "right trunk": ("right_shoulder", "right_hip"),
+    "left trunk": ("left_shoulder", "left_hip"),
+    "pelvis width": ("left_hip", "right_hip"),
     "right thigh": ("right_hip", "right_knee"),
     "left thigh": ("left_hip", "left_knee"),
     "right shin": ("right_knee", "right_ankle"),
     "left shin": ("left_knee", "left_ankle"),
 }
 LIMBS = tuple(_LINES)
-"""Their names, as in the thesis; the brachium is the upper arm, the antebrachium the forearm."""
+"""Their names; `limb_named` finds them by other common names too."""
+
+_SYNONYMS = {
+    "shoulder width": ("shoulder line", "shoulders", "biacromial width"),
+    "upper arm": ("brachium", "humerus"),
+    "forearm": ("antebrachium", "lower arm", "radius", "ulna"),
+    "trunk": ("flank", "torso", "trunk side", "shoulder to hip"),
+    "pelvis width": ("waist", "pelvis", "hip width", "hips"),
+    "thigh": ("upper leg", "femur"),
+    "shin": ("lower leg", "shank", "calf", "tibia"),
+}
 
 _ENDS = np.array([[COCO17.index(joint) for joint in ends] for ends in _LINES.values()])
 _NEAR_M = 0.5  # within this, mean over the joints, a track is that of a true person
@@ -38,6 +48,30 @@ _MOST_MOMENTS = 200  # enough to tell whose track it is
 
 Given = Mapping[int, Float64[np.ndarray, "14"]]
 """True lengths by identity, in the order of :data:`LIMBS`, NaN where not known [m]."""
+
+
+def limb_named(name: str) -> str | None:
+    """Return which of :data:`LIMBS` a name means, or None.
+
+    Case, hyphens and underscores do not matter. Anatomical names and those of the thesis are
+    known, as are the sides l and r.
+
+    Examples
+    --------
+    >>> limb_named("Left humerus"), limb_named("waist"), limb_named("r_tibia"), limb_named("tail")
+    ('left upper arm', 'pelvis width', 'right shin', None)
+    """
+    words = name.lower().replace("_", " ").replace("-", " ").split()
+    sides = {"l": "left", "r": "right"}
+    wanted = " ".join(sides.get(word, word) for word in words)
+    for limb in LIMBS:
+        side, _, part = (
+            limb.partition(" ") if limb.startswith(("left ", "right ")) else ("", "", limb)
+        )
+        known = (part, *_SYNONYMS.get(part, ()))
+        if wanted in (f"{side} {other}".strip().replace(" - ", " ") for other in known):
+            return limb
+    return None
 
 
 def limb_lengths(xyz_m: Float[np.ndarray, "*batch 17 3"]) -> Float64[np.ndarray, "*batch 14"]:

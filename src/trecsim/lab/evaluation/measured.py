@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from trecsim.lab.evaluation.limbs import LIMBS, Given
+from trecsim.lab.evaluation.limbs import LIMBS, Given, limb_named
 from trecsim.toml_models import Table, file_faults, read_text, validated
 
 KIND = "file of measured limb lengths"
@@ -24,7 +24,7 @@ class SubjectTable(Table):
     people: Annotated[tuple[Identity, ...], Field(strict=False, min_length=1)]
     """The identities that the tracks give this person."""
     lengths_cm: dict[str, LengthCm]
-    """Length by the name of the limb [cm]."""
+    """Length by the name of the limb, as `limb_named` knows it [cm]."""
 
 
 class MeasuredFile(Table):
@@ -56,7 +56,7 @@ def read_measured(path: Path | str) -> Given:
     ... format = "trecsim.limbs/1"
     ... [subjects.one]
     ... people = [3]
-    ... lengths_cm = { "shoulder line" = 40, "right thigh" = 47 }
+    ... lengths_cm = { "shoulder width" = 40, "right thigh" = 47 }
     ... ''')
     >>> float(read_measured(path)[3][LIMBS.index("right thigh")])
     0.47
@@ -64,12 +64,13 @@ def read_measured(path: Path | str) -> Given:
     path = Path(path)
     text = read_text(path, KIND)
     measured = validated(MeasuredFile, path, text, KIND)
-    faults = [*_unknown_limbs(measured), *_shared_identities(measured)]
+    faults = [*_unknown_limbs(measured), *_limbs_twice(measured), *_shared_identities(measured)]
     if faults:
         raise file_faults(path, text, faults)
     return {
-        identity: np.array([subject.lengths_cm.get(limb, np.nan) for limb in LIMBS]) / 100.0
+        identity: np.array([lengths_cm.get(limb, np.nan) for limb in LIMBS]) / 100.0
         for subject in measured.subjects.values()
+        for lengths_cm in [{limb_named(name): cm for name, cm in subject.lengths_cm.items()}]
         for identity in subject.people
     }
 
@@ -77,10 +78,24 @@ def read_measured(path: Path | str) -> Given:
 def _unknown_limbs(measured: MeasuredFile) -> Iterator[Fault]:
     for name, subject in measured.subjects.items():
         for limb in subject.lengths_cm:
-            if limb not in LIMBS:
+            if limb_named(limb) is None:
                 near = get_close_matches(limb, LIMBS, n=1)
                 hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(LIMBS)}"
                 yield ("subjects", name, "lengths_cm", limb), f"no such limb; {hint}"
+
+
+def _limbs_twice(measured: MeasuredFile) -> Iterator[Fault]:
+    for name, subject in measured.subjects.items():
+        first: dict[str, str] = {}
+        for written in subject.lengths_cm:
+            limb = limb_named(written)
+            if limb in first:
+                yield (
+                    ("subjects", name, "lengths_cm", written),
+                    f"the same limb as {first[limb]!r}; give one of them",
+                )
+            elif limb is not None:
+                first[limb] = written
 
 
 def _shared_identities(measured: MeasuredFile) -> Iterator[Fault]:

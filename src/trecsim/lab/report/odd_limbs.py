@@ -13,17 +13,12 @@ FAR_TOO_LONG = 1.5  # times the median length of the limb
 FEWEST = 10  # moments without which there is no usual length
 MOST_TOLD = 5
 
-_SAID = {
-    f"{side} {limb}": f"{side} {said}"
+_BONES = tuple(
+    f"{side} {limb}"
     for side in ("left", "right")
-    for limb, said in (
-        ("brachium", "upper arm"),
-        ("antebrachium", "forearm"),
-        ("thigh", "thigh"),
-        ("shin", "shin"),
-    )
-}
-"""The limbs that are bones, as one says: lines across the body change with the posture."""
+    for limb in ("upper arm", "forearm", "thigh", "shin")
+)
+"""Limbs with one bone; the other lengths change with the posture."""
 
 
 def odd_limbs(series: Iterable[LimbSeries], clock: Clock) -> Iterator[str]:
@@ -54,12 +49,12 @@ def _odd_limbs(series: LimbSeries, clock: Clock) -> Iterator[tuple[float, str]]:
     counts = series.supported & np.isfinite(series.length_m)
     for index, limb in enumerate(LIMBS):
         here = counts[:, index]
-        if limb not in _SAID or here.sum() < FEWEST:
+        if limb not in _BONES or here.sum() < FEWEST:
             continue
         length_m, t_s = series.length_m[here, index], series.t_s[here]
         usual_m, sd_m = float(np.median(length_m)), float(length_m.std())
         long = length_m > FAR_TOO_LONG * usual_m
-        who = f"Person {series.person}: {_SAID[limb]}"
+        who = f"Person {series.person}: {limb}"
         if long.any():
             worst_m = float(length_m.max())
             text = f"{who} is far too long in {_when(long, length_m, t_s, clock)}; one end may"
