@@ -1,7 +1,8 @@
-"""The simulated detector beside the real one it was made after.
+"""The simulated detector beside the real one it is tuned to.
 
-Recorded are the figures of OpenPose on Shelf, measured once. *Here* are those of the recording by
-the same code as the simulated ones, where it is among the data beside the repository.
+*Recorded* are the figures of OpenPose on Shelf that the simulator is tuned to, measured once.
+*Here* are those that the code of this repository finds on all 301 frames of the recording, where
+it is among the data beside the repository.
 
 Run: ``python benchmarks/detector_figures.py``
 """
@@ -10,8 +11,7 @@ from harness.command import alone
 from harness.figures import Figures, Skipped, once
 from harness.options import Options, shared_data
 
-# Some of the habits are rare (left and right swapped: once in 250 people), so that a single run
-# may be off by a tenth by chance alone.
+# Some errors are rare (left and right swapped: once in 250 people): one run may be off by a tenth.
 SEEDS = range(1, 9)
 
 
@@ -21,8 +21,8 @@ def mean(runs: list[dict[str, float]]) -> dict[str, float]:
 
 
 def measure(options: Options) -> Figures:
-    """Measure the habits of the simulated detector, beside those of the real one."""
-    from trecsim.lab.evaluation.detector_figures import MEASURED, recorded, simulated
+    """Measure the errors of the simulated detector, beside those of the real one."""
+    from detector.openpose_on_shelf import MEASURED, recorded, simulated
     from trecsim.lab.simulation.detector import ANNOTATED, REAL
 
     seeds = SEEDS[:1] if options.quick else SEEDS

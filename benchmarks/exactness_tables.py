@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from harness.figures import Figure, Result, find
-from harness.markdown import NOTHING, fixed, number, table, value_of, with_spread
+from harness.markdown import NOTHING, busy, fixed, number, table, value_of, with_spread
 from recorded import AUTHORS_SCENES, FEWER_ON_SHELF, ON_SHELF, OnShelf
 
 Results = Mapping[str, Result]
@@ -123,7 +123,10 @@ def shelf(results: Results, *, short: bool) -> str:
     """Return ours on Shelf, five cameras, among recorded figures of others."""
     result = results["shelf"]
     rows = []
-    for lag, text in (("newest", "trecsim, no lag"), ("lag 0.2 s", "trecsim, 0.2 s lag")):
+    for lag, text in (
+        ("newest", "trecsim, no lag"),
+        ("lag 0.2 s", "trecsim, 0.2 s lag (296 frames)"),
+    ):
         at = partial(value_of, result.figures, "5 cameras", lag)
         actors = " / ".join(fixed(at(f"PCP of actor {n}"), 1) for n in (1, 2, 3))
         rows.append(
@@ -134,7 +137,7 @@ def shelf(results: Results, *, short: bool) -> str:
     rows += [_other_on_shelf(o) for o in ON_SHELF if not short or o.switches is not None]
     head = ["", "actors 1 / 2 / 3", "average PCP", "actor 4",
             "switches / missed person-frames", "2D to 3D per frame set [ms]"]  # fmt: skip
-    return table(head, rows)
+    return table(head, rows) + busy(result)
 
 
 def shelf_fewer(results: Results) -> str:

@@ -5,8 +5,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from harness.figures import Result
-from harness.machine import busy_with
-from harness.markdown import NOTHING, fixed, number, table, value_of
+from harness.markdown import NOTHING, busy, fixed, number, table, value_of
 from recorded import AUTHORS_FIT_MS, THESIS_FIT_MS, THESIS_INFERENCE_MS
 from speed import LENSED, cell_name
 
@@ -107,17 +106,6 @@ def estimator(results: Results) -> str:
     head = ["in the image", "mean ± std [ms]", "max", "min", "images per second",
             "thesis (YOLOv7, GPU): mean ± std [ms]", "max", "min"]  # fmt: skip
     return table(head, rows) + busy(result)
-
-
-def busy(result: Result) -> str:
-    """Return a warning where a machine had too much to do for its times to be quoted."""
-    others = busy_with(result.about)
-    if others is None:
-        return ""
-    cores = result.about["machine"]["cores"]
-    return (
-        f"\n\n*The machine was busy with other things on {others:.1f} of {cores} cores: too long.*"
-    )
 
 
 def grid(results: Results) -> tuple[list[int], list[int], Callable[[int, int, str], float]]:

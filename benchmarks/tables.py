@@ -17,7 +17,7 @@ import speed_tables as fast
 from harness import pages
 from harness.figures import Result, leaves
 from harness.machine import ROOT
-from harness.markdown import listed, measured_on
+from harness.markdown import busy, listed, measured_on
 from recorded import AUTHORS_FIT_MS
 from targets import FUSION, OTHERS
 
@@ -30,7 +30,7 @@ PICTURE = ROOT / "docs" / "pictures" / "speed.svg"
 def everything(results: Results, name: str) -> str:
     """Return all figures of a benchmark."""
     timed = any(figure.kind == "time" for _, figure in leaves(results[name].figures))
-    return listed(results[name]) + (fast.busy(results[name]) if timed else "")
+    return listed(results[name]) + (busy(results[name]) if timed else "")
 
 
 def others(results: Results) -> str:

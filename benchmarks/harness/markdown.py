@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from harness.figures import Figure, Figures, Result, find, leaves
+from harness.machine import busy_with
 
 NOTHING = "–"
 
@@ -93,7 +94,20 @@ def measured_on(result: Result) -> str:
     )
     used = machine.get("cores_used_by_others")
     others = f" ({used:.1f} of them used by others)" if used is not None else ""
+    instructions = machine.get("instructions")
+    told = f" with {' '.join(instructions)}" if instructions is not None else ""
     return (
         f"{about['date'][:10]}, commit {about['commit']}, {machine['cores']} cores of "
-        f"{machine['processor']}{others}, {some}"
+        f"{machine['processor']}{told}{others}, {some}"
+    )
+
+
+def busy(result: Result) -> str:
+    """Return a warning where a machine had too much to do for its times to be quoted."""
+    others = busy_with(result.about)
+    if others is None:
+        return ""
+    cores = result.about["machine"]["cores"]
+    return (
+        f"\n\n*The machine was busy with other things on {others:.1f} of {cores} cores: too long.*"
     )

@@ -2,7 +2,6 @@
 
 import json
 import os
-import time
 
 import pytest
 
@@ -16,15 +15,10 @@ def test_what_others_used_is_what_is_left_after_ones_own() -> None:
     assert used_by_others(None, Use(20.0, 109.9, 15.0)) is None
 
 
-def test_own_work_is_not_that_of_others() -> None:
-    before, began_s = use(), time.process_time()
-    while time.process_time() - began_s < 0.2:
-        pass
-    after = use()
-    assert before is not None
-    assert after is not None
-    assert after.own_s - before.own_s >= 0.15
-    assert after.all_s >= before.all_s
+def test_own_work_is_part_of_all_work() -> None:
+    seen = use()
+    assert seen is not None
+    assert 0.0 < seen.own_s <= seen.all_s
 
 
 def test_only_a_machine_that_others_use_is_busy() -> None:
@@ -39,5 +33,7 @@ def test_only_a_machine_that_others_use_is_busy() -> None:
 def test_a_result_names_neither_computer_nor_place() -> None:
     told = describe()
     assert set(told) == {"date", "machine", "versions", "commit"}
-    assert set(told["machine"]) == {"processor", "cores", "system", "load_average"}
+    assert set(told["machine"]) == {
+        "processor", "instructions", "cores", "system", "load_average"
+    }  # fmt: skip
     assert os.getcwd() not in json.dumps(told)

@@ -15,6 +15,7 @@ def evaluate(
     *,
     truth: Path | None = None,
     shelf: Path | None = None,
+    lag_s: float = 0.0,
     rig: Path | None = None,
     poses: Path | None = None,
     lengths: Path | None = None,
@@ -37,6 +38,9 @@ def evaluate(
         Ground truth: `truth.npz`, or the directory of a simulated scene.
     shelf
         Directory of the Shelf recording, to compute PCP3D over all its frames.
+    lag_s
+        Smoothing lag of the tracks [s]; goes with `--shelf`, whose last frames of that length are
+        not scored, since the recording ends before lagged tracks reach them.
     rig
         Calibration, for reprojection errors; needs `--poses`.
     poses
@@ -63,6 +67,7 @@ def evaluate(
                     path,
                     truth,
                     shelf=shelf,
+                    lag_s=lag_s,
                     rig=rig,
                     poses=poses,
                     lengths=lengths,

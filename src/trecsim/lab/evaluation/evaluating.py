@@ -92,6 +92,7 @@ def evaluate(
     truth: Truth | Path | str | None = None,
     *,
     shelf: Path | str | None = None,
+    lag_s: float = 0.0,
     rig: Rig | Path | str | None = None,
     poses: Path | str | None = None,
     lengths: Path | str | None = None,
@@ -109,6 +110,9 @@ def evaluate(
         Where everybody truly was: ``truth.npz``, the directory of a made scene, or the arrays.
     shelf
         Directory of the Shelf recording, if the tracks are made of it; all its frames count.
+    lag_s
+        Smoothing lag of the tracks [s]; the last frames of `shelf`, which they cannot reach, do
+        not count.
     rig, poses
         Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
     lengths
@@ -144,7 +148,7 @@ def evaluate(
         first_s=float(moments.t_s[0]) if len(moments.t_s) else float("nan"),
         last_s=float(moments.t_s[-1]) if len(moments.t_s) else float("nan"),
         scores=scores,
-        shelf=score_shelf(read_tracks(tracks), read_annotation(shelf)) if shelf else None,
+        shelf=_pcp(tracks, shelf, lag_s),
         limbs=limbs,
         limb_summary=limb_summary(limbs),
         jitter=jitter(people, usual_s),
@@ -164,6 +168,12 @@ def _check_request(
         raise InputError(f"the time that counts cannot begin before 0 s, got from {from_s:g} s")
     if not from_s < until_s:
         raise InputError(f"the time must run forwards, got from {from_s:g} s until {until_s:g} s")
+
+
+def _pcp(tracks: Path | str, shelf: Path | str | None, lag_s: float) -> Pcp | None:
+    if shelf is None:
+        return None
+    return score_shelf(read_tracks(tracks), read_annotation(shelf), lag_s=lag_s)
 
 
 def _limbs(

@@ -199,6 +199,7 @@ def score_shelf(
     snapshots: Iterable[Snapshot],
     annotation: Annotation,
     *,
+    lag_s: float = 0.0,
     head: HeadRule = "voxelpose",
     matching: Matching = "nearest",
 ) -> Pcp:
@@ -212,6 +213,9 @@ def score_shelf(
         is none, nobody was found.
     annotation
         Where people truly were.
+    lag_s
+        Smoothing lag of the tracks [s]. The recording ends before the last frames of that length
+        can be given, so they are not scored; without a lag all frames are.
     head
         How the two ends of the head come from COCO-17.
     matching
@@ -221,8 +225,10 @@ def score_shelf(
     Raises
     ------
     InputError
-        The tracks have another number of joints, or nothing at the time of the annotation.
+        The tracks have another number of joints, or nothing at the time of the annotation; or the
+        lag leaves no frame.
     """
+    annotation = _until_lag(annotation, lag_s)
     near = _nearest(snapshots, annotation.t_s)
     if all(snapshot is None for snapshot in near):
         raise InputError(
@@ -231,6 +237,18 @@ def score_shelf(
             "were they made of that recording?"
         )
     return count_pcp([_found(snapshot, head) for snapshot in near], annotation.joints_m, matching)
+
+
+def _until_lag(annotation: Annotation, lag_s: float) -> Annotation:
+    """Return the frames that tracks of such a lag can reach before the recording ends."""
+    length_s = float(annotation.t_s[-1] - annotation.t_s[0])
+    if not 0.0 <= lag_s <= length_s:
+        raise InputError(
+            f"the lag of tracks of the Shelf recording must lie between 0 and {length_s:g} s, "
+            f"found {lag_s:g} s"
+        )
+    kept = annotation.t_s <= annotation.t_s[-1] - lag_s + NEAR_S
+    return Annotation(annotation.t_s[kept], annotation.joints_m[:, kept])
 
 
 def convert_shelf(folder: Path | str, out_dir: Path | str) -> None:

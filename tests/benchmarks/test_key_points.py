@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from trecsim.lab.evaluation.key_points import MIRROR, Sights, figures, sights_of, together
+from detector.key_points import MIRROR, Sights, figures, sights_of, together
 from trecsim.values import Poses2D
 
 # A person 100 pixels tall: pairs of shoulders, elbows, wrists, hips, knees and ankles.
