@@ -248,10 +248,12 @@ def test_the_digest_of_a_rig_changes_with_every_number() -> None:
         Rig((first, replace(second, T_cam_world=nudged))),
         Rig((first, replace(second, name="other"))),
         Rig((first, replace(second, time_offset_s=0.01))),
+        Rig((first, replace(second, time_drift_ppm=0.5))),
+        Rig((first, replace(second, time_drift_ppm=0.5, time_ref_s=2.0))),
         Rig((second, first)),
     ]
     digests = {rig_sha256(one) for one in [rig, *others]}
-    assert len(digests) == 5
+    assert len(digests) == 7
 
 
 def test_the_digest_survives_the_file(tmp_path: Path, checked: CheckedSite) -> None:

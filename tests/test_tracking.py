@@ -13,7 +13,7 @@ from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.store.rows import rows_of
-from trecsim.tracking import _Reach, follow
+from trecsim.tracking import Tally, _Reach, follow
 from trecsim.values import Poses2D, Snapshot
 
 RIG = Rig(tuple(ring(2)))
@@ -106,3 +106,17 @@ def shifted(T_cam_world, by_m):
     moved = T_cam_world.copy()
     moved[:3, 3] -= T_cam_world[:3, :3] @ by_m
     return moved
+
+
+def test_a_clock_that_drifts_is_put_right_by_the_rig():
+    first, second = RIG
+    slow = replace(second, time_offset_s=3.0, time_drift_ppm=2000.0, time_ref_s=500.0)
+    images = [
+        replace(IMAGE, camera=camera.name, t_s=stamp_s)
+        for index in range(100)
+        for camera, stamp_s in ((first, 0.04 * index), (slow, slow.stamp_s(0.04 * index)))
+    ]
+    tally = Tally()
+    times_s = [snapshot.t_s for snapshot in follow(images, Rig((first, slow)), tally=tally)]
+    assert tally.frame_sets == 100  # of two images each: the clocks agree
+    np.testing.assert_allclose(times_s, 0.04 * np.arange(100), atol=1e-9)

@@ -5,7 +5,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -115,7 +115,7 @@ class Follower:
     Parameters
     ----------
     rig
-        The cameras; their time offsets are added to the images' times.
+        The cameras; their clocks' offset and drift are added to the images' times.
     settings
         Of the fusion.
     lag_s
@@ -143,6 +143,7 @@ class Follower:
         self._tracker = Tracker(rig, settings, lag_s=lag_s)
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
+        self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
         self._buffer = FrameSetBuffer(offsets_s, max_delay_s=max_delay_s)
         self._tally = tally if tally is not None else Tally()
         self._given_s = math.nan
@@ -157,6 +158,8 @@ class Follower:
         arrived_s
             When it arrived, by one steady clock for all cameras [s]; None in a recording.
         """
+        if (camera := self._drifting.get(image.camera)) is not None:
+            image = replace(image, t_s=image.t_s + camera.drift_s(image.t_s))
         return self._steps(self._buffer.add(image, arrived_s))
 
     def poll(self, arrived_s: float) -> Iterator[Snapshot]:
@@ -205,7 +208,7 @@ def follow(
     poses
         Images in order of arrival.
     rig
-        The cameras; their time offsets are added to the images' times.
+        The cameras; their clocks' offset and drift are added to the images' times.
     settings
         Of the fusion.
     lag_s

@@ -179,6 +179,10 @@ def with_entry(matrix, row, column, value):
         ({"distortion": np.array([0, 0, np.nan, 0, 0])}, "distortion must be finite"),
         ({"distortion": np.array([1e300, 0, 0, 0, 0])}, "distortion must be finite"),
         ({"time_offset_s": np.inf}, "time_offset_s must be a finite number"),
+        ({"time_offset_s": 1e12}, "time_offset_s must be a finite number of seconds from -1e"),
+        ({"time_drift_ppm": 2e5}, "time_drift_ppm must be a finite number of millionths"),
+        ({"time_ref_s": np.nan}, "time_ref_s must be a finite number"),
+        ({"time_offset_s": True}, "time_offset_s must be a finite number"),
         ({"time_offset_s": "soon"}, "time_offset_s must be a finite number"),
     ],
 )
@@ -193,3 +197,12 @@ def test_every_fault_is_named_at_once():
     text = str(caught.value)
     assert text.startswith("camera 'north': ")
     assert all(part in text for part in ("size_px", "focal lengths", "takes 4 or 5 or 8"))
+
+
+def test_a_clock_is_corrected_by_its_offset_and_its_drift():
+    clock = {"time_offset_s": 0.5, "time_drift_ppm": 200.0, "time_ref_s": 1000.0}
+    north = Camera(**(good() | clock))
+    assert north.time_s(1000.0) == 1000.5
+    assert north.time_s(6000.0) == pytest.approx(6001.5)  # 5000 s later, 200e-6 of that is 1 s
+    stamps_s = np.array([0.0, 1000.0, 6000.0])
+    np.testing.assert_allclose(north.stamp_s(north.time_s(stamps_s)), stamps_s, atol=1e-9)

@@ -109,6 +109,8 @@ def _facts(camera: "Camera") -> dict[str, Any]:
         "distortion_model": camera.distortion_model,
         "distortion": camera.distortion,
         "time_offset_s": camera.time_offset_s,
+        "time_drift_ppm": camera.time_drift_ppm,
+        "time_ref_s": camera.time_ref_s,
     }
 
 

@@ -1,6 +1,7 @@
 """One calibrated camera: world points to pixels and back to ideal pixels."""
 
 from dataclasses import dataclass, field
+from typing import overload
 
 import numpy as np
 from jaxtyping import Float64
@@ -15,6 +16,8 @@ from trecsim.geometry.distortion import (
     lens,
 )
 
+Times = Float64[np.ndarray, "..."]
+
 NEAREST_M = 1e-9  # closer to the camera plane than this counts as on it
 ROTATION_TOLERANCE = 1e-4
 LARGEST_SIDE_PX = 100_000
@@ -22,6 +25,7 @@ LARGEST_FOCAL_PX = 1e7
 LARGEST_COEFFICIENT = 1e6
 LARGEST_DISTANCE_M = 1e6
 LONGEST_NAME = 100
+CLOCK_LIMITS = {"time_offset_s": 1e10, "time_drift_ppm": 1e5, "time_ref_s": 1e11}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +46,9 @@ class Camera:
         ``"none"``, ``"brown"`` or ``"fisheye"``.
     distortion
         Coefficients: Brown ``k1 k2 p1 p2 k3 [k4 k5 k6]``, fisheye ``k1 k2 k3 k4``.
-    time_offset_s
-        Added to this camera's time stamps [s].
+    time_offset_s, time_drift_ppm, time_ref_s
+        This camera's clock: what is added to its stamps [s], by how many millionths its clock is
+        slow, and the stamp from which on that counts [s]; see `time_s`.
     P
         The projection ``K [R | t]`` of the ideal camera, derived.
     position_m
@@ -70,6 +75,8 @@ class Camera:
     distortion_model: DistortionModel = "none"
     distortion: Float64[np.ndarray, " coef"] = field(default_factory=lambda: np.empty(0))
     time_offset_s: float = 0.0
+    time_drift_ppm: float = 0.0
+    time_ref_s: float = 0.0
     P: Float64[np.ndarray, "3 4"] = field(init=False, repr=False)
     position_m: Float64[np.ndarray, " 3"] = field(init=False, repr=False)
     _lens: Lens = field(init=False, repr=False)
@@ -86,13 +93,49 @@ class Camera:
             "K": K,
             "T_cam_world": T,
             "distortion": coefficients,
-            "time_offset_s": float(self.time_offset_s),
+            **{name: float(getattr(self, name)) for name in CLOCK_LIMITS},
             "P": _frozen(K @ T[:3]),
             "position_m": _frozen(-T[:3, :3].T @ T[:3, 3]),
             "_lens": lens(self.distortion_model, coefficients),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)
+
+    @overload
+    def time_s(self, stamp_s: float) -> float: ...
+
+    @overload
+    def time_s(self, stamp_s: Times) -> Times: ...
+
+    def time_s(self, stamp_s: float | Times) -> float | Times:
+        """Return the time of the site at a stamp of this camera [s].
+
+        Notes
+        -----
+        ``t = stamp + time_offset_s + 1e-6 time_drift_ppm (stamp - time_ref_s)``
+        """
+        return stamp_s + self.time_offset_s + self.drift_s(stamp_s)
+
+    @overload
+    def drift_s(self, stamp_s: float) -> float: ...
+
+    @overload
+    def drift_s(self, stamp_s: Times) -> Times: ...
+
+    def drift_s(self, stamp_s: float | Times) -> float | Times:
+        """Return by how much the clock is behind at a stamp, beyond its offset [s]."""
+        return 1e-6 * self.time_drift_ppm * (stamp_s - self.time_ref_s)
+
+    @overload
+    def stamp_s(self, time_s: float) -> float: ...
+
+    @overload
+    def stamp_s(self, time_s: Times) -> Times: ...
+
+    def stamp_s(self, time_s: float | Times) -> float | Times:
+        """Return the stamp of this camera at a time of the site [s]: undoes `time_s`."""
+        drift = 1e-6 * self.time_drift_ppm
+        return self.time_ref_s + (time_s - self.time_offset_s - self.time_ref_s) / (1.0 + drift)
 
     def project(self, xyz_m: Float64[np.ndarray, "*batch 3"]) -> Points:
         """Return where world points appear in the raw, distorted image [px].
@@ -194,7 +237,7 @@ def _faults(camera: Camera) -> list[str]:
         *_intrinsics_faults(camera.K),
         *_pose_faults(camera.T_cam_world),
         *_distortion_faults(camera.distortion_model, camera.distortion),
-        *_offset_faults(camera.time_offset_s),
+        *_clock_faults(camera),
     ]
 
 
@@ -289,10 +332,18 @@ def _distortion_faults(model: object, coefficients: object) -> list[str]:
     return []
 
 
-def _offset_faults(time_offset_s: object) -> list[str]:
-    if isinstance(time_offset_s, int | float | np.floating) and np.isfinite(time_offset_s):
-        return []
-    return [f"time_offset_s must be a finite number of seconds, got {_short(time_offset_s)}"]
+def _clock_faults(camera: Camera) -> list[str]:
+    faults = []
+    for name, limit in CLOCK_LIMITS.items():
+        value = getattr(camera, name)
+        number = isinstance(value, int | float | np.floating) and not isinstance(value, bool)
+        if not number or not abs(value) <= limit:
+            unit = "millionths" if name.endswith("_ppm") else "seconds"
+            faults.append(
+                f"{name} must be a finite number of {unit} from -{limit:g} to {limit:g}, got "
+                f"{_short(value)}"
+            )
+    return faults
 
 
 def _short(value: object, longest: int = 80) -> str:

@@ -83,12 +83,13 @@ def test_the_format_is_taken_from_the_name_of_the_file(name, tmp_path):
 
 
 def test_our_own_file_comes_back_to_the_last_bit(tmp_path):
-    rig = Rig(tuple(dataclasses.replace(c, time_offset_s=-0.0125) for c in ring(3, "rational")))
+    clock = {"time_offset_s": -0.0125, "time_drift_ppm": 12.5, "time_ref_s": 1.7e9}
+    rig = Rig(tuple(dataclasses.replace(c, **clock) for c in ring(3, "rational")))
     write_rig(rig, tmp_path / "rig.toml")
     for mine, theirs in zip(rig, read_rig(tmp_path / "rig.toml"), strict=True):
         for key in ("K", "T_cam_world", "distortion"):
             np.testing.assert_array_equal(getattr(mine, key), getattr(theirs, key))
-        for key in ("name", "size_px", "distortion_model", "time_offset_s"):
+        for key in ("name", "size_px", "distortion_model", *clock):
             assert getattr(mine, key) == getattr(theirs, key)
 
 

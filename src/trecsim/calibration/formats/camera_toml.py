@@ -28,6 +28,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.doubts import left_out_clocks
 from trecsim.calibration.formats.fields import Entry, Faults, as_numbers
 from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.trecsim_toml import matrix, quoted, vector
@@ -202,8 +203,7 @@ def _write(rig: Rig, path: Path, tables: Sequence[Iterable[str]]) -> list[str]:
         for table in tables:
             file.write("\n".join(table) + "\n\n")
         file.write("[metadata]\nadjusted = false\nerror = 0.0\n")
-    late = [camera.name for camera in rig if camera.time_offset_s != 0]
-    return [f"the format has no time offsets; left out: {', '.join(late)}"] if late else []
+    return left_out_clocks(rig)
 
 
 def _pose2sim_table(camera: Camera, unit_m: float) -> Iterable[str]:

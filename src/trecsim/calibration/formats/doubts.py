@@ -113,3 +113,9 @@ def _tell_lost_borders(rig: Rig, wishes: Wishes) -> None:
             f"the lens model folds back near the border of these images, so that key points there "
             f"cannot be used: {', '.join(listed)}; calibrate with the board near the border too"
         )
+
+
+def left_out_clocks(rig: Rig) -> list[str]:
+    """Return the remark on clocks that a format without them does not keep."""
+    late = [camera.name for camera in rig if camera.time_offset_s or camera.time_drift_ppm]
+    return [f"the format has no time offsets; left out: {', '.join(late)}"] if late else []

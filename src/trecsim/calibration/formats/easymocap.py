@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document, read_document
+from trecsim.calibration.formats.doubts import left_out_clocks
 from trecsim.calibration.formats.fields import Entry, Faults, short
 from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
@@ -153,8 +154,7 @@ def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
     for name, values in ((INTRINSICS, intrinsics), (EXTRINSICS, extrinsics)):
         with atomic_write(path / name) as file:
             file.write(format_opencv_yaml(values))
-    late = [camera.name for camera in rig if camera.time_offset_s != 0]
-    return [f"the format has no time offsets; left out: {', '.join(late)}"] if late else []
+    return left_out_clocks(rig)
 
 
 def _check(rig: Rig, path: Path) -> None:

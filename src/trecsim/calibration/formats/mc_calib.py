@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.doubts import left_out_clocks
 from trecsim.calibration.formats.fields import Entry, Faults, short
 from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
@@ -137,7 +138,7 @@ def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
     ]
     with atomic_write(path) as file:
         file.write(format_opencv_yaml(data, remarks))
-    return remarks
+    return [*remarks, *left_out_clocks(rig)]
 
 
 def _fields(camera: Camera, T_world_first: RigidMotion, unit_m: float) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from trecsim.calibration.formats.fields import Entry, Faults, short
 from trecsim.calibration.formats.found import stand
 from trecsim.calibration.formats.wishes import Wishes
 from trecsim.errors import CalibrationError
-from trecsim.geometry.camera import Camera
+from trecsim.geometry.camera import CLOCK_LIMITS, Camera
 from trecsim.geometry.rig import Rig
 from trecsim.store.atomic import atomic_write
 
@@ -25,7 +25,7 @@ KEYS = (
     "distortion_model",
     "distortion",
     "T_cam_world",
-    "time_offset_s",
+    *CLOCK_LIMITS,
 )
 
 
@@ -75,7 +75,7 @@ def _camera(name: str, table: object, faults: Faults) -> Camera | None:
     K = entry.numbers("K", (3, 3))
     T_cam_world = entry.numbers("T_cam_world", (4, 4))
     distortion = entry.coefficients("distortion") if entry.has("distortion") else np.empty(0)
-    time_offset_s = entry.number("time_offset_s", 0.0)
+    clock = {name: entry.number(name, 0.0) for name in CLOCK_LIMITS}
     if len(faults.texts) > before:
         return None
     try:
@@ -86,7 +86,7 @@ def _camera(name: str, table: object, faults: Faults) -> Camera | None:
             T_cam_world,
             entry.fields.get("distortion_model", "none"),
             distortion,
-            time_offset_s,
+            **clock,
         )
     except CalibrationError as error:
         faults.add(str(error))
@@ -127,6 +127,9 @@ def _table(camera: Camera) -> Iterable[str]:
     yield f"distortion = {vector(camera.distortion)}"
     yield f"T_cam_world = {matrix(camera.T_cam_world)}"
     yield f"time_offset_s = {camera.time_offset_s!r}"
+    if camera.time_drift_ppm or camera.time_ref_s:
+        yield f"time_drift_ppm = {camera.time_drift_ppm!r}"
+        yield f"time_ref_s = {camera.time_ref_s!r}"
 
 
 def quoted(text: str) -> str:

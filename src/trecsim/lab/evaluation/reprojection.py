@@ -119,7 +119,7 @@ def reprojection(
     poses
         Images in any order; all in memory are a few thousand at a time.
     rig
-        The cameras; their time offsets are added to the images' times.
+        The cameras; their clocks' offset and drift are added to the images' times.
     people
         The tracks.
     usual_s
@@ -158,7 +158,7 @@ class _Count:
     def add(
         self, images: Sequence[Poses2D], people: Sequence[PersonTrack], longest_s: float
     ) -> None:
-        t_s = np.array([image.t_s for image in images]) + self.camera.time_offset_s
+        t_s = self.camera.time_s(np.array([image.t_s for image in images]))
         found_px = np.concatenate([image.xy_px for image in images])
         image_of = np.repeat(np.arange(len(images)), [len(image.xy_px) for image in images])
         self.images += len(images)

@@ -164,9 +164,9 @@ def _within(poses: Iterable[Poses2D], rig: Rig, recording: Recording) -> Iterato
     starts = np.flatnonzero(np.diff(t_s) <= 1.5 * recording.period_s)
     starts = starts[:: max(len(starts) // MOST_WINDOWS, 1)]
     begin_s, end_s = t_s[starts] - 2e-6, t_s[np.minimum(starts + 1, len(t_s) - 1)] + 2e-6
-    offset_s = {camera.name: camera.time_offset_s for camera in rig}
+    cameras = {camera.name: camera for camera in rig}
     for image in poses:
-        at_s = image.t_s + offset_s[image.camera]
+        at_s = cameras[image.camera].time_s(image.t_s)
         window = int(np.searchsorted(begin_s, at_s, side="right")) - 1
         if window >= 0 and at_s <= end_s[window]:
             yield image

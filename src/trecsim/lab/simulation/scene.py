@@ -188,7 +188,7 @@ def _look(
     footage = Footage(
         camera=camera,
         taken_s=taken_s,
-        stamp_s=stamp_s - camera.time_offset_s,
+        stamp_s=camera.stamp_s(stamp_s),
         xyz_m=poses([person.motion for person in people], taken_s),
         stature_m=np.array([person.stature_m for person in people]),
         obstacles=scene.obstacles,
