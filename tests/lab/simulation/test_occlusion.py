@@ -5,6 +5,15 @@ import pytest
 
 from trecsim.errors import InputError
 from trecsim.lab.simulation.body_shape import body
+from trecsim.lab.simulation.body_volume import (
+    COVER_M,
+    HEAD_M,
+    MASS_KG,
+    SHANK_M,
+    STATURE_M,
+    THIGH_M,
+    TRUNK_M,
+)
 from trecsim.lab.simulation.occlusion import (
     Obstacle,
     faces_away,
@@ -60,7 +69,7 @@ def hidden_by_marching(camera_m: np.ndarray, xyz_m: np.ndarray) -> tuple[np.ndar
     """Return what capsules hide, walking along each line of sight, and by how much it is so [m]."""
     ends = [([11, 12], [5, 6]), ([5, 6], [3, 4]), ([11], [13]), ([12], [14]), ([13], [15])]
     ends.append(([14], [16]))
-    radius_m = [0.16, 0.11, 0.09, 0.09, 0.06, 0.06]
+    radius_m = [TRUNK_M, HEAD_M, THIGH_M, THIGH_M, SHANK_M, SHANK_M]
     shares = np.linspace(0.0, 1.0, 4001)[:, None]
     hidden, margin_m = np.zeros(xyz_m.shape[:2], bool), np.full(xyz_m.shape[:2], np.inf)
     for person, joint in np.ndindex(*xyz_m.shape[:2]):
@@ -137,3 +146,11 @@ def test_a_box_without_an_inside_is_refused(
 ) -> None:
     with pytest.raises(InputError, match="obstacle"):
         Obstacle(*corners)
+
+
+def test_parts_of_the_body_have_the_volume_of_the_body_without_arms() -> None:
+    thickness_m = np.array([TRUNK_M, THIGH_M, THIGH_M, SHANK_M, SHANK_M]) - COVER_M
+    length_m = np.array([0.288, 0.245, 0.245, 0.246, 0.246]) * STATURE_M
+    volume_m3 = float((np.pi * thickness_m**2 * length_m).sum())
+    without_head_arms_and_feet = 0.497 + 2 * 0.100 + 2 * 0.0465
+    assert volume_m3 * 1045.0 == pytest.approx(without_head_arms_and_feet * MASS_KG, rel=0.02)

@@ -71,7 +71,11 @@ Lengths = Annotated[tuple[Annotated[Number, Field(ge=-10, le=10)], ...], *PerJoi
 
 @dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Detector:
-    """Errors of the simulated 2D pose estimator."""
+    """Errors of the simulated 2D pose estimator.
+
+    The figures are fitted so that `benchmarks/detector_figures.py` measures on the preset
+    `annotated` what it measures on OpenPose's key points of the Shelf recording.
+    """
 
     sigma: Sizes = _per_joint(0.010, 0.0145, 0.0105, 0.013, 0.019, 0.0175, 0.0135)
     """Standard deviation per axis and joint of the error that differs between cameras, as a share

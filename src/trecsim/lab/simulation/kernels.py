@@ -8,21 +8,7 @@ import math
 import numpy as np
 
 from trecsim.compiler import kernel
-
-# A body blocks the view like these capsules: ends (means of two joints each) and radius [m].
-# Trunk, neck and head (the ears are in its middle), thighs, shanks.
-_ENDS = np.array(
-    [
-        [11, 12, 5, 6],
-        [5, 6, 3, 4],
-        [11, 11, 13, 13],
-        [12, 12, 14, 14],
-        [13, 13, 15, 15],
-        [14, 14, 16, 16],
-    ]
-)
-_RADIUS_M = np.array([0.16, 0.11, 0.09, 0.09, 0.06, 0.06])
-_WIDEST_M = 0.16
+from trecsim.lab.simulation.body_volume import ENDS, RADIUS_M, WIDEST_M
 
 
 @kernel
@@ -56,7 +42,7 @@ def hidden_by_bodies(position_m, xyz_m, hidden):
     hidden
         Result, (time, person, 17).
     """
-    people, parts = xyz_m.shape[1], _ENDS.shape[0]
+    people, parts = xyz_m.shape[1], ENDS.shape[0]
     seen_m, length_m = np.empty((people, 17, 3)), np.empty((people, 17))  # from the camera
     ball, balls = np.empty((people, 7)), np.empty((people, parts, 7))
     start_m, along_m = np.empty((people, parts, 3)), np.empty((people, parts, 3))
@@ -88,15 +74,15 @@ def hidden_by_bodies(position_m, xyz_m, hidden):
 @kernel
 def _place_parts(seen_m, start_m, along_m, balls):
     """Find where capsules start, the ways to their other ends, and balls about them."""
-    for part in range(_ENDS.shape[0]):
-        first, second, third, fourth = _ENDS[part]
+    for part in range(ENDS.shape[0]):
+        first, second, third, fourth = ENDS[part]
         for axis in range(3):
             start = 0.5 * (seen_m[first, axis] + seen_m[second, axis])
             end = 0.5 * (seen_m[third, axis] + seen_m[fourth, axis])
             start_m[part, axis], along_m[part, axis] = start, end - start
             balls[part, axis] = 0.5 * (start + end)
         half_m = 0.5 * math.sqrt(_dot(along_m[part], along_m[part]))
-        _look_at_ball(balls[part], half_m + _RADIUS_M[part])
+        _look_at_ball(balls[part], half_m + RADIUS_M[part])
 
 
 @kernel
@@ -113,7 +99,7 @@ def _enclose_body(seen_m, ball):
         for axis in range(3):
             far_m2 += (seen_m[joint, axis] - ball[axis]) ** 2
         furthest_m2 = max(furthest_m2, far_m2)
-    _look_at_ball(ball, math.sqrt(furthest_m2) + _WIDEST_M)
+    _look_at_ball(ball, math.sqrt(furthest_m2) + WIDEST_M)
 
 
 @kernel
@@ -140,8 +126,8 @@ def _may_hide(other, person):
 def _hide(seen_m, length_m, start_m, along_m, balls, hidden):
     """Mark the joints behind the capsules of one body."""
     to_m = np.empty(3)
-    for part in range(_ENDS.shape[0]):
-        ball, radius_m2 = balls[part], _RADIUS_M[part] ** 2
+    for part in range(ENDS.shape[0]):
+        ball, radius_m2 = balls[part], RADIUS_M[part] ** 2
         least = ball[6] * ball[3] if ball[5] < 1.0 else -np.inf
         for joint in range(17):
             if hidden[joint] or _dot(seen_m[joint], ball) < least * length_m[joint]:
