@@ -71,7 +71,7 @@ def scores(
     found = score(moments, truth, from_s, until_s)
     limbs = limb_summary(limb_table(limb_series(people_of(moments))))
     minutes = found.person_moments * (until_s - from_s) / max(found.moments, 1) / 60.0
-    in_90 = 100 * found.honesty.within_90
+    in_90 = 100 * found.uncertainty_calibration.within_90
     return {
         "mean error": 100 * found.error.mean_m,
         "median error": 100 * found.error.median_m,

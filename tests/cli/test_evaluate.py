@@ -61,6 +61,8 @@ def test_json_has_every_score_and_null_for_what_cannot_be_told(trecsim: Run, cas
     assert identity["idf1"] == 0.75
     assert set(scores["honesty_by_support"]) == {"0", "1", "2+"}
     assert scores["honesty_by_support"]["0"]["within_50"] is None
+    assert scores["calibration_by_support"] == scores["honesty_by_support"]
+    assert scores["uncertainty_calibration"] == scores["honesty"]
     assert scores["latency"]["birth"] == {"n": 2, "never": 0, "median_s": 0.0, "max_s": 0.0}
     assert facts["shelf"] is None
     assert facts["reprojection"] is None

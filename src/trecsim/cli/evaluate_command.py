@@ -90,7 +90,7 @@ def _facts(result: "Evaluation") -> dict[str, Any]:
         "people": result.people,
         "first_s": result.first_s,
         "last_s": result.last_s,
-        "scores": result.scores,
+        "scores": result.scores and result.scores.row(),
         "shelf": shelf and {**shelf.summary(), "actors": [actor.row() for actor in shelf.actors]},
         "limbs": {
             **result.limb_summary.row(),

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from trecsim.lab.evaluation.evaluating import Evaluation
-    from trecsim.lab.evaluation.honesty import Honesty
     from trecsim.lab.evaluation.latency import Delay
     from trecsim.lab.evaluation.limbs import LimbRow
     from trecsim.lab.evaluation.scores import Scores
+    from trecsim.lab.evaluation.uncertainty_calibration import UncertaintyCalibration
 
 UNKNOWN = "-"
 
@@ -42,7 +42,7 @@ def details_table(result: "Evaluation") -> str:
             for one in result.scores.joints
         ]
         parts.append(_aligned([("joint", head), *errors]))
-        parts.append(_aligned(_honesty(result.scores)))
+        parts.append(_aligned(_calibration(result.scores)))
     if result.shelf:
         parts.append(_aligned(list(_actors(result))))
     parts.append(_aligned([("limb", ("mean cm", "sd cm", "true cm", "error cm")), *_limbs(result)]))
@@ -77,8 +77,14 @@ def _against_truth(scores: "Sequence[Scores]") -> list[Line]:
         ("HOTA (DetA, AssA) [%]", _hota),
         ("delay of birth, median (max) [s]", lambda one: _delay(one.latency.birth)),
         ("track ends after person left, median (max) [s]", lambda one: _delay(one.latency.death)),
-        ("ground truth inside the 50, 90, 95 % regions [%]", lambda one: _within(one.honesty)),
-        ("error / stated sigma, RMS", lambda one: _number(one.honesty.normalised_rms, 2)),
+        (
+            "ground truth inside the 50, 90, 95 % regions [%]",
+            lambda one: _within(one.uncertainty_calibration),
+        ),
+        (
+            "error / stated sigma, RMS",
+            lambda one: _number(one.uncertainty_calibration.normalised_rms, 2),
+        ),
     ]
     return [(label, [tell(one) for one in scores]) for label, tell in rows]
 
@@ -115,8 +121,8 @@ def _pcp(one: "Evaluation") -> str:
     return UNKNOWN if one.shelf is None else _number(one.shelf.average, 2)
 
 
-def _honesty(scores: "Scores") -> list[Line]:
-    rows = {"all": scores.honesty, **scores.honesty_by_support}
+def _calibration(scores: "Scores") -> list[Line]:
+    rows = {"all": scores.uncertainty_calibration, **scores.calibration_by_support}
     return [
         ("cameras", ("joints", "50, 90, 95 % [%]", "error/sigma")),
         *(
@@ -155,7 +161,7 @@ def _delay(delay: "Delay") -> str:
     return f"{_number(delay.median_s, 2)} ({_number(delay.max_s, 2)}){never}"
 
 
-def _within(one: "Honesty") -> str:
+def _within(one: "UncertaintyCalibration") -> str:
     return ", ".join(_number(100 * p, 0) for p in (one.within_50, one.within_90, one.within_95))
 
 

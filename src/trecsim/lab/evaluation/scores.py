@@ -1,20 +1,29 @@
 """Every score that tracks get against a known truth."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from trecsim.lab.evaluation.ground_truth import NEAR_M, comparison
-from trecsim.lab.evaluation.honesty import Honesty, honesty, honesty_by_support
 from trecsim.lab.evaluation.identity import Identity, IdentityCount
 from trecsim.lab.evaluation.latency import Latency, latency
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.lab.evaluation.truth_matching import Matcher, Matches, nearness
+from trecsim.lab.evaluation.uncertainty_calibration import (
+    UncertaintyCalibration,
+    calibration_by_support,
+    uncertainty_calibration,
+)
 from trecsim.skeleton import COCO17
 from trecsim.store.truth import Truth
 
 ALL_JOINTS = "all joints"
+_FORMER_KEYS = {
+    "honesty": "uncertainty_calibration",
+    "honesty_by_support": "calibration_by_support",
+}
 _HARDLY = 0.1  # fewer matches than this share: tracks and truth have nothing to do with each other
 
 
@@ -73,7 +82,7 @@ class Scores:
         Over all joints.
     joints
         The same joint by joint.
-    identity, honesty, honesty_by_support, latency
+    identity, uncertainty_calibration, calibration_by_support, latency
         See there.
     """
 
@@ -91,9 +100,14 @@ class Scores:
     error: JointScore
     joints: tuple[JointScore, ...]
     identity: Identity
-    honesty: Honesty
-    honesty_by_support: dict[str, Honesty]
+    uncertainty_calibration: UncertaintyCalibration
+    calibration_by_support: dict[str, UncertaintyCalibration]
     latency: Latency
+
+    def row(self) -> dict[str, Any]:
+        """Return the scores by the keys of the JSON summary, former keys included."""
+        row = asdict(self)
+        return row | {former: row[key] for former, key in _FORMER_KEYS.items()}
 
     @property
     def elsewhere(self) -> bool:
@@ -142,8 +156,8 @@ def score(moments: Moments, truth: Truth, from_s: float, until_s: float) -> Scor
         error=_joint_score(ALL_JOINTS, int(matches.true_joints.sum()), matches.error_m),
         joints=_joint_scores(matches),
         identity=identities.result(counts.switches),
-        honesty=honesty(matches.error_m, sigma_m),
-        honesty_by_support=honesty_by_support(matches.error_m, sigma_m, support),
+        uncertainty_calibration=uncertainty_calibration(matches.error_m, sigma_m),
+        calibration_by_support=calibration_by_support(matches.error_m, sigma_m, support),
         latency=latency(moments, truth, matches),
     )
 

@@ -91,16 +91,16 @@ def _errors(scores: Scores) -> str:
 
 
 def _table(scores: Scores) -> Table:
-    identity, honesty, latency = scores.identity, scores.honesty, scores.latency
+    identity, latency = scores.identity, scores.latency
     rows = [
         ("mean error of a joint (MPJPE)", _cm(scores.error.mean_m), "of people found"),
         ("IDF1", _number(identity.idf1), "share of the time with the right identity"),
         ("MOTA", _number(identity.mota), "1 less the shares of missed, ghosts and switches"),
         ("HOTA", _number(identity.hota), "detection and association together"),
         (
-            "truth within the stated 90 % region",
-            _percent(honesty.within_90),
-            "90 % is honest, less is too sure, more is too modest",
+            "ground truth inside the 90 % region",
+            _percent(scores.uncertainty_calibration.within_90),
+            "90 % is calibrated, less is overconfident, more is underconfident",
         ),
         ("found after coming", _seconds(latency.birth), "median time until somebody is followed"),
         ("forgotten after leaving", _seconds(latency.death), "median time until a track ends"),

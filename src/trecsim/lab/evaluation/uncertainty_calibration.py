@@ -1,4 +1,4 @@
-"""Whether the uncertainty that tracks state is the one they have."""
+"""Uncertainty calibration: errors against the reported standard deviations."""
 
 import math
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from trecsim.lab.evaluation.assignment import need_scipy
 
 SHARES = (0.50, 0.90, 0.95)
 SUPPORTS = ("0", "1", "2+")
-"""Cameras that support a joint: none, so that it is carried along; one; two and more."""
+"""Number of cameras that support a joint; without any it is predicted."""
 
 
 @dataclass(frozen=True, slots=True)
-class Honesty:
-    """How often the truth lies where the tracks say it does; NaN when no joint counts.
+class UncertaintyCalibration:
+    """Errors relative to the reported standard deviations; NaN without any joint.
 
     Attributes
     ----------
     joints
-        Joints found, of people matched, that state an uncertainty above zero.
+        Joints of matched people with a reported standard deviation above zero.
     within_50, within_90, within_95
-        Share of them whose truth is within the region that should hold 50, 90 and 95 % of them.
+        Share of them with the ground truth inside the reported 50, 90 and 95 % region.
     normalised_rms
-        Root of the mean square of error over stated standard deviation, per axis; 1 is honest,
-        more is too sure, less is too modest.
+        Root of the normalised estimation error squared (NEES) per axis: 1 is calibrated, above 1
+        is overconfident, below 1 underconfident.
     """
 
     joints: int
@@ -36,7 +36,7 @@ class Honesty:
 
 
 def radius_of(share: float) -> float:
-    """Return within how many standard deviations per axis this share of a 3D Gaussian lies.
+    """Return the radius in standard deviations per axis that contains a share of a 3D Gaussian.
 
     The distance has the chi distribution with three degrees of freedom.
 
@@ -51,19 +51,19 @@ def radius_of(share: float) -> float:
     return math.sqrt(chdtri(3, 1.0 - share))
 
 
-def honesty(
+def uncertainty_calibration(
     error_m: Float64[np.ndarray, "pair joint"],
     sigma_m: Float64[np.ndarray, "pair joint"],
     counts: Bool[np.ndarray, "pair joint"] | None = None,
-) -> Honesty:
-    """Return how true stated uncertainties are.
+) -> UncertaintyCalibration:
+    """Compare errors with the reported standard deviations.
 
     Parameters
     ----------
     error_m
-        Distances to the truth, NaN where not known [m].
+        Distances to the ground truth, NaN where unknown [m].
     sigma_m
-        Stated standard deviation per axis [m].
+        Reported standard deviation per axis [m].
     counts
         Which joints count; all if None.
     """
@@ -71,20 +71,21 @@ def honesty(
     stated = stated if counts is None else stated & counts
     if not stated.any():
         nan = float("nan")
-        return Honesty(0, nan, nan, nan, nan)
+        return UncertaintyCalibration(0, nan, nan, nan, nan)
     ratio = error_m[stated] / sigma_m[stated]
     within_50, within_90, within_95 = (float((ratio <= radius_of(p)).mean()) for p in SHARES)
     rms = float(np.sqrt(np.mean(ratio**2) / 3))
-    return Honesty(len(ratio), within_50, within_90, within_95, rms)
+    return UncertaintyCalibration(len(ratio), within_50, within_90, within_95, rms)
 
 
-def honesty_by_support(
+def calibration_by_support(
     error_m: Float64[np.ndarray, "pair joint"],
     sigma_m: Float64[np.ndarray, "pair joint"],
     support: Int16[np.ndarray, "pair joint"],
-) -> dict[str, Honesty]:
-    """Return the same for joints with no, one, and more cameras; the keys are :data:`SUPPORTS`."""
+) -> dict[str, UncertaintyCalibration]:
+    """Return the same by the number of supporting cameras; the keys are :data:`SUPPORTS`."""
     masks = (support == 0, support == 1, support >= 2)
     return {
-        name: honesty(error_m, sigma_m, mask) for name, mask in zip(SUPPORTS, masks, strict=True)
+        name: uncertainty_calibration(error_m, sigma_m, mask)
+        for name, mask in zip(SUPPORTS, masks, strict=True)
     }
