@@ -64,3 +64,18 @@ def write_sound(path: Path) -> Path:
             file.mux(stream.encode(frame))
         file.mux(stream.encode())
     return path
+
+
+def write_tracks(path: Path, sizes_px: Sequence[tuple[int, int]], n: int = 5) -> Path:
+    """Write several video tracks of different size into one file; return `path`."""
+    with av.open(str(path), "w") as file:
+        streams = [file.add_stream("libx264", rate=25) for _ in sizes_px]
+        for stream, (width, height) in zip(streams, sizes_px, strict=True):
+            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        for stream, size_px in zip(streams, sizes_px, strict=True):
+            for index, image in enumerate(numbered(n, size_px)):
+                frame = av.VideoFrame.from_ndarray(image, format="rgb24")
+                frame.pts, frame.time_base = index, Fraction(1, 25)
+                file.mux(stream.encode(frame))
+            file.mux(stream.encode())
+    return path

@@ -8,14 +8,20 @@
         ├── CalibrationError     a camera or a rig
         └── ConfigError          a site file or a setting
 
-Every message says which thing, what was expected, what was found, and what to do.
+Every message says which thing, what was expected, what was found, and what to do. Passwords in
+addresses are left out of it.
 """
+
+from trecsim.redaction import redacted
 
 
 class Error(Exception):
     """Anything trecsim reports on purpose; its text is written for the person on site."""
 
     exit_code = 1
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*(redacted(arg) if isinstance(arg, str) else arg for arg in args))
 
 
 class SetupError(Error):

@@ -1,11 +1,12 @@
 import logging
 import sys
 import weakref
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from made_videos import numbered, write_sound, write_video
+from made_videos import numbered, write_sound, write_tracks, write_video
 from trecsim.errors import InputError, SetupError
 from trecsim.sources import VideoFile, probe
 from trecsim.sources.decoding import check_size
@@ -322,3 +323,46 @@ def test_real_recordings_come_whole(shared_data):
         frames = list(source)
         np.testing.assert_allclose([frame.t_s for frame in frames], np.arange(100) / 60.0)
         assert frames[0].image.shape == (512, 290, 3)
+
+
+@pytest.mark.parametrize("sizes_px", [[(32, 24), (64, 48)], [(64, 48), (32, 24), (48, 36)]])
+def test_of_several_video_tracks_the_largest_is_read_with_a_remark(tmp_path, sizes_px, caplog):
+    video = VideoFile(write_tracks(tmp_path / "cam1.mp4", sizes_px), "cam1")
+    assert [frame.image.shape for frame in video] == [(48, 64, 3)] * 5
+    (message,) = caplog.messages
+    assert "has several video tracks: the largest, 64 x 48 px, is read, not" in message
+
+
+@pytest.mark.parametrize("suffix", [".mkv", ".ts"])
+@pytest.mark.parametrize("step_ms", [1000, 2000])
+def test_a_whole_recording_of_an_image_a_second_or_less_is_not_called_cut_off(
+    tmp_path, suffix, step_ms, caplog
+):
+    times = [step_ms * index for index in range(12)]
+    path = write_video(tmp_path / f"cam1{suffix}", numbered(12), t_ms=times)
+    assert len(list(VideoFile(path, "cam1"))) == 12
+    assert caplog.messages == []
+
+
+@pytest.mark.parametrize("name", ["a.jpg", "frame_0001.PNG", "a.gif"])
+def test_an_image_is_told_from_a_video(tmp_path, name):
+    (tmp_path / name).write_bytes(b"\xff\xd8\xff")
+    with pytest.raises(InputError, match="it is an image and no video; sequences of images are not read"):
+        VideoFile(tmp_path / name, "a")
+
+
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [
+        ("rtsp://admin:pw@10.0.0.12:554/stream1", "rtsp://***@10.0.0.12:554/stream1"),
+        ("http://10.0.0.12/cam", "http://10.0.0.12/cam"),
+        ("/dev/video0", "/dev/video0"),
+    ],
+)
+def test_a_live_stream_is_told_from_a_file_without_its_password(given, shown):
+    with pytest.raises(InputError) as caught:
+        VideoFile(Path(given), "a")
+    assert str(caught.value) == (
+        f"cannot read video {shown}: live streams are not supported yet in this version; give a "
+        "recording"
+    )

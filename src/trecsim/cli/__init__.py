@@ -16,6 +16,7 @@ from importlib.metadata import version
 from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
 
 from trecsim.errors import Error
+from trecsim.redaction import redacted
 
 COMMANDS = {
     "demo": "Run the full pipeline on a simulated room: no camera, no download.",
@@ -107,11 +108,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
         raise SystemExit(_run(sys.argv[1:] if arguments is None else list(arguments)))
 
 
+class _Line(logging.Formatter):
+    """Formats a message of the library without the passwords in its addresses."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        return redacted(super().format(record))
+
+
 @contextmanager
 def _warnings_as_lines() -> Iterator[None]:
     """Show warnings and log messages of the library like errors: one line each on stderr."""
     if logging.lastResort is not None:
-        logging.lastResort.setFormatter(logging.Formatter("trecsim: %(message)s"))
+        logging.lastResort.setFormatter(_Line("trecsim: %(message)s"))
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: print(
             f"trecsim: {message}", file=sys.stderr
@@ -141,7 +149,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _tell(message: str, exit_code: int) -> int:
-    print(f"trecsim: {message}", file=sys.stderr)
+    print(f"trecsim: {redacted(message)}", file=sys.stderr)
     return exit_code
 
 

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from dataclasses import asdict, is_dataclass
 from typing import TYPE_CHECKING, Any
 
+from trecsim.redaction import redacted
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
@@ -88,7 +90,7 @@ def progress_bar(
 
 def note(text: str) -> None:
     """Write a remark to stderr."""
-    print(f"trecsim: {text}", file=sys.stderr)
+    print(f"trecsim: {redacted(text)}", file=sys.stderr)
 
 
 def finish(summary: Mapping[str, Any], as_json: bool, text: str) -> None:

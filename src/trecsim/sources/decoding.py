@@ -15,6 +15,7 @@ from av.video.reformatter import VideoReformatter
 from jaxtyping import UInt8
 
 from trecsim.errors import InputError
+from trecsim.redaction import address, is_address
 from trecsim.sources.orientation import Orientation, from_display_matrix
 
 MAX_IMAGE_PX = 2**26  # 8192 x 8192, 200 MB as RGB
@@ -24,6 +25,8 @@ CONTAINERS = (
     "mov,matroska,avi,mpegts,mpeg,mpegvideo,h264,hevc,obu,ivf,m4v,mjpeg,flv,ogg,asf,mxf,dv,nut,"
     "yuv4mpegpipe,rm,wtv,vc1"
 )
+IMAGES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".gif", ".webp", ".heic"}
+LIVE = "live streams are not supported yet in this version; give a recording"
 _OPTIONS = {
     "format_whitelist": CONTAINERS,
     "protocol_whitelist": "file",
@@ -74,6 +77,15 @@ class OpenVideo:
         return None
 
     @property
+    def other_sizes_px(self) -> tuple[tuple[int, int], ...]:
+        """Widths and heights of the other video tracks, which are not read."""
+        return tuple(
+            (stream.width, stream.height)
+            for stream in self.container.streams.video
+            if stream.index != self.stream.index and not _is_cover(stream)
+        )
+
+    @property
     def keeps_no_time(self) -> bool:
         """Whether what passes for time stamps only counts images in the order of coding."""
         reordered = bool(self.stream.codec_context.has_b_frames)
@@ -114,9 +126,7 @@ def opened(path: Path, threads: int | None) -> Iterator[OpenVideo]:
     InputError
         When it is missing, empty, no video, or cannot be decoded here.
     """
-    if not path.is_file():
-        found = "it is a folder" if path.is_dir() else "no such file"
-        raise InputError(f"cannot read video {path}: {found}")
+    _check_place(path)
     if path.stat().st_size == 0:
         raise InputError(f"cannot read video {path}: the file is empty")
     try:
@@ -125,6 +135,19 @@ def opened(path: Path, threads: int | None) -> Iterator[OpenVideo]:
         raise InputError(_unreadable(path, error)) from error
     with container:
         yield OpenVideo(path, container, _video_stream(path, container, threads))
+
+
+def _check_place(path: Path) -> None:
+    if not path.is_file():
+        if is_address(str(path)):
+            raise InputError(f"cannot read video {address(str(path))}: {LIVE}")
+        found = "it is a folder" if path.is_dir() else "no such file"
+        raise InputError(f"cannot read video {path}: {found}")
+    if path.suffix.lower() in IMAGES:
+        raise InputError(
+            f"cannot read video {path}: it is an image and no video; "
+            "sequences of images are not read: make a video of them, for example with ffmpeg"
+        )
 
 
 def _unreadable(path: Path, error: Exception) -> str:
@@ -136,26 +159,28 @@ def _unreadable(path: Path, error: Exception) -> str:
     )
 
 
+def _is_cover(stream: Any) -> bool:
+    return bool(stream.disposition & av.stream.Disposition.attached_pic)
+
+
 def _video_stream(path: Path, container: Any, threads: int | None) -> Any:
-    streams = [
-        stream
-        for stream in container.streams.video
-        if not stream.disposition & av.stream.Disposition.attached_pic
-    ]
+    streams = [stream for stream in container.streams.video if not _is_cover(stream)]
     if not streams:
         kinds = ", ".join(sorted({stream.type for stream in container.streams})) or "nothing"
         raise InputError(f"cannot read video {path}: there is no video in it, only {kinds}")
-    context = streams[0].codec_context
-    if context is None:
+    known = [stream for stream in streams if stream.codec_context is not None]
+    if not known:
         raise InputError(
             f"cannot read video {path}: its coding is not known here; convert it, for example to "
             "H.264"
         )
+    largest = max(known, key=lambda stream: stream.width * stream.height)
+    context = largest.codec_context
     check_size(path, context.width, context.height)
     context.options = {"max_pixels": str(MAX_IMAGE_PX)}
     context.thread_count = threads or 0
     context.thread_type = "AUTO"
-    return streams[0]
+    return largest
 
 
 def check_size(path: Path, width: int, height: int) -> None:

@@ -18,7 +18,8 @@ from trecsim.values import Frame
 logger = logging.getLogger(__name__)
 
 FALLBACK_FPS = 25.0
-MISSED_S = 0.5  # an end earlier than announced by less is not worth a warning
+MISSED_S = 0.5  # an end earlier than announced by less is not worth a warning,
+MISSED_PERIODS = 1.5  # nor by fewer periods: the last image lasts one
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +42,8 @@ class VideoInfo:
         Name of the coding, such as ``"h264"``.
     orientation
         How the coded pictures have to be turned to be upright.
+    other_sizes_px
+        Sizes of further video tracks in the file; the largest track is the one that is read.
     """
 
     size_px: tuple[int, int]
@@ -50,6 +53,7 @@ class VideoInfo:
     duration_s: float | None
     codec: str
     orientation: Orientation
+    other_sizes_px: tuple[tuple[int, int], ...] = ()
 
     @property
     def expected_frames(self) -> int | None:
@@ -84,6 +88,7 @@ def probe(path: Path) -> VideoInfo:
             video.duration_s,
             video.stream.codec_context.name,
             turn,
+            video.other_sizes_px,
         )
 
 
@@ -150,6 +155,12 @@ class VideoFile:
         self.size_px = self.info.size_px
         self.decoded_size_px = _fitted(self.size_px, decode_size_px or self.size_px)
         self._threads = threads
+        if self.info.other_sizes_px:
+            others = ", ".join(f"{width} x {height}" for width, height in self.info.other_sizes_px)
+            logger.warning(
+                "video %s has several video tracks: the largest, %d x %d px, is read, not %s",
+                path, *self.size_px, others,
+            )  # fmt: skip
 
     def original_px(
         self, xy_px: Float64[np.ndarray, "*batch 2"]
@@ -189,7 +200,8 @@ class VideoFile:
         told = self.info.frame_count
         missing = told is not None and frames + clock.left_out < 0.98 * told
         end_s = self.info.start_s + (self.info.duration_s or 0.0)
-        if damaged or (clock.last_s < end_s - MISSED_S and (missing or told is None)):
+        missed_s = max(MISSED_S, MISSED_PERIODS * clock.period_s)
+        if damaged or (clock.last_s < end_s - missed_s and (missing or told is None)):
             logger.warning(
                 "video %s is damaged or cut off: %d%s frames could be read, up to %.3f s; they "
                 "are used",
@@ -223,6 +235,8 @@ class _Clock:
         self.guessed = 0
         self.left_out = 0
         self._started = False
+        self._steps = 0
+        self._advanced_s = 0.0
         self._counts_only = counts_only
 
     def __call__(self, stamp_s: float | None) -> float | None:
@@ -232,8 +246,16 @@ class _Clock:
             self.left_out += 1
             return None
         self.guessed += stamp_s is None
+        if self._started:
+            self._steps += 1
+            self._advanced_s += t_s - self.last_s
         self.last_s, self._started = t_s, True
         return t_s
+
+    @property
+    def period_s(self) -> float:
+        """Mean time from one picture to the next [s]."""
+        return self._advanced_s / self._steps if self._steps else 1.0 / self.fps
 
 
 def _fitted(size_px: tuple[int, int], limit_px: tuple[int, int]) -> tuple[int, int]:

@@ -1,0 +1,52 @@
+"""Secrets in addresses: no message may show them."""
+
+import re
+
+_USER = re.compile(r"\b([A-Za-z][A-Za-z0-9+.-]*:/{1,3})[^\s'\"<>]*@")
+_CUT_USER = re.compile(
+    r"\b([A-Za-z][A-Za-z0-9+.-]*:/{1,3})[^\s'\"<>/:]*:(?![0-9]{0,5}(?:[^\w%]|$))[^\s'\"<>/]*"
+)
+_BARE_USER = re.compile(r"(?<![^\s'\"=(\[{])[^\s'\"=/:@(\[{]+:[^\s'\"/@]+@(?=[\w.-]+)")
+_QUERY = re.compile(
+    r"([?&;][\w.-]*(?:pass|pwd|token|key|auth|secret|user|sig)[\w.-]*=)[^&\s'\"]+", re.IGNORECASE
+)
+
+
+def redacted(text: str) -> str:
+    """Return a text without the user names, passwords and tokens in its addresses.
+
+    Examples
+    --------
+    >>> redacted("cannot read rtsp://admin:pw@10.0.0.12:554/stream1?token=4711")
+    'cannot read rtsp://***@10.0.0.12:554/stream1?token=***'
+    """
+    if "@" in text:
+        text = _BARE_USER.sub("***@", _USER.sub(r"\1***@", text))
+    if ":/" in text:  # an address that was cut before its @
+        text = _CUT_USER.sub(r"\1***", text)
+    return _QUERY.sub(r"\1***", text) if "=" in text else text
+
+
+def is_address(text: str) -> bool:
+    """Tell whether a text is an address or a device rather than a file.
+
+    Examples
+    --------
+    >>> [is_address(text) for text in ("rtsp://10.0.0.12/1", "/dev/video0", "C:/north.mp4")]
+    [True, True, False]
+    """
+    return bool(_ADDRESS.match(text))
+
+
+def address(path: str) -> str:
+    """Return an address with both slashes, of which a path keeps only one.
+
+    Examples
+    --------
+    >>> address("rtsp:/10.0.0.12/1")
+    'rtsp://10.0.0.12/1'
+    """
+    return re.sub(r"^([A-Za-z][A-Za-z0-9+.-]+:)/(?!/)", r"\1//", path)
+
+
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/|/dev/|\\\\\.\\")
