@@ -347,7 +347,9 @@ def test_a_whole_recording_of_an_image_a_second_or_less_is_not_called_cut_off(
 @pytest.mark.parametrize("name", ["a.jpg", "frame_0001.PNG", "a.gif"])
 def test_an_image_is_told_from_a_video(tmp_path, name):
     (tmp_path / name).write_bytes(b"\xff\xd8\xff")
-    with pytest.raises(InputError, match="it is an image and no video; sequences of images are not read"):
+    with pytest.raises(
+        InputError, match="it is an image and no video; sequences of images are not read"
+    ):
         VideoFile(tmp_path / name, "a")
 
 
