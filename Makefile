@@ -13,8 +13,18 @@ SHAPES := trecsim.values,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.lab.report,trecsim.lab.study.design,trecsim.lab.study.resampling,$\
   trecsim.lab.study.standing,trecsim.lab.study.inference
 
+PYTEST := $(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal $\
+  --jaxtyping-packages=$(SHAPES),shape_checker.check
+
+# Tests that hold kernels to their references; what is compiled is invisible to coverage, so these
+# run a second time without the compiler. Whole scenes would take hours that way.
+TWINS := $(addprefix tests/fusion/test_,$(addsuffix .py,anatomy dense fitting ground information $\
+  matching mixture pairing prefilter presence stating twins visibility)) $\
+  tests/lab/simulation/test_occlusion.py
+
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench bench-quick ablation figures tables study docs constraints clean
+.PHONY: help demo test test-random coverage check bench bench-quick ablation figures tables $\
+  pictures study docs constraints clean
 
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
@@ -22,8 +32,18 @@ help:  ## Show this list.
 demo: .venv/installed-report .venv/installed-evaluate  ## Follow people through a simulated room and show the result.
 	$(BIN)/trecsim demo
 
-test: .venv/installed-test  ## Run all tests.
-	$(BIN)/python -m pytest --quiet --jaxtyping-packages=$(SHAPES),shape_checker.check
+test: .venv/installed-test  ## Run all tests, the same each time (4 min on 2 cores).
+	$(BIN)/python tests/compile_kernels.py
+	$(PYTEST)
+
+test-random: .venv/installed-test  ## Run all tests with property tests drawn anew, as a nightly run does.
+	$(BIN)/python tests/compile_kernels.py
+	$(PYTEST) --hypothesis-profile=random
+
+coverage: .venv/installed-coverage  ## Run all tests and print the share of lines they reach, kernels included.
+	$(BIN)/python tests/compile_kernels.py
+	$(PYTEST) --cov=trecsim --cov-report=
+	NUMBA_DISABLE_JIT=1 $(PYTEST) --cov=trecsim --cov-append --cov-report=term:skip-covered $(TWINS)
 
 check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/ruff format --check
@@ -65,7 +85,7 @@ constraints: .venv/installed-check .venv/installed-docs  ## Pin the versions tha
 
 clean:  ## Remove everything that was made here.
 	rm -rf .venv build dist out recordings sample trecsim-demo docs/_build docs/reference/generated
-	rm -rf .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf .coverage .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find src tests benchmarks examples -name __pycache__ -type d -exec rm -rf {} +
 
 # An extra is installed again only when what it depends on has changed.
