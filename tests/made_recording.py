@@ -12,7 +12,7 @@ from made_site import body_at, walking
 from trecsim.calibration import write_rig
 from trecsim.geometry import Rig
 from trecsim.store.poses_writer import PosesWriter
-from trecsim.store.timing_csv import StepTiming, timing_writer
+from trecsim.store.timing_csv import StepTiming, TimingWriter
 from trecsim.store.tracks import tracks_writer
 from trecsim.store.truth import write_truth
 from trecsim.values import Snapshot
@@ -48,7 +48,7 @@ def make_recording(folder: Path, moments: int = 60, *, rig: Rig | None = None) -
     with tracks_writer(folder / "tracks.csv") as tracks:
         for snapshot in snapshots(moments):
             tracks.write(snapshot)
-    with timing_writer(folder / "timing.csv") as timing:
+    with TimingWriter(folder / "timing.csv") as timing:
         for i in range(moments):
             timing.write(StepTiming(i * STEP_S, 3, int(i >= 4), 1.0 + 0.1 * (i % 5)))
     t_s = np.arange(moments) * STEP_S

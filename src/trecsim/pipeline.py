@@ -34,13 +34,19 @@ from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.skeleton import COCO17
 from trecsim.sources import prefetched, read_poses
-from trecsim.store.atomic import atomic_write, disk_faults, partial_path
-from trecsim.store.names import POSES, RIG
+from trecsim.store.atomic import atomic_write, partial_path
+from trecsim.store.names import RIG
+from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.poses_writer import PosesWriter
-from trecsim.store.timing_csv import NAME as TIMING
-from trecsim.store.timing_csv import timing_writer
+from trecsim.store.recordings import (
+    claim_folder,
+    discard_recording,
+    poses_recorder,
+    timing_recorder,
+    tracks_recorder,
+)
+from trecsim.store.timing_csv import TimingWriter
 from trecsim.store.tracks import kept_of, tracks_writer
-from trecsim.store.tracks_parquet import TracksInfo
 from trecsim.tracking import Tally, follow
 from trecsim.values import Poses2D
 
@@ -111,7 +117,7 @@ def track(
         with ExitStack() as files:
             tracks = files.enter_context(tracks_writer(out, _info(rig)))
             if timing is not None:
-                tally.tell = files.enter_context(timing_writer(timing)).write
+                tally.tell = files.enter_context(TimingWriter(timing)).write
             for snapshot in follow(images, rig, settings, lag_s=lag_s, tally=tally):
                 tracks.write(snapshot)
                 if progress is not None:
@@ -201,22 +207,20 @@ def run(
     KeyboardInterrupt
         When it is interrupted, other than by `stop`; its text says what is kept.
     """
-    folder = _new_folder(out, checked)
     began_s = time.monotonic()
     watch = _Watch(progress, stop, tell, _image_count(checked))
-    try:
-        fault = _record(checked, folder, watch)
-        if fault is not None and watch.tally.frame_sets == 0:
-            _discard(folder)
-            raise fault
-        summary = watch.summary(checked.file.site.name, folder, began_s, fault)
-        _write_summary(summary, checked)
-        picture(summary)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
-    finally:
-        with suppress(OSError):  # there is something in it, and that is kept
-            folder.rmdir()
+    with claim_folder(_folder_for(out, checked)) as claim:
+        folder = claim.folder
+        try:
+            fault = _record(checked, folder, watch)
+            if fault is not None and watch.tally.frame_sets == 0:
+                discard_recording(folder)
+                raise fault
+            summary = watch.summary(checked.file.site.name, folder, began_s, fault)
+            _write_summary(summary, checked)
+            picture(summary)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
     if fault is not None:
         raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
     return summary
@@ -227,14 +231,14 @@ def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError |
     site, rig = checked.file.site, checked.rig
     write_rig(rig, folder / RIG)
     with ExitStack() as files:
-        tracks = files.enter_context(tracks_writer(folder / "tracks.parquet", _info(rig)))
-        watch.tally.tell = files.enter_context(timing_writer(folder / TIMING)).write
+        tracks = files.enter_context(tracks_recorder(folder, _info(rig)))
+        watch.tally.tell = files.enter_context(timing_recorder(folder)).write
         images = files.enter_context(closing(prefetched(_poses(checked), _IMAGES_AHEAD)))
         settings, lag_s = fusion_settings(site.fusion), site.output.lag_s
         try:
             poses = watch.images(_begun(images))
             if site.output.poses:
-                poses = _copied(poses, files.enter_context(PosesWriter(folder / POSES)))
+                poses = _copied(poses, files.enter_context(poses_recorder(folder)))
             for snapshot in follow(poses, rig, settings, lag_s=lag_s, tally=watch.tally):
                 tracks.write(snapshot)
                 watch.last_s = snapshot.t_s
@@ -335,32 +339,20 @@ def rig_sha256(rig: Rig) -> str:
     return digest.hexdigest()
 
 
-def _new_folder(out: Path | None, checked: CheckedSite) -> Path:
+def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
     site = checked.file.site
-    if out is None:
-        started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
-        beside = checked.file.path.parent / "recordings" / site.name
-        out = (site.output.directory or beside) / started
-    with disk_faults(out):
-        if out.exists() and any(out.iterdir()):
-            raise InputError(f"{out} is not empty; nothing is overwritten: give another --out")
-        out.mkdir(parents=True, exist_ok=True)
-    return out
-
-
-def _discard(folder: Path) -> None:
-    """Remove what a run that did not get to its first frame set has made."""
-    for name in ("tracks.parquet", POSES, TIMING, RIG):
-        (folder / name).unlink(missing_ok=True)
-        partial_path(folder / name).unlink(missing_ok=True)
-    folder.rmdir()
+    if out is not None:
+        return out
+    started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+    beside = checked.file.path.parent / "recordings" / site.name
+    return (site.output.directory or beside) / started
 
 
 def _interrupted(folder: Path, tally: Tally) -> str:
     """Say what an interruption leaves; remove what holds nothing."""
     if tally.frame_sets == 0:
         with suppress(OSError):
-            _discard(folder)
+            discard_recording(folder)
         return "stopped by Ctrl-C before the first frame set; nothing is kept"
     ended = (folder / "summary.json").exists()
     missing = "a picture" if ended else "a summary"

@@ -188,7 +188,7 @@ def test_ctrl_c_ends_a_run_in_order(folder: Path) -> None:
         text=True,
     )
     parts = folder / "out" / "tracks.parquet.parts"
-    while running.poll() is None and not list(parts.glob("*.parquet")):
+    while running.poll() is None and not list(parts.glob("*/*.parquet")):
         time.sleep(0.05)  # until something is on the disk
     running.send_signal(signal.SIGINT)
     out, err = running.communicate(timeout=60)
@@ -212,7 +212,7 @@ def test_a_second_ctrl_c_ends_a_run_at_once_and_says_what_is_kept(folder: Path, 
         text=True,
     )
     parts = folder / "out" / "tracks.parquet.parts"
-    while running.poll() is None and not list(parts.glob("*.parquet")):
+    while running.poll() is None and not list(parts.glob("*/*.parquet")):
         time.sleep(0.05)
     running.send_signal(signal.SIGINT)
     while running.poll() is None and not (folder / "out" / "tracks.parquet").is_file():

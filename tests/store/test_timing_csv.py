@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from trecsim.errors import InputError
-from trecsim.store.timing_csv import StepTiming, read_timing, timing_writer
+from trecsim.store.timing_csv import StepTiming, TimingWriter, read_timing
 
 HEADER = "t_s,images,people,fusion_ms\n"
 
 
 def test_timings_come_back_as_they_were(tmp_path: Path) -> None:
     path = tmp_path / "timing.csv"
-    with timing_writer(path) as writer:
+    with TimingWriter(path) as writer:
         writer.write(StepTiming(1700000000.123456, 4, 2, 3.25))
         writer.write(StepTiming(1700000000.163456, 3, 0, 0.0625))
     timing = read_timing(path)
@@ -26,14 +26,14 @@ def test_timings_come_back_as_they_were(tmp_path: Path) -> None:
 
 def test_the_file_takes_its_name_at_the_end_and_a_part_of_it_says_so(tmp_path: Path) -> None:
     path = tmp_path / "timing.csv"
-    with suppress(KeyError), timing_writer(path) as writer:
+    with suppress(KeyError), TimingWriter(path) as writer:
         writer.write(StepTiming(0.0, 4, 2, 3.25))
         raise KeyError
     assert [one.name for one in tmp_path.iterdir()] == ["timing.csv.partial"]
 
 
 def test_timings_of_nothing_are_empty(tmp_path: Path) -> None:
-    with timing_writer(tmp_path / "timing.csv"):
+    with TimingWriter(tmp_path / "timing.csv"):
         pass
     assert read_timing(tmp_path / "timing.csv").t_s.shape == (0,)
 

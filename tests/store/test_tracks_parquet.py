@@ -16,13 +16,13 @@ from made_tracks import assert_same, snapshot, walk
 from trecsim.errors import InputError, SetupError
 from trecsim.store.rows import COLUMNS
 from trecsim.store.tracks import read_tracks, tracks_writer
-from trecsim.store.tracks_parquet import parquet_writer, parts_of, read_parquet
+from trecsim.store.tracks_parquet import ParquetTracksWriter, parts_of, read_parquet
 
 # Writes a part per moment and kills itself, or is limited, at the place named by the argument.
 WRITER = """
 import os, pathlib, resource, shutil, signal, sys
 from made_tracks import walk
-from trecsim.store.tracks_parquet import parquet_writer
+from trecsim.store.tracks_parquet import ParquetTracksWriter
 
 path, where = pathlib.Path(sys.argv[1]), sys.argv[2]
 kill = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
@@ -39,7 +39,7 @@ if where == "before the parts are removed":
     shutil.rmtree = kill
 if where == "the disk is full when the parts are merged":
     resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
-with parquet_writer(path, part_s=0.0) as writer:
+with ParquetTracksWriter(path, part_s=0.0) as writer:
     for moment in walk(20):
         writer.write(moment)
 """
@@ -48,7 +48,10 @@ with parquet_writer(path, part_s=0.0) as writer:
 def run_writer(path: Path, where: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", WRITER, str(path), where],
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])},
+        env={
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path]),
+        },
         capture_output=True,
         text=True,
         check=False,
@@ -97,7 +100,7 @@ def test_a_disk_full_on_the_way_keeps_the_parts_before(
 
 
 def record(path: Path, moments: int, then: BaseException | None = None) -> None:
-    with parquet_writer(path, part_s=0.0) as writer:
+    with ParquetTracksWriter(path, part_s=0.0) as writer:
         for one in walk(moments):
             writer.write(one)
         if then is not None:
@@ -112,7 +115,7 @@ def test_the_parts_are_merged_and_removed(tmp_path: Path) -> None:
 
 def test_a_part_is_written_when_its_time_has_come(tmp_path: Path) -> None:
     path, clock = tmp_path / "tracks.parquet", iter([0.0, 1.0, 1.9, 2.1, 2.1, 3.0, 4.0, 4.1])
-    with parquet_writer(path, clock=lambda: next(clock)) as writer:
+    with ParquetTracksWriter(path, clock=lambda: next(clock)) as writer:
         for one in walk(3):
             writer.write(one)
         assert len(list(read_parquet(path))) == 3

@@ -15,6 +15,7 @@ from trecsim.pipeline import RunSummary, run
 from trecsim.sites.check import check_site
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.names import POSES, RIG
+from trecsim.store.recordings import discard_recording
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth
 
@@ -157,12 +158,9 @@ def _make_room(folder: Path) -> None:
             )
         folder.mkdir(parents=True, exist_ok=True)
         made = [folder / "paths.png", *(folder / RUN / name for name in RUN_FILES)]
-        made += (folder / RUN / "tracks.parquet.parts").glob("*.parquet")
         for path in made:
             path.unlink(missing_ok=True)
-        parts = folder / RUN / "tracks.parquet.parts"
-        if parts.is_dir() and not any(parts.iterdir()):
-            parts.rmdir()
+        discard_recording(folder / RUN)
 
 
 def _is_ours(folder: Path) -> bool:

@@ -102,6 +102,11 @@ class GrowingFile:
             self._flush()
 
     @property
+    def empty(self) -> bool:
+        """Whether the file holds nothing but its heading."""
+        return self._empty
+
+    @property
     def due(self) -> bool:
         """Whether the next write will reach the operating system."""
         return self._clock() - self._flushed_s >= self._flush_s
@@ -120,10 +125,11 @@ class GrowingFile:
         if self._partial is not None and not self._partial.exists():
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
 
-    def close(self) -> None:
-        """Give the complete file its name."""
+    def close(self, name: Path | None = None) -> None:
+        """Give the complete file its name, or another name on the same disk."""
         if self._file.closed:
             return
+        target = self._target if name is None else name
         try:
             with disk_faults(self._path, running=True):
                 if self._partial is None:
@@ -133,9 +139,9 @@ class GrowingFile:
                 os.fsync(self._file.fileno())
                 if not _HAS_LOCKS:  # Windows renames no open file
                     self._file.close()
-                self._partial.replace(self._target)  # still locked
+                self._partial.replace(target)  # still locked
                 self._file.close()
-                sync_directory(self._target.parent)
+                sync_directory(target.parent)
         except BaseException:
             self.abandon()
             raise
@@ -182,7 +188,7 @@ def _locked(path: Path, target: Path) -> IO[bytes]:
                 f"cannot write {path}: another program is writing it; wait for its end or give "
                 "another name"
             )
-        if _is_file_at(handle, partial):
+        if is_file_at(handle, partial):
             partial.chmod(PRIVATE_FILE)  # an older one may have been open to others
             return file
         file.close()  # the other program has just given its file the final name
@@ -202,7 +208,8 @@ def lock(handle: int) -> bool:
     return True
 
 
-def _is_file_at(handle: int, path: Path) -> bool:
+def is_file_at(handle: int, path: Path) -> bool:
+    """Return whether an open file is still the one at `path`."""
     try:
         return os.path.samestat(os.fstat(handle), path.stat())
     except FileNotFoundError:

@@ -1,15 +1,22 @@
 """Write 2D poses as ``*.poses.jsonl``: a header, then one camera image a line."""
 
 import json
+import math
+import os
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
 
+from trecsim.errors import InputError
+from trecsim.store.atomic import disk_faults, opened_for_reading, partial_path
 from trecsim.store.growing import GrowingFile
 from trecsim.store.names import POSES_FORMAT
 from trecsim.values import Poses2D
+
+_END_BYTES = 1 << 22  # of a file that is continued; this much is read to learn where it ends
 
 
 class PosesWriter:
@@ -26,7 +33,8 @@ class PosesWriter:
     skeleton
         Name of the skeleton of all images.
     resume
-        Go on with the partial file that an earlier program left.
+        Go on with the file at `path`, finished or not, if there is one. Images that are not later
+        than the last ones of their camera in it are left out.
 
     Raises
     ------
@@ -49,11 +57,16 @@ class PosesWriter:
 
     def __init__(self, path: Path, skeleton: str = "coco17", *, resume: bool = False) -> None:
         heading = _line({"format": POSES_FORMAT, "skeleton": skeleton})
+        if resume:
+            _reopen(path)
+        self._after_s = _last_times_s(partial_path(path)) if resume else {}
         self._file = GrowingFile(path, heading, flush_s=0.0, resume=resume)
 
     def write(self, poses: Poses2D) -> None:
         """Append one image: 0.01 px, scores to three digits, times to the microsecond."""
         t_s = round(poses.t_s, 6)
+        if t_s <= self._after_s.get(poses.camera, -math.inf):
+            return
         people = _people_as_json(poses)
         self._file.write(_line({"camera": poses.camera, "t_s": t_s, "people": people}))
 
@@ -75,6 +88,34 @@ class PosesWriter:
         trace: TracebackType | None,
     ) -> None:
         self._file.__exit__(kind, error, trace)
+
+
+def _reopen(path: Path) -> None:
+    """Bring a finished file back to where an unfinished one is."""
+    partial = partial_path(path)
+    if path.is_file() and partial.is_file():
+        raise InputError(
+            f"{path} and {partial} are both there; move one of them away, then resume again"
+        )
+    if path.is_file():
+        with disk_faults(path):
+            path.replace(partial)
+
+
+def _last_times_s(path: Path) -> dict[str, float]:
+    """Return the last time of each camera that has images at the end of a file."""
+    if not path.is_file():  # a device or a pipe is written to
+        return {}
+    with opened_for_reading(path) as file:
+        end = file.seek(0, os.SEEK_END)
+        file.seek(max(0, end - _END_BYTES))
+        lines = file.read().split(b"\n")[1:]  # the first is the header, or the end of a line
+    last_s: dict[str, float] = {}
+    for line in lines:
+        with suppress(ValueError, KeyError, TypeError):  # what is damaged is told when it is read
+            fields = json.loads(line)
+            last_s[str(fields["camera"])] = float(fields["t_s"])
+    return last_s
 
 
 def _line(fields: dict[str, Any]) -> bytes:

@@ -1,9 +1,10 @@
 """What each frame set cost, `timing.csv`: `t_s,images,people,fusion_ms`, one row per frame set."""
 
 import io
+import math
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -15,8 +16,9 @@ from jaxtyping import Float64, Int64
 from pyarrow import csv as pa_csv
 
 from trecsim.errors import InputError
-from trecsim.store.atomic import opened_for_reading, partial_path
+from trecsim.store.atomic import PRIVATE_FOLDER, disk_faults, opened_for_reading, partial_path
 from trecsim.store.growing import GrowingFile, without_cut_line
+from trecsim.store.segments import segment_files, segment_name
 
 NAME = "timing.csv"
 COLUMNS = {
@@ -26,6 +28,9 @@ COLUMNS = {
     "fusion_ms": pa.float64(),
 }
 
+_HEADING = (",".join(COLUMNS) + "\n").encode()
+_SUFFIX = ".csv"
+_LONGEST_LINE = 4096
 _LARGEST_BYTES = 2**29  # about 20 million frame sets: more than a week at 25 a second
 
 
@@ -76,15 +81,21 @@ class Timing:
 class TimingWriter:
     """Writes timings; at most the last two seconds are lost, however the program ends.
 
-    The rows go to ``NAME.partial``, which takes its final name when the block ends without an
-    error.
+    The rows go to ``NAME.partial``. When the block ends without an error, that file takes its final
+    name. A long recording is kept in segments: files in ``NAME.parts/``, a folder that takes the
+    final name instead.
 
     Parameters
     ----------
     path
         The file, usually ``timing.csv``.
+    segment_s
+        A new segment begins this long after the first time of the last one [s].
     clock
         Tells the time [s].
+    resume
+        Go on with the timings at `path`, finished or not, if there are any. Frame sets that are not
+        later than the last one are left out.
 
     Raises
     ------
@@ -94,17 +105,72 @@ class TimingWriter:
         The disk is full.
     """
 
-    def __init__(self, path: Path, *, clock: Callable[[], float] = time.monotonic) -> None:
-        self._file = GrowingFile(path, (",".join(COLUMNS) + "\n").encode(), clock=clock)
+    def __init__(
+        self,
+        path: Path,
+        *,
+        segment_s: float = math.inf,
+        clock: Callable[[], float] = time.monotonic,
+        resume: bool = False,
+    ) -> None:
+        self._path = path
+        self._clock = clock
+        self._segment_s = segment_s
+        self._first_s = math.nan
+        if resume:
+            self._reopen()
+        earlier = timing_at(path) if resume else None
+        self._after_s = last_time_s(earlier) if earlier is not None else math.nan
+        self._file = self._begun(resume)
+        if resume and not self._file.empty:
+            self._end_segment()
+
+    def _reopen(self) -> None:
+        """Bring finished timings back to where unfinished ones are."""
+        with disk_faults(self._path):
+            if self._path.is_dir():
+                self._path.rename(_parts_of(self._path))
+            elif self._path.is_file():
+                self._path.replace(self._next_name())
+
+    def _begun(self, resume: bool = False) -> GrowingFile:
+        return GrowingFile(self._path, _HEADING, clock=self._clock, resume=resume)
+
+    def _next_name(self) -> Path:
+        parts = _parts_of(self._path)
+        parts.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
+        number = 1 + max(segment_files(parts, _SUFFIX), default=0)
+        return parts / f"{segment_name(number)}{_SUFFIX}"
 
     def write(self, step: StepTiming) -> None:
         """Append one frame set."""
+        if step.t_s <= self._after_s:  # never where it is NaN
+            return
+        if step.t_s - self._first_s >= self._segment_s:
+            self._end_segment()
+        if self._file.empty:
+            self._first_s = step.t_s
         row = f"{step.t_s!r},{step.images},{step.people},{step.fusion_ms:.4f}\n"
         self._file.write(row.encode())
 
+    def _end_segment(self) -> None:
+        with disk_faults(self._path, running=True):
+            name = self._next_name()
+        self._file.close(name)
+        self._file = self._begun()
+
     def close(self) -> None:
-        """Give the complete file its name."""
-        self._file.close()
+        """Give the complete file, or folder, its name."""
+        parts = _parts_of(self._path)
+        if not parts.is_dir():
+            self._file.close()
+            return
+        with disk_faults(self._path, running=True):
+            if self._file.empty:
+                self._file.abandon()
+            else:
+                self._file.close(self._next_name())
+            parts.rename(self._path)
 
     def abandon(self) -> None:
         """End early: what was written stays under the name of an unfinished file."""
@@ -119,41 +185,112 @@ class TimingWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._file.__exit__(kind, error, trace)
+        if kind is None:
+            self.close()
+        else:
+            self.abandon()
 
 
-def timing_writer(path: Path) -> TimingWriter:
-    """Open a file of timings for writing as long as a block runs."""
-    return TimingWriter(path)
+def _parts_of(path: Path) -> Path:
+    return path.with_name(path.name + ".parts")
 
 
 def timing_in(folder: Path) -> Path | None:
     """Return where the timings of a recording are, complete or not; None if it has none."""
-    whole = folder / NAME
-    return next((path for path in (whole, partial_path(whole)) if path.exists()), None)
+    return timing_at(folder / NAME)
 
 
-def read_timing(path: Path) -> Timing:
-    """Read a file of timings.
+def timing_at(whole: Path) -> Path | None:
+    """Return where timings of this name are, complete or not; None if there are none."""
+    places = (whole, partial_path(whole), _parts_of(whole))
+    return next((path for path in places if path.exists()), None)
+
+
+def _files_of(path: Path) -> list[Path]:
+    """Return the files that timings consist of, in order."""
+    if path.is_dir():
+        return list(segment_files(path, _SUFFIX).values())
+    earlier = _parts_of(path.with_name(path.name.removesuffix(".partial")))
+    if path.suffix == ".partial" and earlier.is_dir():
+        return [*segment_files(earlier, _SUFFIX).values(), path]
+    return [path]
+
+
+def read_timing(path: Path, from_s: float = -math.inf, until_s: float = math.inf) -> Timing:
+    """Read timings.
 
     Parameters
     ----------
     path
-        The file.
+        A file, complete or not, or a folder of segments.
+    from_s, until_s
+        Read what lies between these times, both included [s]; other segments are not read.
 
     Raises
     ------
     InputError
-        It is not there or not right.
+        They are not there or not right.
     """
+    files = _between(_files_of(path), from_s, until_s)
+    size_bytes = sum(file.stat().st_size for file in files if file.exists())
+    if size_bytes > _LARGEST_BYTES:
+        raise InputError(
+            f"{path} has {size_bytes / 1e6:.0f} MB, timings may have up to "
+            f"{_LARGEST_BYTES / 1e6:.0f} MB; read less of the time, or cut the file"
+        )
+    parts = [_read_file(file) for file in files]
+    columns = {
+        name: np.concatenate([getattr(part, name) for part in parts]) if parts else np.empty(0)
+        for name in COLUMNS
+    }
+    inside = (columns["t_s"] >= from_s) & (columns["t_s"] <= until_s)
+    return Timing(**{name: column[inside] for name, column in columns.items()})
+
+
+def _between(files: Sequence[Path], from_s: float, until_s: float) -> list[Path]:
+    """Return the files of which something may lie between two times, by their first times."""
+    if len(files) < 2 or (from_s == -math.inf and until_s == math.inf):
+        return list(files)
+    first_s = [_first_time_s(file) for file in files]
+    next_s = [*first_s[1:], math.inf]
+    return [
+        file
+        for file, begin_s, end_s in zip(files, first_s, next_s, strict=True)
+        if begin_s <= until_s and end_s >= from_s
+    ]
+
+
+def _first_time_s(path: Path) -> float:
     with opened_for_reading(path) as file:
-        size_bytes = os.fstat(file.fileno()).st_size
-        if size_bytes > _LARGEST_BYTES:
-            raise InputError(
-                f"{path} has {size_bytes / 1e6:.0f} MB, timings may have up to "
-                f"{_LARGEST_BYTES / 1e6:.0f} MB; cut the file"
-            )
-        table = _table(without_cut_line(file.read(), path), path)
+        file.readline(_LONGEST_LINE)
+        row = file.readline(_LONGEST_LINE)
+    try:
+        return float(row.partition(b",")[0])
+    except ValueError:
+        return -math.inf  # reading it tells what is wrong
+
+
+def last_time_s(path: Path) -> float:
+    """Return the last time in timings, reading the end of them alone [s]; NaN if there is none."""
+    for file in reversed(_files_of(path)):
+        with opened_for_reading(file) as opened:
+            end = opened.seek(0, os.SEEK_END)
+            opened.seek(max(0, end - _LONGEST_LINE))
+            content = without_cut_line(opened.read(), file)
+        last = content.rstrip().rpartition(b"\n")[2].partition(b",")[0]
+        try:
+            return float(last)
+        except ValueError:  # the heading, or something that reading tells
+            continue
+    return math.nan
+
+
+def _read_file(path: Path) -> Timing:
+    with opened_for_reading(path) as file:
+        content = without_cut_line(file.read(_LARGEST_BYTES), path)
+    if not content and path.suffix == ".partial":  # its program was killed at once
+        content = _HEADING
+    table = _table(content, path)
     timing = Timing(**{name: table[name].to_numpy() for name in COLUMNS})
     faults = {
         "t_s must be finite": ~np.isfinite(timing.t_s),

@@ -2,18 +2,18 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from types import TracebackType
+from typing import Protocol, Self, runtime_checkable
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
+from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.tracks_csv import CsvWriter, read_csv
 from trecsim.store.tracks_parquet import (
-    TracksInfo,
-    parquet_writer,
+    ParquetTracksWriter,
     parts_of,
     read_info,
     read_parquet,
@@ -27,11 +27,28 @@ SUFFIXES = (".csv", ".parquet")
 
 @runtime_checkable
 class TracksWriter(Protocol):
-    """Takes snapshots in order of time."""
+    """Takes snapshots in order of time, as long as a block runs."""
 
     def write(self, snapshot: Snapshot) -> None:
         """Add one moment."""
         ...
+
+    def close(self) -> None:
+        """End the file: it takes its final name."""
+        ...
+
+    def abandon(self) -> None:
+        """End early: what was written stays under the name of an unfinished file."""
+        ...
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,12 +75,16 @@ class TracksExtent:
 
 
 def tracks_writer(
-    path: Path, info: TracksInfo | None = None
-) -> AbstractContextManager[TracksWriter]:
+    path: Path,
+    info: TracksInfo | None = None,
+    *,
+    segment_s: float = math.inf,
+    resume: bool = False,
+) -> TracksWriter:
     """Open a file of tracks for writing as long as a block runs.
 
-    What was written when the block ends with an error or Ctrl-C is kept beside it: a CSV file as
-    ``NAME.partial``, the parts of a Parquet file in ``NAME.parts/``.
+    While the block runs, and after it ended with an error or Ctrl-C, what was written is beside the
+    file: a CSV file as ``NAME.partial``, the parts of a Parquet file in ``NAME.parts/``.
 
     Parameters
     ----------
@@ -71,6 +92,11 @@ def tracks_writer(
         ``*.csv`` or ``*.parquet``.
     info
         What a Parquet file shall say about itself; a CSV file has no room for it.
+    segment_s
+        Parquet only: a new segment begins this long after the first moment of the last one [s].
+        Several segments make a folder of the name `path`.
+    resume
+        Parquet only: go on with the recording at `path`, finished or not, if there is one.
 
     Raises
     ------
@@ -81,8 +107,10 @@ def tracks_writer(
     """
     info = info or TracksInfo()
     if _suffix(path) == ".csv":
+        if resume:
+            raise InputError(f"{path}: CSV tracks cannot be continued; write *.parquet")
         return CsvWriter(path, info.skeleton)
-    return parquet_writer(path, info)
+    return ParquetTracksWriter(path, info, segment_s=segment_s, resume=resume)
 
 
 def kept_of(path: Path) -> Path:
@@ -90,14 +118,19 @@ def kept_of(path: Path) -> Path:
     return partial_path(path) if _suffix(path) == ".csv" else parts_of(path)
 
 
-def read_tracks(path: Path | str) -> Iterator[Snapshot]:
+def read_tracks(
+    path: Path | str, *, from_s: float = -math.inf, until_s: float = math.inf
+) -> Iterator[Snapshot]:
     """Read recorded tracks one moment at a time; moments without anybody are not recorded.
 
     Parameters
     ----------
     path
         A CSV or Parquet file, a directory with ``tracks.parquet`` (as `trecsim run` writes it) or
-        ``tracks.csv``, or the parts of a recording that has not ended.
+        ``tracks.csv``, or what a run that has not ended has left.
+    from_s, until_s
+        Read the moments between these times, both included [s]; of a long recording, only the
+        segments in which they are.
 
     Raises
     ------
@@ -105,7 +138,10 @@ def read_tracks(path: Path | str) -> Iterator[Snapshot]:
         When it is not there or not right.
     """
     path = _file_of(Path(path))
-    return read_csv(path, COCO17) if _suffix(path) == ".csv" else read_parquet(path)
+    if _suffix(path) == ".csv":
+        everything = read_csv(path, COCO17)
+        return (one for one in everything if from_s <= one.t_s <= until_s)
+    return read_parquet(path, from_s, until_s)
 
 
 def export_tracks(

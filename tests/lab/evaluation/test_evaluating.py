@@ -10,7 +10,7 @@ from lab.evaluation.scored_cases import Found, places, scores_of, snapshots_of, 
 from trecsim.errors import InputError
 from trecsim.lab.evaluation.evaluating import evaluate
 from trecsim.lab.evaluation.scores import Scores
-from trecsim.store.timing_csv import StepTiming, timing_writer
+from trecsim.store.timing_csv import StepTiming, TimingWriter
 from trecsim.store.tracks import tracks_writer
 from trecsim.store.truth import Truth, write_truth
 
@@ -65,12 +65,12 @@ def test_tracks_that_end_early_miss_everybody_from_there_on(tmp_path: Path) -> N
 
 def test_times_of_frame_sets_beside_the_tracks_are_the_moments(tmp_path: Path) -> None:
     path = write(tmp_path, [{1: 0.0, 2: 3.0}] * 5)
-    with timing_writer(tmp_path / "timing.csv") as writer:
+    with TimingWriter(tmp_path / "timing.csv") as writer:
         for t_s, people in [*((n / 10, 2) for n in range(5)), (0.6, 0), (0.9, 0)]:
             writer.write(StepTiming(t_s, 2, people, 1.0))
     scores = scored(path)
     assert (scores.moments, scores.without_anybody, scores.missed) == (7, 2, 4)
-    with timing_writer(tmp_path / "timing.csv") as writer:
+    with TimingWriter(tmp_path / "timing.csv") as writer:
         writer.write(StepTiming(0.25, 2, 2, 1.0))
     remarks: list[str] = []
     evaluate(path, TWO, remark=remarks.append)
@@ -82,7 +82,7 @@ def test_a_run_that_saw_only_a_part_of_the_truth_is_said_to_be_scored_there_only
 ) -> None:
     truth = truth_of([0.0] * 40, [3.0] * 40, step_s=0.1)
     path = write(tmp_path, [{1: 0.0, 2: 3.0}] * 10)
-    with timing_writer(tmp_path / "timing.csv") as writer:
+    with TimingWriter(tmp_path / "timing.csv") as writer:
         for n in range(10):
             writer.write(StepTiming(n / 10, 2, 2, 1.0))
     remarks: list[str] = []

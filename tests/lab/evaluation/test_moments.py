@@ -17,7 +17,7 @@ from trecsim.lab.evaluation.moments import (
     with_empty_moments,
     within,
 )
-from trecsim.store.timing_csv import StepTiming, timing_writer
+from trecsim.store.timing_csv import StepTiming, TimingWriter
 from trecsim.store.tracks import tracks_writer
 
 NO_TIMES = np.empty(0)
@@ -34,7 +34,7 @@ def write(folder: Path, t_s: Sequence[float], suffix: str = "csv") -> Path:
 
 def write_timing(folder: Path, steps: Sequence[tuple[float, int]]) -> None:
     """Write the times of frame sets, and how many people were there after each."""
-    with timing_writer(folder / "timing.csv") as writer:
+    with TimingWriter(folder / "timing.csv") as writer:
         for time_s, people in steps:
             writer.write(StepTiming(time_s, 2, people, 1.0))
 

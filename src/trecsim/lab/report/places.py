@@ -57,7 +57,7 @@ def find(
     InputError
         There are no tracks.
     """
-    if not path.is_dir() or path.suffix == ".parts":
+    if not path.is_dir() or path.suffix in (".parts", ".parquet"):
         if not path.exists() and not parts_of(path).is_dir():
             raise InputError(
                 f"there is no recording at {path}; give a folder that `trecsim run` has made, "
@@ -73,8 +73,12 @@ def find(
 
 def _first_of(folders: Sequence[Path], file: str) -> Path | None:
     """Return where a piece is, complete or as an interrupted run left it."""
-    places = (place for at in folders for place in (at / file, partial_path(at / file)))
-    return next((place for place in places if place.exists()), None)
+    for folder in folders:
+        whole = folder / file
+        for place in (whole, partial_path(whole), parts_of(whole)):
+            if place.exists():
+                return place
+    return None
 
 
 def _tracks_in(folders: Sequence[Path]) -> Path:

@@ -1,0 +1,262 @@
+"""One Parquet file of tracks: written whole, read in pieces, only where the time is asked for."""
+
+import json
+import math
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+import pyarrow as pa
+from pyarrow import parquet as pq
+
+from trecsim.errors import InputError
+from trecsim.skeleton import COCO17, SKELETONS, Skeleton
+from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.store.rows import COLUMNS, SCHEMA, Rows, rows_in
+
+FORMAT = "trecsim.tracks/1"
+ROWS_OF_A_GROUP = 1 << 17
+
+_SPLIT = ["x_m", "y_m", "z_m", "sigma_m"]
+_BATCH_ROWS = 1 << 16
+
+
+@dataclass(frozen=True, slots=True)
+class TracksInfo:
+    """What a Parquet file of tracks says about itself.
+
+    Attributes
+    ----------
+    skeleton
+        The joints of its people.
+    rig_sha256
+        Digest of the rig it was made with; None when that is not known.
+    """
+
+    skeleton: Skeleton = COCO17
+    rig_sha256: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Contents:
+    """What a Parquet file of tracks holds.
+
+    Attributes
+    ----------
+    rows
+        Moments times people there times joints.
+    first_s, last_s
+        Its first and last time [s]; NaN when it is empty.
+    highest_person
+        Its highest identity; -1 when it is empty.
+    """
+
+    rows: int = 0
+    first_s: float = math.nan
+    last_s: float = math.nan
+    highest_person: int = -1
+
+    def overlaps(self, from_s: float, until_s: float) -> bool:
+        """Return whether something of it may lie between two times, both included [s]."""
+        return self.rows > 0 and self.first_s <= until_s and self.last_s >= from_s
+
+    def with_rows(self, rows: Rows) -> "Contents":
+        """Return what it holds when rows are added at its end."""
+        if not len(rows):
+            return self
+        return Contents(
+            self.rows + len(rows),
+            float(rows["t_s"][0]) if self.rows == 0 else self.first_s,
+            float(rows["t_s"][-1]),
+            max(self.highest_person, int(rows["person"].max())),
+        )
+
+
+def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
+    """Begin a Parquet file of tracks; it is readable once the writer is closed."""
+    facts = {
+        "format": FORMAT,
+        "skeleton": info.skeleton.name,
+        "unit": "m",
+        "rig_sha256": info.rig_sha256,
+    }
+    return pq.ParquetWriter(
+        file,
+        SCHEMA.with_metadata({"trecsim": json.dumps(facts)}),
+        compression="zstd",
+        use_byte_stream_split=_SPLIT,
+        use_dictionary=[name for name in COLUMNS if name not in _SPLIT],
+    )
+
+
+def write_file(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> None:
+    """Write one complete file from tables, one after the other, in little memory."""
+    with (
+        atomic_write(path, "wb", private=True) as file,
+        parquet_file(file, info) as writer,
+    ):
+        for table in _regrouped(tables):
+            write_group(writer, table)
+
+
+def write_group(writer: pq.ParquetWriter, table: pa.Table) -> None:
+    """Append a row group."""
+    writer.write_table(table.cast(writer.schema))
+
+
+def _regrouped(tables: Iterable[pa.Table]) -> Iterator[pa.Table]:
+    waiting: list[pa.Table] = []
+    for table in tables:
+        waiting.append(table)
+        if sum(map(len, waiting)) >= ROWS_OF_A_GROUP:
+            yield joined(waiting)
+            waiting.clear()
+    if waiting:
+        yield joined(waiting)
+
+
+def joined(tables: list[pa.Table]) -> pa.Table:
+    """Return tables behind each other as one."""
+    return pa.concat_tables(tables).unify_dictionaries().combine_chunks()
+
+
+def read_file_info(path: Path) -> TracksInfo:
+    """Read what a file says about itself; a file written by others says nothing.
+
+    Raises
+    ------
+    InputError
+        When it is not a Parquet file, or of a format that is not known.
+    """
+    with _opened(path) as file:
+        metadata = (file.schema_arrow.metadata or {}).get(b"trecsim", b"{}")
+    try:
+        facts = json.loads(metadata)
+        made = facts.get("format", FORMAT)
+        skeleton = SKELETONS[facts.get("skeleton", COCO17.name)]
+    except (ValueError, AttributeError, KeyError, TypeError, RecursionError):
+        raise InputError(f"{path}: its note for trecsim is damaged: {metadata[:80]!r}") from None
+    if made != FORMAT:
+        raise InputError(f"{path}: expected the format {FORMAT!r}, found {made!r}")
+    return TracksInfo(skeleton, facts.get("rig_sha256"))
+
+
+def read_contents(path: Path) -> Contents:
+    """Read from the end of a file what it holds, without its rows if possible.
+
+    Raises
+    ------
+    InputError
+        When it is not a Parquet file of tracks.
+    """
+    with _opened(path) as file:
+        _check_columns(file, path)
+        rows = file.metadata.num_rows
+        if rows == 0:
+            return Contents()
+        (first_s, last_s), (_, highest) = (_extent(file, name) for name in ("t_s", "person"))
+    return Contents(rows, float(first_s), float(last_s), int(highest))
+
+
+def _extent(file: pq.ParquetFile, name: str) -> tuple[float, float]:
+    """Return the smallest and largest number in a column."""
+    groups = [_statistics(file, name, group) for group in range(file.num_row_groups)]
+    known = [one for one in groups if one is not None]
+    if len(known) < len(groups):  # others write files without statistics
+        numbers = file.read(columns=[name])[name].to_numpy()
+        return numbers.min(), numbers.max()
+    return min(low for low, _ in known), max(high for _, high in known)
+
+
+def _statistics(file: pq.ParquetFile, name: str, group: int) -> tuple[float, float] | None:
+    row_group = file.metadata.row_group(group)
+    for number in range(row_group.num_columns):
+        column = row_group.column(number)
+        if column.path_in_schema == name:
+            found = column.statistics
+            return (found.min, found.max) if found is not None and found.has_min_max else None
+    return None
+
+
+def read_file(
+    path: Path, from_s: float = -math.inf, until_s: float = math.inf
+) -> Iterator[pa.Table]:
+    """Read the rows between two times, both included, in tables of a convenient size.
+
+    Row groups in which nothing lies between the times are not read.
+
+    Raises
+    ------
+    InputError
+        When the file is not a Parquet file of tracks.
+    """
+    with _opened(path) as file:
+        _check_columns(file, path)
+        everything = from_s == -math.inf and until_s == math.inf
+        groups = [
+            group
+            for group in range(file.num_row_groups)
+            if everything or _may_overlap(_statistics(file, "t_s", group), from_s, until_s)
+        ]
+        for batch in file.iter_batches(_BATCH_ROWS, row_groups=groups, columns=list(COLUMNS)):
+            table = pa.Table.from_batches([batch])
+            yield table if everything else _between(table, from_s, until_s)
+
+
+def _may_overlap(extent: tuple[float, float] | None, from_s: float, until_s: float) -> bool:
+    return extent is None or (extent[0] <= until_s and extent[1] >= from_s)
+
+
+def _between(table: pa.Table, from_s: float, until_s: float) -> pa.Table:
+    t_s = table["t_s"].cast(pa.float64()).to_numpy()
+    inside = (t_s >= from_s) & (t_s <= until_s)
+    return table if inside.all() else table.take(pa.array(np.flatnonzero(inside)))
+
+
+def file_rows(
+    path: Path, skeleton: Skeleton, from_s: float = -math.inf, until_s: float = math.inf
+) -> Iterator[Rows]:
+    """Read the rows between two times, both included.
+
+    Raises
+    ------
+    InputError
+        When the file is not right.
+    """
+    for table in read_file(path, from_s, until_s):
+        with arrow_faults(path):
+            rows = rows_in(table, skeleton)
+        yield rows
+
+
+def _check_columns(file: pq.ParquetFile, path: Path) -> None:
+    missing = [name for name in COLUMNS if name not in file.schema_arrow.names]
+    if missing:
+        raise InputError(
+            f"{path}: expected the columns {', '.join(COLUMNS)}; missing: {', '.join(missing)}"
+        )
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
+    with opened_for_reading(path) as stream, arrow_faults(path):
+        yield pq.ParquetFile(stream)
+
+
+@contextmanager
+def arrow_faults(path: Path) -> Iterator[None]:
+    """Turn what Arrow says about a damaged file into an error for the person on site.
+
+    Raises
+    ------
+    InputError
+        When the file is damaged.
+    """
+    try:
+        yield
+    except (pa.ArrowException, OSError, ValueError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise InputError(f"{path} is not a readable Parquet file of tracks: {reason}") from None

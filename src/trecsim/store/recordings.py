@@ -1,0 +1,138 @@
+"""The folder of a recording, as `trecsim run` keeps it: claimed, written, continued, discarded.
+
+::
+
+    rig.toml           the cameras
+    tracks.parquet     the tracks: a file, or a folder of segments of an hour each
+    timing.csv         what each frame set cost: a file, or a folder of segments
+    poses.jsonl        the 2D poses, if the site file asks for them
+"""
+
+import math
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from trecsim.errors import InputError
+from trecsim.store.atomic import partial_path
+from trecsim.store.claiming import FolderClaim
+from trecsim.store.names import POSES, RIG
+from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.poses_writer import PosesWriter
+from trecsim.store.timing_csv import NAME as TIMING
+from trecsim.store.timing_csv import TimingWriter, last_time_s, timing_in
+from trecsim.store.tracks_parquet import (
+    HOUR_S,
+    ParquetTracksWriter,
+    parts_of,
+    read_info,
+    recording_segments,
+)
+
+TRACKS = "tracks.parquet"
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """What a recording already holds, for a run that goes on with it.
+
+    Attributes
+    ----------
+    next_person
+        The lowest identity above all that are stored.
+    last_s
+        The last time that is stored, of tracks or timings [s]; None for an empty recording.
+    rig_sha256
+        Digest of the rig its tracks were made with; None if that is not known.
+    """
+
+    next_person: int = 0
+    last_s: float | None = None
+    rig_sha256: str | None = None
+
+
+def claim_folder(folder: Path, *, resume: bool = False) -> FolderClaim:
+    """Keep other programs from recording into a folder, which is made if it is missing.
+
+    Parameters
+    ----------
+    folder
+        The folder of the recording.
+    resume
+        Whether it may hold a recording, to go on with.
+
+    Raises
+    ------
+    InputError
+        When another run records there, or the folder is not empty, or holds something else than a
+        recording.
+    SetupError
+        When the disk has no room.
+    """
+    claim = FolderClaim(folder)
+    names = [path.name for path in claim.content]
+    if not names or (resume and RIG in names):
+        return claim
+    claim.release()
+    if not resume:
+        raise InputError(
+            f"{folder} is not empty; nothing is overwritten: give another --out, or --resume to go "
+            "on with the recording in it"
+        )
+    raise InputError(
+        f"{folder} holds no recording to go on with: expected {RIG} and {TRACKS}, found "
+        f"{', '.join(names[:5])}"
+    )
+
+
+def tracks_recorder(folder: Path, info: TracksInfo, *, resume: bool = False) -> ParquetTracksWriter:
+    """Open the tracks of a recording for writing, in segments of an hour."""
+    return ParquetTracksWriter(folder / TRACKS, info, segment_s=HOUR_S, resume=resume)
+
+
+def timing_recorder(folder: Path, *, resume: bool = False) -> TimingWriter:
+    """Open the timings of a recording for writing, in segments of an hour."""
+    return TimingWriter(folder / TIMING, segment_s=HOUR_S, resume=resume)
+
+
+def poses_recorder(folder: Path, *, resume: bool = False) -> PosesWriter:
+    """Open the 2D poses of a recording for writing."""
+    return PosesWriter(folder / POSES, resume=resume)
+
+
+def stored_in(folder: Path) -> Stored:
+    """Return what a recording already holds; its tracks are not read, only what sums them up.
+
+    Raises
+    ------
+    InputError
+        When something in the folder is damaged.
+    """
+    tracks = folder / TRACKS
+    there = tracks.exists() or parts_of(tracks).is_dir()
+    contents = [one.contents for one in recording_segments(tracks)] if there else []
+    timing = timing_in(folder)
+    timed_s = last_time_s(timing) if timing is not None else math.nan
+    times_s = [one.last_s for one in contents] + [timed_s]
+    known_s = [t_s for t_s in times_s if not math.isnan(t_s)]
+    return Stored(
+        next_person=1 + max((one.highest_person for one in contents), default=-1),
+        last_s=max(known_s, default=None),
+        rig_sha256=read_info(tracks).rig_sha256 if there else None,
+    )
+
+
+def discard_recording(folder: Path) -> None:
+    """Remove the files of a recording, complete or not; the folder and other files stay.
+
+    Raises
+    ------
+    OSError
+        When one of them cannot be removed.
+    """
+    for name in (TRACKS, TIMING, POSES, RIG):
+        for path in (folder / name, partial_path(folder / name), parts_of(folder / name)):
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            else:
+                path.unlink(missing_ok=True)
