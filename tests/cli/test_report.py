@@ -40,7 +40,7 @@ def test_warnings_are_told_on_the_terminal_too(trecsim: Command, walk: Path) -> 
     code, out, _ = trecsim("report", walk, "--out", walk / "r.html")
     assert code == 0
     assert "warning: The run was stopped before its end" in out
-    assert "warning: Nobody was followed" in out
+    assert "warning: Nobody was tracked" in out
 
 
 HOSTILE = {

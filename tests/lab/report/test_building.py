@@ -17,12 +17,13 @@ from trecsim.store.truth import write_truth
 EVIL = "<script>alert(1)</script>"
 SECTIONS = (
     "Summary",
-    "Against the truth",
-    "People over time",
-    "Where people went",
+    "Against ground truth",
+    "People",
+    "Paths",
     "Limb lengths",
     "Cameras",
     "Uncertainty",
+    "Compute time",
 )
 LENGTHS = """
 format = "trecsim.limbs/1"
@@ -64,7 +65,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> str:
     assert summary.sections == SECTIONS
     assert (summary.moments, summary.identities) == (56, 1)
     assert len(summary.warnings) == 1
-    assert summary.warnings[0].startswith("For 7 % of their time people were not followed")
+    assert summary.warnings[0].startswith(
+        "7 % of the person-frames of the ground truth were missed"
+    )
     text = (folder / "r.html").read_text()
     assert summary.bytes == len(text.encode())
     return text
@@ -75,7 +78,7 @@ def test_the_page_has_every_part_with_its_figures(made: str) -> None:
     assert page.tags.count("section") == len(SECTIONS)
     assert page.tags.count("svg") >= 10
     assert "missing" not in re.findall(r'<p class="(\w+)"', made)
-    for title in ("People and fit time", "Paths and time spent", "Reprojection error"):
+    for title in ("Skeletons", "Fit time", "Paths and time spent", "Reprojection error"):
         assert title in page.text
 
 
@@ -112,7 +115,7 @@ def test_what_is_missing_is_said_and_leaves_no_empty_figure(made: str, tmp_path:
     walk = make_recording(tmp_path / "walk", 20)
     summary = report(walk / "tracks.csv", tmp_path / "r.html")
     text = (tmp_path / "r.html").read_text()
-    assert summary.sections == tuple(name for name in SECTIONS if name != "Against the truth")
+    assert summary.sections == tuple(name for name in SECTIONS if name != "Against ground truth")
     said = " ".join(re.findall(r'<p class="missing">(.*?)</p>', text))
     for needed in ("timing.csv", "--rig", "--lengths"):
         assert needed in said
@@ -124,9 +127,9 @@ def test_a_recording_of_nobody_is_told_as_such(tmp_path: Path) -> None:
     with tracks_writer(walk / "tracks.csv"):
         pass
     summary = report(walk, tmp_path / "r.html")
-    assert summary.warnings == ("Nobody was followed in this recording.",)
+    assert summary.warnings == ("Nobody was tracked in this recording.",)
     text = (tmp_path / "r.html").read_text()
-    assert "Nobody was followed: there are no paths." in text
+    assert "Nobody was tracked: there are no paths." in text
     assert "100.0 %" in text  # missed
 
 

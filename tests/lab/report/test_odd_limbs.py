@@ -26,8 +26,8 @@ def test_a_limb_that_jumps_is_told_with_its_worst_moment() -> None:
     series = steady()
     series.length_m[[50, 72], SHIN] = 0.9, 1.0
     assert told(series) == [
-        "Person 0: left shin is far too long in 2 moments (worst 1.0 m at 7.2 s, 0.47 m usually); "
-        "one end may have gone to something else then (outlier_share)."
+        "Person 0: left shin is much too long in 2 frames (longest 1.00 m at 7.2 s, median 0.47 "
+        "m). One end was probably matched to a wrong detection."
     ]
 
 
@@ -42,8 +42,8 @@ def test_a_limb_that_varies_is_told() -> None:
     series = steady()
     series.length_m[::2, LIMBS.index("right forearm")] += 0.12
     assert told(series) == [
-        "Person 0: right forearm varies in length by 6.0 cm around 53 cm; a noisy detector does "
-        "that (joint_sigma_m), or a camera that is off."
+        "Person 0: right forearm varies in length by 6.0 cm around 53 cm. Likely causes: a noisy "
+        "detector, or a camera that is off."
     ]
 
 
@@ -58,6 +58,6 @@ def test_only_the_worst_are_told_one_by_one() -> None:
     for person, series in enumerate(many):
         series.length_m[5, SHIN] = 1.0 + 0.1 * person
     lines = told(*many)
-    assert lines[0].startswith(f"Person {MOST_TOLD}: left shin is far too long in 1 moment ")
+    assert lines[0].startswith(f"Person {MOST_TOLD}: left shin is much too long in 1 frame ")
     assert len(lines) == MOST_TOLD + 1
-    assert lines[-1].startswith("So it is with 1 more limb;")
+    assert lines[-1].startswith("The same holds for 1 more limb;")

@@ -72,7 +72,7 @@ def test_figures_go_into_the_page_as_they_are() -> None:
 def test_warnings_can_be_told_from_other_paragraphs() -> None:
     text = page("t", [Section("s", [Text("one"), Text("two", "warning")])])
     assert '<p class="plain">one</p>' in text
-    assert '<p class="warning">two</p>' in text
+    assert '<p class="warning"><b>Warning</b> two</p>' in text
 
 
 def test_numbers_stand_right_unless_told_otherwise() -> None:

@@ -1,4 +1,4 @@
-"""How far a recording is from the known truth."""
+"""Errors of a recording against its ground truth."""
 
 from trecsim.errors import SetupError
 from trecsim.lab.evaluation.evaluating import evaluate
@@ -8,8 +8,8 @@ from trecsim.lab.report.page import Block, Fact, Facts, Figure, Section, Table, 
 from trecsim.lab.report.recording import Recording
 from trecsim.lab.report.style import ACCENT, PAPER, as_svg, figure, quiet
 
-TITLE = "Against the truth"
-LEAD = "Where everybody truly was is known for this recording, made or annotated."
+TITLE = "Against ground truth"
+LEAD = "The true positions are known for this recording: it is synthetic, or annotated."
 
 
 def scores_of(recording: Recording) -> Scores | str | None:
@@ -43,20 +43,20 @@ def section(scores: Scores | str) -> Section:
 
 
 _CAPTION = (
-    "Distance of each joint from where it truly was, of people found: the dot is the median, the "
-    "bar reaches to where 95 % are."
+    "Distance of each joint from its true position, of people who were tracked. The dot is the "
+    "median, the bar ends at the 95th percentile."
 )
 
 
 def _facts(scores: Scores) -> list[Fact]:
     error, identity = scores.error, scores.identity
     return [
-        Fact("error of a joint", _cm(error.median_m), f"median; 95 % within {_cm(error.p95_m)}"),
-        Fact("found within 15 cm", _percent(error.recall_15cm), "of all true joints"),
-        Fact("missed", _percent(scores.missed_share), "of everybody's time"),
-        Fact("ghosts", _percent(scores.ghosts_share), "as a share of the same"),
+        Fact("joint error", _cm(error.median_m), f"median; 95th percentile {_cm(error.p95_m)}"),
+        Fact("within 15 cm", _percent(error.recall_15cm), "of all true joints"),
+        Fact("missed", _percent(scores.missed_share), "of the person-frames"),
+        Fact("false positives", _percent(scores.ghosts_share), "of the person-frames"),
         Fact("identity switches", f"{identity.switches}", f"IDF1 {_number(identity.idf1)}"),
-        Fact("right count", _percent(scores.right_count), "of the moments"),
+        Fact("right count", _percent(scores.right_count), "of the frames"),
     ]
 
 
@@ -93,16 +93,20 @@ def _errors(scores: Scores) -> str:
 def _table(scores: Scores) -> Table:
     identity, latency = scores.identity, scores.latency
     rows = [
-        ("mean error of a joint (MPJPE)", _cm(scores.error.mean_m), "of people found"),
-        ("IDF1", _number(identity.idf1), "share of the time with the right identity"),
-        ("MOTA", _number(identity.mota), "1 less the shares of missed, ghosts and switches"),
-        ("HOTA", _number(identity.hota), "detection and association together"),
+        ("mean joint error (MPJPE)", _cm(scores.error.mean_m), "of people who were tracked"),
+        ("IDF1", _number(identity.idf1), "person-frames with the right identity (F1)"),
+        (
+            "MOTA",
+            _number(identity.mota),
+            "1 minus the shares of missed, false positives and switches",
+        ),
+        ("HOTA", _number(identity.hota), "detection and association combined"),
         (
             "ground truth inside the 90 % region",
             _percent(scores.uncertainty_calibration.within_90),
             "90 % is calibrated, less is overconfident, more is underconfident",
         ),
-        ("found after coming", _seconds(latency.birth), "median time until somebody is followed"),
-        ("forgotten after leaving", _seconds(latency.death), "median time until a track ends"),
+        ("delay of birth", _seconds(latency.birth), "median time until a person is tracked"),
+        ("track end", _seconds(latency.death), "median time after the person left"),
     ]
     return Table(("score", "value", "meaning"), rows, align=("left", "right", "left"))

@@ -1,4 +1,4 @@
-"""A report on a recording, from its files to one page."""
+"""Write a report on a recording: read its files, make the sections, write one page."""
 
 import math
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ from trecsim.lab.evaluation.people import people_of
 from trecsim.lab.report import (
     against_truth,
     cameras_section,
+    compute_section,
     floor_section,
     limbs_section,
     people_section,
@@ -28,22 +29,22 @@ from trecsim.store.atomic import atomic_write
 
 @dataclass(frozen=True, slots=True)
 class ReportSummary:
-    """What came of a report.
+    """Summary of a report.
 
     Attributes
     ----------
     out
-        The page; None is `report.html` in the folder of the recording.
+        The page that was written.
     bytes
         Its size.
     sections
-        Headings of its parts.
+        Its headings.
     moments, identities
-        In the recording.
+        Number of frames with people, and of identities.
     length_s
-        How long that is [s].
+        Length of the recording [s].
     warnings
-        What should make one look twice.
+        The warnings on the page.
     """
 
     out: Path
@@ -67,17 +68,17 @@ def report(
     to_s: float = math.inf,
     progress: Progress | None = None,
 ) -> ReportSummary:
-    """Write a page about a recording: what happened, and how far it can be trusted.
+    """Write a report on a recording: one HTML page with quality checks.
 
     Parameters
     ----------
     recording
-        A folder that `trecsim run` has made or one with tracks beside rig and poses, or a file of
+        A folder written by `trecsim run`, a folder with tracks, rig and poses, or a file of
         tracks.
     out
-        The page; None is `report.html` in the folder of the recording.
+        The page to write; None is `report.html` in the folder of the recording.
     rig, poses, truth
-        Where they lie, if not in the folder.
+        Files to use, if not in the folder.
     lengths
         Limb lengths measured with a tape, to compare with (TOML).
     from_s, to_s
@@ -131,7 +132,7 @@ def _sections(recording: Recording, measured: Given | None) -> list[Section]:
     table = limb_table(series, given)
     scores = against_truth.scores_of(recording)
     known = None if isinstance(scores, str) else scores
-    sections = [summary.section(recording, seen, limb_summary(table), known, series)]
+    sections = [summary.section(recording, seen, limb_summary(table), known, series, table, source)]
     if scores is not None:
         sections.append(against_truth.section(scores))
     return [
@@ -141,11 +142,12 @@ def _sections(recording: Recording, measured: Given | None) -> list[Section]:
         limbs_section.section(recording, given, source),
         cameras_section.section(recording, seen),
         uncertainty.section(recording),
+        compute_section.section(recording),
     ]
 
 
 def _given(recording: Recording, measured: Given | None) -> tuple[Given, str]:
-    """Return lengths to compare with, and where they come from."""
+    """Return lengths to compare with, and their source."""
     if measured is not None:
         return measured, "measured"
     if recording.truth is not None:

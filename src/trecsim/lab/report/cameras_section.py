@@ -1,4 +1,4 @@
-"""What each camera contributes: what it sees of the floor and of the people, and how well."""
+"""Cameras: coverage of the floor, support of the joints, reprojection error."""
 
 from typing import TYPE_CHECKING
 
@@ -33,9 +33,9 @@ COUNTS = ("no camera", "1 camera", "2 cameras", "3 cameras", "4 cameras")
 def section(recording: Recording, facts: CameraFacts | None) -> Section:
     """Return coverage, support and reprojection error."""
     if facts is None:
-        needed = "Cameras are shown when the rig is known: give it with --rig."
+        needed = "To show the cameras, give the rig with --rig."
         if recording.rig is not None:
-            needed = "Nobody was followed: there is nothing to hold the cameras against."
+            needed = "Nobody was tracked: there is nothing to compare the cameras with."
         return Section(TITLE, [Text(needed, "missing")])
     blocks: list[Block] = [
         Figure(_coverage(facts), _coverage_caption(facts), "Coverage and support"),
@@ -46,8 +46,8 @@ def section(recording: Recording, facts: CameraFacts | None) -> Section:
     else:
         blocks.append(
             Text(
-                "How far tracks lie from what was found in the images is shown when the 2D poses "
-                "are there: set poses = true under [output] in the site file, or give --poses.",
+                "The reprojection error needs the 2D poses: set poses = true under [output] in the "
+                "site file, or give --poses.",
                 "missing",
             )
         )
@@ -55,9 +55,9 @@ def section(recording: Recording, facts: CameraFacts | None) -> Section:
 
 
 _ERRORS_CAPTION = (
-    "Distance in the raw image between each key point found and the joint of the track it belongs "
-    "to, per camera: the dot is the median, the bar reaches to where 90 % of the key points are. "
-    "A camera that stands out was moved, is out of focus, or has another clock."
+    "Distance in the raw image between each key point and the projected joint of its track, per "
+    "camera. The dot is the median, the bar ends at the 90th percentile. A camera that stands out "
+    "was moved, is out of focus, or its clock is off."
 )
 
 
@@ -66,12 +66,12 @@ def _coverage_caption(facts: CameraFacts) -> str:
     walked = facts.sees.sum(axis=0)[facts.walked]
     floor = float((walked >= 2).mean()) if len(walked) else 0.0
     return (
-        "Left: how many cameras see the floor, without what stands in their way; the outline "
-        "encloses where people were. "
-        f"Two or more cameras see {100 * floor:.0f} % of it. Right: two or more had somebody in "
-        f"view for {100 * several:.0f} % of everybody's time, and in fact supported "
-        f"{100 * facts.supported[2:].sum():.0f} % of the joints; the difference is what was "
-        "hidden, not found, or judged wrong."
+        "Left: number of cameras that see the floor, obstacles not considered; the dashed outline "
+        "encloses the area where people were. "
+        f"Two or more cameras see {100 * floor:.0f} % of that area. Right: two or more cameras had "
+        f"the person in view in {100 * several:.0f} % of the person-frames, and supported "
+        f"{100 * facts.supported[2:].sum():.0f} % of the joints. The other joints were hidden, not "
+        "detected, or rejected as outliers."
     )
 
 
@@ -142,14 +142,15 @@ def _table(facts: CameraFacts) -> Table:
         ]
         rows.append([*row, *_found_cells(facts, camera.name)])
     caption = (
-        "Floor seen: share of the floor where people were. People in view: share of everybody's "
-        "time during which the camera had most of the person in its image."
+        "Floor seen: share of the area where people were. People in view: share of the "
+        "person-frames in which the camera had most of the person in its image."
     )
     if facts.found is not None:
-        columns += ["images", "found people matched", "median error", "90 % within"]
+        columns += ["images", "detections matched", "median error", "90th percentile"]
         caption += (
-            " Found people matched: share of the people found in its images that belong to a "
-            "track; the rest are false, or not followed. Errors in pixels of the raw image."
+            " Detections matched: share of the detected people that belong to a track; the others "
+            "are false detections, or people who were not tracked. Errors in pixels of the raw "
+            "image."
         )
     swatches = [css_colour(number) for number in range(len(facts.rig))]
     return Table(columns, rows, caption, swatches=swatches)

@@ -1,14 +1,22 @@
-"""Where people went: paths on the floor, where they spent their time, how high their heads were."""
+"""Positions: paths on the floor, time spent, the view from the side, heights of heads."""
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.lab.plots.labels import Label, write_labels
 from trecsim.lab.plots.recorder import floor_places
 from trecsim.lab.report.curves import curve
 from trecsim.lab.report.page import Block, Figure, Section, Text
-from trecsim.lab.report.paths_section import EXCERPTS, Excerpts, draw_paths, excerpts_of, share_of
+from trecsim.lab.report.paths_section import (
+    EXCERPTS,
+    Excerpts,
+    draw_paths,
+    excerpts_of,
+    path_labels,
+)
 from trecsim.lab.report.plan_section import (
     Extent,
     draw_rig,
@@ -19,14 +27,15 @@ from trecsim.lab.report.plan_section import (
     time_map,
 )
 from trecsim.lab.report.recording import Recording
-from trecsim.lab.report.style import INK, SOFT, WIDE_IN, as_svg, colour_of, figure, quiet
+from trecsim.lab.report.skeletons_figure import best_row
+from trecsim.lab.report.style import INK, WIDE_IN, as_svg, colour_of, figure, quiet
 from trecsim.skeleton import COCO17
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
 
-TITLE = "Where people went"
+TITLE = "Paths"
 LOWEST_IN, HIGHEST_IN = 1.4, 4.5  # of the view from the side
 CELLS = 90  # of the map of time spent, along the longer side
 
@@ -37,7 +46,7 @@ FEET = [COCO17.index(name) for name in ("left_ankle", "right_ankle")]
 def section(recording: Recording) -> Section:
     """Return paths, time spent and heights."""
     if not len(recording.sample.id):
-        return Section(TITLE, [Text("Nobody was followed: there are no paths.", "missing")])
+        return Section(TITLE, [Text("Nobody was tracked: there are no paths.", "missing")])
     places_m = floor_places(recording.sample.xyz_m)
     extent = extent_of(places_m, recording.rig)
     excerpts = excerpts_of(recording, places_m, extent)
@@ -45,41 +54,37 @@ def section(recording: Recording) -> Section:
     blocks: list[Block] = [
         Figure(maps, _maps_caption(excerpts), "Paths and time spent"),
         Figure(_side(recording, extent), _SIDE_CAPTION, "Seen from the side"),
-        Figure(_heads(recording), _HEADS_CAPTION, "How high heads were"),
+        Figure(_heads(recording), _HEADS_CAPTION, "Height of heads"),
     ]
     if recording.rig is None:
-        blocks.append(
-            Text(
-                "Where the cameras stand would be drawn here too: give them with --rig.", "missing"
-            )
-        )
+        blocks.append(Text("To draw the cameras, too, give the rig with --rig.", "missing"))
     return Section(TITLE, blocks)
 
 
 _SIDE_CAPTION = (
-    "The same people, seen along the y axis: coloured dots are heads, by time as above, small "
-    "grey ones ankles. The base line is the floor. It shows who stands on something, "
-    "sits, lies or falls."
+    "Heads (large dots) and ankles (small dots) seen along the y axis, one colour per person, "
+    "with a skeleton of each at the moment of the skeletons above. The black line is the floor (z "
+    "= 0)."
 )
 _HEADS_CAPTION = (
-    "Height of the head over the floor, one colour per person. A step down is somebody sitting "
-    "down or bending; down to the floor is somebody lying, or fallen."
+    "Height of the head above the floor, one colour per person. A drop means that the person sits "
+    "or bends; near the floor the person lies, or has fallen."
 )
 
 
 def _maps_caption(excerpts: Excerpts) -> str:
     text = (
-        "Left: where everybody walked, coloured from early to late; a ring marks where a path "
-        "began, a dot where it ended."
+        "Left: the paths, coloured from early to late. A ring marks the start of a path, a dot "
+        "its end; the numbers are those of the people."
     )
     if not excerpts.chosen.all():
         text += (
-            f" All of the paths would be a tangle: drawn are {EXCERPTS} excerpts of "
-            f"{excerpts.drawn_s:.0f} s, evenly spread; --from-s and --to-s show a part in full."
+            f" There are too many paths for one drawing: shown are {EXCERPTS} excerpts of "
+            f"{excerpts.drawn_s:.0f} s, evenly spread. --from-s and --to-s show a part in full."
         )
     return text + (
-        " Right: how long the places were occupied, all people and all of the time together. The "
-        "x axis points right, the y axis up; the grid is in metres."
+        " Right: time spent per area, summed over all people. The x axis points right, the y axis "
+        "up."
     )
 
 
@@ -98,8 +103,8 @@ def _maps(
         draw_paths(paths, recording, places_m, excerpts.chosen)
         _time_bar(drawing, paths, recording)
         _draw_heat(drawing, heat, recording, places_m, extent)
-        for axes in (paths, heat):
-            draw_rig(axes, recording.rig)
+        draw_rig(paths, recording.rig, people=path_labels(recording, places_m, excerpts.chosen))
+        draw_rig(heat, recording.rig)
         return as_svg(drawing, "maps")
 
 
@@ -147,35 +152,44 @@ def _draw_heat(
 
 def _side(recording: Recording, extent: Extent) -> str:
     heads_m, feet_m = (_mean_joint(recording, joints) for joints in (HEAD, FEET))
-    share = share_of(recording, recording.t_s)
     top_m = max(2.2, float(np.nanquantile(heads_m[:, 2], 0.999, method="lower")) + 0.2)
     low_m = min(-0.1, float(np.nanquantile(feet_m[:, 2], 0.001, method="higher")) - 0.1)
     height_in = np.clip(0.93 * WIDE_IN * (top_m - low_m) / extent.width_m, LOWEST_IN, HIGHEST_IN)
-    thin = slice(None, None, max(len(share) // 4000, 1))
+    colours = [colour_of(recording.number[person]) for person in recording.sample.id.tolist()]
+    thin = slice(None, None, max(len(colours) // 4000, 1))
     with figure(float(height_in) + 0.5) as drawing:
         axes = drawing.add_subplot()
         axes.set(xlim=extent.x_m, ylim=(low_m, top_m))
         if LOWEST_IN < height_in < HIGHEST_IN:
             axes.set_aspect("equal")
         axes.axhline(0.0, color=INK, linewidth=1.0, zorder=3)
-        axes.plot(
-            feet_m[thin, 0],
-            feet_m[thin, 2],
-            ".",
-            ms=2.5,
-            mew=0,
-            color=SOFT,
-            alpha=0.3,
-            rasterized=True,
-        )
-        axes.scatter(
-            heads_m[thin, 0], heads_m[thin, 2], c=share[thin], cmap=time_map(), vmin=0, vmax=1,
-            s=7, alpha=0.75, linewidths=0, zorder=4, rasterized=True,
-        )  # fmt: skip
+        for places_m, size, alpha in ((feet_m, 2.5, 0.35), (heads_m, 7.0, 0.6)):
+            axes.scatter(
+                places_m[thin, 0], places_m[thin, 2], c=colours[thin], s=size, alpha=alpha,
+                linewidths=0, zorder=4, rasterized=True,
+            )  # fmt: skip
+        write_labels(axes, [*_draw_people(axes, recording)])
         axes.set(xlabel="x [m]", ylabel="height [m]")
         quiet(axes)
         axes.spines["bottom"].set_visible(False)
         return as_svg(drawing, "side")
+
+
+def _draw_people(axes: "Axes", recording: Recording) -> Iterator[Label]:
+    """Draw a skeleton of each person shown, and yield their numbers."""
+    for stay in recording.shown:
+        row = best_row(recording, stay.person)
+        if row is None:
+            continue
+        colour = colour_of(recording.number[stay.person])
+        xz_m = recording.sample.xyz_m[row][:, [0, 2]].astype(np.float64)
+        for ends in COCO17.limbs:
+            if min(ends) > max(HEAD):
+                axes.plot(*xz_m[list(ends)].T, color=colour, linewidth=1.6, zorder=5)
+        x, z = (float(value) for value in np.nanmean(xz_m[HEAD], axis=0))
+        if np.isfinite([x, z]).all():
+            axes.plot(x, z, "o", color=colour, ms=6, zorder=5)
+            yield Label(str(stay.person), (x, z), colour)
 
 
 def _mean_joint(recording: Recording, joints: list[int]) -> Float64[np.ndarray, "row 3"]:

@@ -1,4 +1,4 @@
-"""Lengths of limbs: a bone cannot change its length, so that its length tells about the tracks."""
+"""Limb lengths: bones keep their length, so its variation shows errors of the tracks."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
@@ -22,8 +22,8 @@ MOST_COMPARED = 3  # people in one table; each has three columns there
 MOST_POINTS = 260  # of one curve in one of the small pictures
 TITLE = "Limb lengths"
 LEAD = (
-    "Bones keep their length. How steady the measured lengths are, and how near to the true "
-    "ones, says how far the 3D joints can be trusted, even where no truth is known."
+    "Bones keep their length. Lengths that vary over time, or differ from measured ones, show "
+    "errors of the 3D joints, even without ground truth."
 )
 
 
@@ -43,22 +43,20 @@ def section(recording: Recording, given: Given, source: str) -> Section:
     tracks = [track for track in people_of(recording.sample) if track.person in shown]
     series = sorted(limb_series(tracks), key=lambda one: recording.number[one.person])
     if not series:
-        return Section(
-            TITLE, [Text("Nobody was followed: there are no limbs to measure.", "missing")]
-        )
+        return Section(TITLE, [Text("Nobody was tracked: there are no limb lengths.", "missing")])
     rows = limb_table(series, given)
     longest = sorted(series, key=lambda one: -len(one.t_s))[:MOST_DRAWN]
     drawn = [one for one in series if one in longest]
     caption = _caption(given, source)
     if len(drawn) < len(recording.stays):
-        caption += f" Shown are the {len(drawn)} who were there longest."
-    curves = Figure(_drawn(recording, drawn, given), caption, "Over time")
+        caption += f" Shown are the {len(drawn)} people who were there longest."
+    curves = Figure(_drawn(recording, drawn, given, source if given else ""), caption, "Over time")
     blocks: list[Block] = [*_tables(recording, rows, given, source), curves]
     if not given:
         blocks.append(
             Text(
-                "To compare with the true lengths, measure people with a tape and give the "
-                "lengths with --lengths.",
+                "To compare with true lengths, measure people with a tape and give the lengths "
+                "with --lengths.",
                 "missing",
             )
         )
@@ -73,13 +71,13 @@ def _tables(
     each = MOST_COMPARED if given else len(people)
     parts = [people[begin : begin + each] for begin in range(0, len(people), each)]
     caption = (
-        "Mean ± standard deviation in centimetres, over the moments at which a camera supports "
-        "both ends of the limb."
+        "Mean ± standard deviation in centimetres, over the frames in which at least one camera "
+        "supports both ends of the limb."
     )
     if given:
-        caption += f" Difference: estimated mean minus the {source} length."
+        caption += f" Difference: mean minus the {source} length."
     if len(recording.stays) > len(people):
-        caption += f" Shown are the {len(people)} who were there longest."
+        caption += f" Shown are the {len(people)} people who were there longest."
     captions = [*[""] * (len(parts) - 1), caption]
     return [
         _table(part, by_place, given, source, text)
@@ -96,7 +94,7 @@ def _table(
 ) -> Table:
     columns, groups = ["limb"], [("", 1)]
     for person in people:
-        names = ["estimated", source, "difference"] if person in given else ["estimated"]
+        names = ["mean ± sd", source, "difference"] if person in given else ["mean ± sd"]
         columns += names
         groups.append((f"person {person}", len(names)))
     rows = [
@@ -121,13 +119,13 @@ def _cells(row: LimbRow, compared: bool) -> list[str]:
 
 def _caption(given: Given, source: str) -> str:
     text = (
-        "Length of each limb over time, one colour per person. Bold: both ends are supported by "
-        "a camera; pale: carried along from before. Values far outside are cut off."
+        "Length of each limb over time, one colour per person. Bold: at least one camera supports "
+        "both ends; pale: predicted from before. Values far outside are cut off."
     )
     return text + (f" Dashed: the {source} length." if given else "")
 
 
-def _drawn(recording: Recording, series: Sequence[LimbSeries], given: Given) -> str:
+def _drawn(recording: Recording, series: Sequence[LimbSeries], given: Given, source: str) -> str:
     rows = len(LIMBS) // COLUMNS
     with figure(0.45 + 1.35 * rows) as drawing:
         grid = drawing.subplots(rows, COLUMNS, sharex=True, squeeze=False)
@@ -136,7 +134,7 @@ def _drawn(recording: Recording, series: Sequence[LimbSeries], given: Given) -> 
         for axes in grid[-1]:
             axes.set_xlabel(recording.clock.label)
         drawing.align_ylabels(grid[:, 0])
-        _legend(drawing, recording, series, given)
+        _legend(drawing, recording, series, source)
         return as_svg(drawing, "limbs")
 
 
@@ -176,7 +174,7 @@ def _legend(
     drawing: "Drawing",
     recording: Recording,
     series: Sequence[LimbSeries],
-    given: Mapping[int, object],
+    source: str,
 ) -> None:
     from matplotlib.lines import Line2D
 
@@ -184,9 +182,9 @@ def _legend(
         Line2D([], [], color=colour_of(recording.number[one.person]), linewidth=2) for one in series
     ]
     names = [f"person {one.person}" for one in series]
-    if given:
+    if source:
         marks.append(Line2D([], [], color=SOFT, linewidth=1, linestyle=(0, (5, 3))))
-        names.append("true length")
+        names.append(f"{source} length")
     drawing.legend(marks, names, loc="outside upper left", ncols=9, columnspacing=1.4)
 
 

@@ -1,16 +1,17 @@
-"""Arms and legs whose length jumps: where single joints are wrong though the mean looks fine."""
+"""Limbs whose length is wrong: too long in single frames, varying, or unlike the given length."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from trecsim.lab.evaluation.limbs import LIMBS, LimbSeries
+from trecsim.lab.evaluation.limbs import LIMBS, LimbRow, LimbSeries
 from trecsim.lab.report.recording import Clock
 
 VARIES_M = 0.05  # standard deviation of one limb of one person
 FAR_TOO_LONG = 1.5  # times the median length of the limb
-FEWEST = 10  # moments without which there is no usual length
+UNLIKE_M, UNLIKE_SHARE = 0.025, 0.08  # off the given length, and as a share of it
+FEWEST = 10  # frames without which there is no usual length
 MOST_TOLD = 5
 
 _BONES = tuple(
@@ -22,10 +23,10 @@ _BONES = tuple(
 
 
 def odd_limbs(series: Iterable[LimbSeries], clock: Clock) -> Iterator[str]:
-    """Yield a sentence for each limb that is far too long at times, or varies by much.
+    """Yield a sentence for each limb that is much too long in some frames, or varies by much.
 
-    Only moments count at which a camera supports both ends. The worst come first, at most
-    :data:`MOST_TOLD` of them, then how many more there are.
+    Only frames count in which a camera supports both ends. The worst come first, at most
+    :data:`MOST_TOLD` of them, then the number of others.
 
     Parameters
     ----------
@@ -41,11 +42,34 @@ def odd_limbs(series: Iterable[LimbSeries], clock: Clock) -> Iterator[str]:
         yield text
     more = len(found) - MOST_TOLD
     if more > 0:
-        yield f"So it is with {more} more limb{'' if more == 1 else 's'}; see the lengths of limbs."
+        yield f"The same holds for {more} more limb{'' if more == 1 else 's'}; see Limb lengths."
+
+
+def unlike_given(rows: Sequence[LimbRow], source: str) -> Iterator[str]:
+    """Yield a sentence for each person whose mean limb lengths are off the given ones.
+
+    Parameters
+    ----------
+    rows
+        Mean lengths beside given ones, where known.
+    source
+        Where the given lengths come from: "measured" or "true".
+    """
+    off: dict[int, list[LimbRow]] = {}
+    for row in rows:
+        too_far_m = max(UNLIKE_M, UNLIKE_SHARE * row.given_m)
+        if row.n >= FEWEST and abs(row.difference_m) > too_far_m:
+            off.setdefault(row.person, []).append(row)
+    for person, limbs in off.items():
+        limbs.sort(key=lambda row: -abs(row.difference_m))
+        named = ", ".join(f"{row.limb} {100 * row.difference_m:+.1f} cm" for row in limbs[:3])
+        named = named.replace("-", "−")
+        more = f", and {len(limbs) - 3} more" if len(limbs) > 3 else ""
+        yield f"Person {person}: mean limb lengths differ from the {source} ones: {named}{more}."
 
 
 def _odd_limbs(series: LimbSeries, clock: Clock) -> Iterator[tuple[float, str]]:
-    """Yield how far off and what to say, for each limb of one person that is odd."""
+    """Yield by how much, and a sentence, for each odd limb of one person."""
     counts = series.supported & np.isfinite(series.length_m)
     for index, limb in enumerate(LIMBS):
         here = counts[:, index]
@@ -57,14 +81,11 @@ def _odd_limbs(series: LimbSeries, clock: Clock) -> Iterator[tuple[float, str]]:
         who = f"Person {series.person}: {limb}"
         if long.any():
             worst_m = float(length_m.max())
-            text = f"{who} is far too long in {_when(long, length_m, t_s, clock)}; one end may"
-            yield worst_m - usual_m, f"{text} have gone to something else then (outlier_share)."
+            text = f"{who} is much too long in {_when(long, length_m, t_s, clock)}. One end was"
+            yield worst_m - usual_m, f"{text} probably matched to a wrong detection."
         elif sd_m > VARIES_M:
             text = f"{who} varies in length by {100 * sd_m:.1f} cm around {100 * usual_m:.0f} cm"
-            yield (
-                sd_m,
-                f"{text}; a noisy detector does that (joint_sigma_m), or a camera that is off.",
-            )
+            yield sd_m, f"{text}. Likely causes: a noisy detector, or a camera that is off."
 
 
 def _when(
@@ -74,6 +95,6 @@ def _when(
     clock: Clock,
 ) -> str:
     n, worst = int(long.sum()), int(length_m.argmax())
-    moments = "1 moment" if n == 1 else f"{n} moments"
+    frames = "1 frame" if n == 1 else f"{n} frames"
     at = f"{float(clock(t_s[worst : worst + 1])[0]):.1f} {clock.unit}"
-    return f"{moments} (worst {length_m[worst]:.1f} m at {at}, {np.median(length_m):.2f} m usually)"
+    return f"{frames} (longest {length_m[worst]:.2f} m at {at}, median {np.median(length_m):.2f} m)"

@@ -1,4 +1,4 @@
-"""Paths on the floor, coloured from early to late, no more of them than can be told apart."""
+"""Paths on the floor, coloured from early to late; excerpts if there are too many."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from trecsim.lab.plots.labels import Label
 from trecsim.lab.report.plan_section import Extent, time_map
 from trecsim.lab.report.recording import Recording
+from trecsim.lab.report.style import colour_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,16 +46,16 @@ def draw_paths(
     places_m: Float64[np.ndarray, "row 2"],
     chosen: Bool[np.ndarray, " row"],
 ) -> None:
-    """Draw everybody's path.
+    """Draw the path of each person.
 
     Parameters
     ----------
     axes
         The plan; its limits must be final.
     recording, places_m
-        Who was when, and where on the floor [m].
+        The recording, and the position on the floor of each row of its sample [m].
     chosen
-        The person-moments to draw.
+        The rows to draw.
     """
     from matplotlib.collections import LineCollection
 
@@ -128,13 +130,27 @@ def _tracks(
     places_m: Float64[np.ndarray, "row 2"],
     chosen: Bool[np.ndarray, " row"],
 ) -> list[tuple[int, Float64[np.ndarray, " point"], Float64[np.ndarray, "point 2"]]]:
-    """Return time and place of everybody where chosen and known, person by person."""
+    """Return times and positions of each person, where chosen and known."""
     known = np.isfinite(places_m).all(axis=1) & chosen
     identity, t_s, places_m = recording.sample.id[known], recording.t_s[known], places_m[known]
     order = np.argsort(identity, kind="stable")
     people, first = np.unique(identity[order], return_index=True)
     groups = np.split(order, first[1:])
     return [(int(p), t_s[rows], places_m[rows]) for p, rows in zip(people, groups, strict=True)]
+
+
+def path_labels(
+    recording: Recording,
+    places_m: Float64[np.ndarray, "row 2"],
+    chosen: Bool[np.ndarray, " row"],
+) -> list[Label]:
+    """Return the number of each person shown, at the end of the path."""
+    colours = {stay.person: colour_of(recording.number[stay.person]) for stay in recording.shown}
+    return [
+        Label(str(person), (float(xy_m[-1, 0]), float(xy_m[-1, 1])), colours[person])
+        for person, _, xy_m in _tracks(recording, places_m, chosen)
+        if person in colours and len(xy_m)
+    ]
 
 
 def share_of(recording: Recording, t_s: Float64[np.ndarray, "..."]) -> Float64[np.ndarray, "..."]:

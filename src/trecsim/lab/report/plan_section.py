@@ -1,5 +1,6 @@
-"""The floor from above, as every picture of it in a report is laid out."""
+"""The floor plan that all pictures of a report share."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -45,7 +46,7 @@ class Extent:
 
 
 def extent_of(places_m: Float64[np.ndarray, "row 2"], rig: Rig | None) -> Extent:
-    """Return the part of the floor to show: cameras and nearly all places where people were."""
+    """Return the part of the floor to show: all cameras and nearly all positions of people."""
     known_m = places_m[np.isfinite(places_m).all(axis=1)]
     corners = [camera.position_m[:2] for camera in rig] if rig is not None else []
     if len(known_m):
@@ -91,25 +92,39 @@ def _draw_scale(axes: "Axes", extent: Extent) -> None:
     )
 
 
-def draw_rig(axes: "Axes", rig: Rig | None, *, colours: list[str] | None = None) -> None:
-    """Draw the cameras with their names; call it last, so that names avoid what is there."""
+def draw_rig(
+    axes: "Axes",
+    rig: Rig | None,
+    *,
+    colours: list[str] | None = None,
+    people: Sequence[Label] = (),
+) -> None:
+    """Draw the cameras, their names and those of people; call it last, so that no text overlaps.
+
+    Parameters
+    ----------
+    axes
+        The plan; its limits must be final.
+    rig
+        The cameras; None if they are not known.
+    colours
+        Of each camera.
+    people
+        More names to write.
+    """
     if rig is None:
+        write_labels(axes, people)
         return
     drawn = colours or [SOFT] * len(rig)
     for camera, colour in zip(rig, drawn, strict=True):
         draw_camera(axes, camera, colour)
     for line in axes.lines[-len(rig) :]:
         line.set(markersize=11, markeredgewidth=0)
-    if len(rig) <= MOST_NAMES:
-        write_labels(
-            axes,
-            [
-                Label(
-                    camera.name, (float(camera.position_m[0]), float(camera.position_m[1])), colour
-                )
-                for camera, colour in zip(rig, drawn, strict=True)
-            ],
-        )
+    names = [
+        Label(camera.name, (float(camera.position_m[0]), float(camera.position_m[1])), colour)
+        for camera, colour in zip(rig, drawn, strict=True)
+    ]
+    write_labels(axes, [*people, *(names if len(rig) <= MOST_NAMES else ())])
 
 
 def time_map() -> "Colormap":

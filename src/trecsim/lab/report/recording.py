@@ -24,6 +24,7 @@ from trecsim.store.truth import Truth, read_truth
 Progress = Callable[[int, int | None], None]
 
 EARLIEST_UNIX_S = 1e9  # times from here on are dates, others count from some start
+LONGEST_LAG_S = 10.0  # a longer one means that timing and tracks do not belong together
 MOST_SHOWN = 8  # people in tables and curves; as many colours can be told apart
 _LARGEST_SUMMARY_BYTES = 10_000_000
 
@@ -84,6 +85,8 @@ class Recording:
         As their files say; None where there is none.
     summary
         What the run said of itself; empty where there is none.
+    lag_s
+        How far the states are behind the frame sets they came from [s].
     """
 
     name: str
@@ -101,6 +104,7 @@ class Recording:
     timing: Timing | None
     truth: Truth | None
     summary: dict[str, Any]
+    lag_s: float = 0.0
 
     @property
     def length_s(self) -> float:
@@ -183,7 +187,9 @@ def read_recording(
     summary = _read_summary(places.summary) if places.summary is not None else {}
     start_s = float(timing.t_s[0]) if timing is not None and len(timing.t_s) else None
     sampler = Sampler(start_s, from_s, to_s)
+    first_s = math.nan
     for number, snapshot in enumerate(read_tracks(places.tracks), start=1):
+        first_s = snapshot.t_s if number == 1 else first_s
         if snapshot.xyz_m.shape[1] != 17:
             raise InputError(f"{places.tracks}: expected the 17 joints of coco17")
         sampler.add(snapshot)
@@ -193,6 +199,7 @@ def read_recording(
         raise InputError(
             f"{places.tracks}: there is nobody from {from_s:g} s to {to_s:g} s after the start"
         )
+    lag_s = _lag_s(timing, first_s)
     timing = _part(timing, sampler)
     seen_s = [*sampler.span_s, *(timing.t_s[[0, -1]] if timing and len(timing.t_s) else ())]
     known_s = [t_s for t_s in seen_s if math.isfinite(t_s)] or [math.nan]
@@ -212,7 +219,19 @@ def read_recording(
         timing=timing,
         truth=truth,
         summary=summary,
+        lag_s=lag_s,
     )
+
+
+def _lag_s(timing: Timing | None, first_s: float) -> float:
+    """Return how far states are behind their frame sets [s].
+
+    The first frame set that reports people has the first state; their times differ by the lag.
+    """
+    if timing is None or not timing.people.any() or not math.isfinite(first_s):
+        return 0.0
+    lag_s = float(timing.t_s[int(np.argmax(timing.people > 0))]) - first_s
+    return round(lag_s, 6) if 1e-5 < lag_s <= LONGEST_LAG_S else 0.0
 
 
 def _part(timing: Timing | None, sampler: Sampler) -> Timing | None:

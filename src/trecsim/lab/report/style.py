@@ -1,4 +1,4 @@
-"""How pages and the figures in them look: colours that follow light and dark, and letters."""
+"""Style of pages and figures: colours for light and dark screens, fonts, sizes."""
 
 import re
 from collections.abc import Iterator
@@ -38,7 +38,7 @@ INK, SOFT, LINE, FAINT, PAPER, ACCENT, WARN, GOOD = (
 TIME_COLOURS = ("#3f6fd8", "#8f5bc7", "#c9508f", "#e2683c", "#e99a1f")
 """From early to late; neither too light for white paper nor too dark for a dark page."""
 
-WIDE_IN = 10.2  # a figure as wide as the page
+WIDE_IN = 9.4  # a figure as wide as the page
 RASTER_DPI = 170
 
 _SETTINGS: dict[str, Any] = {

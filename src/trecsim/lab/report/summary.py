@@ -1,4 +1,4 @@
-"""What a recording is, in a few figures, and what about it should make one look twice."""
+"""A recording in a few figures, and warnings about what is probably wrong with it."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -6,10 +6,10 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from trecsim.lab.evaluation.limbs import LimbSeries, LimbSummary
+from trecsim.lab.evaluation.limbs import LimbRow, LimbSeries, LimbSummary
 from trecsim.lab.evaluation.scores import Scores
 from trecsim.lab.report.coverage import CameraFacts
-from trecsim.lab.report.odd_limbs import odd_limbs
+from trecsim.lab.report.odd_limbs import odd_limbs, unlike_given
 from trecsim.lab.report.page import Block, Fact, Facts, Section, Text
 from trecsim.lab.report.recording import EARLIEST_UNIX_S, Recording
 from trecsim.skeleton import COCO17
@@ -18,12 +18,20 @@ TITLE = "Summary"
 BRIEF_S = 1.0  # an identity that lasts less was hardly a person
 LONG_GAP_S = 2.0
 UNSTEADY_M = 0.04  # standard deviation of a limb's length
-AMISS = 0.05  # share of everybody's time
+AMISS = 0.05  # share of the person-frames
 ADVICE = (
-    "What helps against limbs that are too long or unsteady stands under 'What to set for what' in "
-    "docs/reference/fusion-settings.md."
+    "For limbs that are too long or unsteady: first check that no camera was moved and that the "
+    "clocks of the cameras agree. If a limb is too long in single frames only, raise "
+    "outlier_share, the expected share of wrong key points. If it varies all the time, raise "
+    "joint_sigma_m, the expected error of a good key point. Both are settings under [fusion] in "
+    "the site file."
 )
-WEAK = 0.5  # share of joints with fewer than two cameras that makes a person doubtful
+GOOD = (
+    "All checks passed: run and cameras, support of the joints, steadiness of limb lengths, and "
+    "ankles on the floor"
+)
+BELOW_FLOOR_M = -0.05  # ankle joints are about 0.1 m above the floor
+WEAK = 0.5  # share of joints supported by fewer than two cameras
 FEET = [COCO17.index(name) for name in ("left_ankle", "right_ankle")]
 
 
@@ -33,39 +41,46 @@ def section(
     limbs: LimbSummary,
     scores: Scores | None = None,
     series: Sequence[LimbSeries] = (),
+    compared: Sequence[LimbRow] = (),
+    source: str = "",
 ) -> Section:
-    """Return the figures, and warnings in plain words.
+    """Return the figures, and warnings.
 
     Parameters
     ----------
     recording
         The recording.
     cameras
-        What they see; None where the rig is not known.
+        What they see; None without a rig.
     limbs
-        How steady limbs are.
+        Variation of the limb lengths.
     scores
-        Against the truth; None where it is not known.
+        Against ground truth; None without it.
     series
-        Lengths of everybody's limbs over time.
+        Limb lengths of each person over time.
+    compared
+        Mean limb lengths beside measured or true ones, where known.
+    source
+        Where those come from: "measured" or "true".
     """
     blocks: list[Block] = [Facts(list(_facts(recording, limbs)))]
     warnings = [*_run_warnings(recording), *_track_warnings(recording)]
     if limbs.sd_m > UNSTEADY_M:
         warnings.append(
-            f"The lengths of limbs vary by {100 * limbs.sd_m:.1f} cm, more than is usual: the "
-            "joints are less certain here than elsewhere. A noisy detector does that "
-            "(joint_sigma_m), or a camera that is off."
+            f"Limb lengths vary by {100 * limbs.sd_m:.1f} cm (standard deviation), more than "
+            "usual. Likely causes: a noisy detector, or a camera whose calibration or clock is "
+            "wrong."
         )
     limb_warnings = [*odd_limbs(series, recording.clock)]
     advised = limbs.sd_m > UNSTEADY_M or bool(limb_warnings)
-    warnings += limb_warnings
+    warnings += [*limb_warnings, *unlike_given(compared, source)]
     warnings += [*_camera_warnings(cameras)] if cameras is not None else []
     warnings += [*_truth_warnings(scores)] if scores is not None and recording.stays else []
     blocks += [Text(text, "warning") for text in warnings]
     blocks += [Text(ADVICE)] if advised else []
     if not warnings and recording.stays:
-        blocks.append(Text("Nothing in this recording stands out as wrong.", "good"))
+        against = f", and limb lengths against the {source} ones" if source else ""
+        blocks.append(Text(f"{GOOD}{against}.", "good"))
     return Section(TITLE, blocks)
 
 
@@ -85,21 +100,22 @@ def _facts(recording: Recording, limbs: LimbSummary) -> Iterator[Fact]:
     people = _most_at_once(recording)
     count = len(recording.stays)
     identities = f"{count} identit{'y' if count == 1 else 'ies'}"
-    yield Fact("people at once", str(people), f"at most; {identities} in all")
-    yield Fact("length", _length(recording.length_s), f"{recording.moment_count} moments")
+    yield Fact("people at once", str(people), f"maximum; {identities} in all")
+    yield Fact(
+        "length", _length(recording.length_s), f"{recording.moment_count} frames with people"
+    )
     if recording.stays and math.isfinite(recording.period_s):
         rate = 1 / recording.period_s if recording.period_s > 0 else math.nan
-        yield Fact("rate", f"{rate:.3g} Hz", "moments a second")
-    timing = recording.timing
-    if timing is not None and len(timing.t_s):
-        p95 = np.quantile(timing.fusion_ms, 0.95)
-        detail = f"median per frame set; 95 % within {p95:.1f} ms"
-        yield Fact("fit time", f"{np.median(timing.fusion_ms):.1f} ms", detail)
+        yield Fact("rate", f"{rate:.3g} Hz", "frames per second")
+    if recording.lag_s:
+        yield Fact("lag", f"{recording.lag_s:g} s", "states wait for later images")
     sigma_m = recording.sample.sigma_m
     if np.isfinite(sigma_m).any():
-        yield Fact("uncertainty", f"{100 * np.nanmedian(sigma_m):.1f} cm", "median of all joints")
+        yield Fact(
+            "uncertainty", f"{100 * np.nanmedian(sigma_m):.1f} cm", "one sigma, median joint"
+        )
     if limbs.people:
-        yield Fact("steadiness", f"{100 * limbs.sd_m:.1f} cm", "std. deviation of a limb's length")
+        yield Fact("limb length", f"± {100 * limbs.sd_m:.1f} cm", "standard deviation over time")
 
 
 def _most_at_once(recording: Recording) -> int:
@@ -121,7 +137,7 @@ def _length(length_s: float) -> str:
 def _run_warnings(recording: Recording) -> Iterator[str]:
     ended, fault = recording.summary.get("ended"), recording.summary.get("fault")
     if ended == "stopped":
-        yield "The run was stopped before its end; what came until then is complete."
+        yield "The run was stopped before its end; the part until then is complete."
     if ended == "failed":
         yield f"The run ended early: {str(fault)[:300]}"
     if recording.unfinished:
@@ -134,38 +150,48 @@ def _run_warnings(recording: Recording) -> Iterator[str]:
     mean_ms = timing.fusion_ms[1:].mean()  # the first may wait for kernels to compile or load
     if mean_ms > usual_ms > 0:
         yield (
-            f"The fit was slower than the cameras: a frame set came every {usual_ms:.0f} ms, its "
-            f"fit took {mean_ms:.0f} ms on average, without the first. Live, this machine would "
-            "fall behind."
+            f"The fit was slower than the cameras: a frame set came every {usual_ms:.0f} ms, and "
+            f"its fit took {mean_ms:.0f} ms on average (wall-clock time, without the first). Live, "
+            "this machine would fall behind."
         )
     gaps = steps_s[steps_s > LONG_GAP_S]
     if len(gaps):
         times = "once" if len(gaps) == 1 else f"{len(gaps)} times"
-        yield f"No camera delivered anything for up to {gaps.max():.1f} s ({times})."
+        yield f"No camera delivered an image for up to {gaps.max():.1f} s ({times})."
 
 
 def _track_warnings(recording: Recording) -> Iterator[str]:
     if not recording.stays:
-        yield "Nobody was followed in this recording."
+        yield "Nobody was tracked in this recording."
         return
     yield from _identity_warnings(recording)
     sample = recording.sample
     feet_m = sample.xyz_m[:, FEET, 2]
     feet_m = feet_m[np.isfinite(feet_m)]
     height_m = float(np.median(feet_m)) if len(feet_m) else 0.1
-    if not -0.15 < height_m < 0.4:
+    if not BELOW_FLOOR_M < height_m < 0.4:
         yield (
-            f"Ankles are {height_m:.2f} m above the floor on the median: the floor of the rig is "
-            "not the one that people walk on."
+            f"The median height of all ankles is {height_m:.2f} m; about 0.1 m is expected. The "
+            "floor (z = 0) of the rig is not the one that people walk on."
         )
+        return
+    for stay in recording.shown:
+        ankles_m = sample.xyz_m[sample.id == stay.person][:, FEET, 2]
+        ankles_m = ankles_m[np.isfinite(ankles_m)]
+        if len(ankles_m) and np.median(ankles_m) < BELOW_FLOOR_M:
+            yield (
+                f"Person {stay.person}: the ankles are {-100 * np.median(ankles_m):.0f} cm below "
+                "the floor (z = 0) on the median. Either the position of this person is off, or "
+                "the floor of the rig is tilted."
+            )
 
 
 def _identity_warnings(recording: Recording) -> Iterator[str]:
     brief = [stay for stay in recording.stays if stay.last_s - stay.first_s < BRIEF_S]
     if len(brief) > 0.2 * len(recording.stays) and recording.length_s > 2 * BRIEF_S:
         yield (
-            f"{len(brief)} of {len(recording.stays)} identities lasted less than a second: people "
-            "who were lost and found again, or who were never there."
+            f"{len(brief)} of {len(recording.stays)} identities lasted less than a second: tracks "
+            "that were lost and found again, or false positives."
         )
     sample = recording.sample
     known = np.isfinite(sample.xyz_m[..., 0])
@@ -173,39 +199,38 @@ def _identity_warnings(recording: Recording) -> Iterator[str]:
     if single > 0.3:
         yield (
             f"{100 * single:.0f} % of the joints were supported by fewer than two cameras: their "
-            "positions rest on the body's shape and on what came before."
+            "positions come from limb lengths, the floor and the motion before."
         )
     for stay in recording.shown if single <= 0.3 else ():
         rows = sample.id == stay.person
         weak = float((sample.support[rows][known[rows]] < 2).mean()) if known[rows].any() else 0.0
         if weak > WEAK:
             yield (
-                f"Person {stay.person} was held by fewer than two cameras for {100 * weak:.0f} % "
-                "of the joints: is it a person at all?"
+                f"Person {stay.person}: {100 * weak:.0f} % of the joints were supported by fewer "
+                "than two cameras. This may be a false positive."
             )
 
 
 def _truth_warnings(scores: Scores) -> Iterator[str]:
     if scores.elsewhere:
         yield (
-            "Hardly anybody in the tracks is near anybody in the truth: is this the truth of this "
+            "Hardly any track is near a person of the ground truth: does it belong to this "
             "recording?"
         )
         return
     if scores.missed_share > AMISS:
         yield (
-            f"For {100 * scores.missed_share:.0f} % of their time people were not followed, "
-            "compared with the known truth."
+            f"{100 * scores.missed_share:.0f} % of the person-frames of the ground truth were "
+            "missed."
         )
     if scores.ghosts_share > AMISS:
         yield (
-            f"Somebody was followed where nobody was, {100 * scores.ghosts_share:.0f} % of the "
-            "time of all people."
+            f"False positives: tracks without a person in the ground truth, "
+            f"{100 * scores.ghosts_share:.0f} % of the person-frames."
         )
     switches = scores.identity.switches
     if switches:
-        times = "Once" if switches == 1 else f"{switches} times"
-        yield f"{times} somebody came to bear another identity than before."
+        yield f"{switches} identity switch{'' if switches == 1 else 'es'} against the ground truth."
 
 
 def _camera_warnings(cameras: CameraFacts) -> Iterator[str]:
@@ -213,14 +238,14 @@ def _camera_warnings(cameras: CameraFacts) -> Iterator[str]:
     for camera in cameras.rig:
         count = cameras.images.get(camera.name, 0)
         if most and count < 0.8 * most:
-            share = f"{100 * count / most:.0f} % of the images that others did"
-            yield f"Camera {camera.name} delivered {share if count else 'no image at all'}."
+            share = f"{100 * count / most:.0f} % as many images as other cameras"
+            yield f"Camera {camera.name} delivered {share if count else 'no image'}."
     yield from _stray_cameras(cameras)
     few = float(cameras.by_count[:2].sum())
     if few > 0.1:
         yield (
-            f"For {100 * few:.0f} % of everybody's time fewer than two cameras had the person in "
-            "their image: depth is a guess there."
+            f"In {100 * few:.0f} % of the person-frames fewer than two cameras had the person in "
+            "view: distances are uncertain there."
         )
 
 
@@ -236,8 +261,8 @@ def _stray_cameras(cameras: CameraFacts) -> Iterator[str]:
         others = [other for key, other in medians.items() if key != name]
         if len(others) >= 2 and median_px > max(2.5 * float(np.median(others)), 3.0):
             yield (
-                f"Camera {name} disagrees with the others: its key points lie {median_px:.0f} px "
-                f"from the tracks, those of the others {np.median(others):.0f} px. Was it moved, "
-                "is its clock off, are names of cameras exchanged, or have its images another size "
-                "than in the rig?"
+                f"Camera {name} disagrees with the others: its median reprojection error is "
+                f"{median_px:.0f} px, that of the others {np.median(others):.0f} px. Check whether "
+                "it was moved, whether its clock is off, whether names of cameras are swapped, "
+                "and whether its images have the size given in the rig."
             )

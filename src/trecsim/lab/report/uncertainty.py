@@ -1,4 +1,4 @@
-"""How sure the tracks say they are: over time, and joint by joint."""
+"""Stated uncertainty of the tracks: over time, and per joint."""
 
 from typing import TYPE_CHECKING
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 TITLE = "Uncertainty"
 LEAD = (
-    "Each joint comes with one standard deviation. Where it is large, fewer cameras saw the joint, "
-    "or from unfavourable sides: believe it less."
+    "Each joint has a standard deviation. It is large where few cameras support the joint, or "
+    "where they look from similar directions."
 )
 
 
@@ -29,18 +29,18 @@ def section(recording: Recording) -> Section:
     if not np.isfinite(sigma_m).any():
         return Section(TITLE, [Text("The tracks state no uncertainty.", "missing")])
     over_time = Figure(_over_time(recording), _OVER_TIME_CAPTION, "Over time")
-    per_joint = Figure(_per_joint(recording), _PER_JOINT_CAPTION, "Joint by joint")
+    per_joint = Figure(_per_joint(recording), _PER_JOINT_CAPTION, "Per joint")
     return Section(TITLE, [over_time, per_joint], LEAD)
 
 
 _OVER_TIME_CAPTION = (
-    "Stated standard deviation over everybody and all joints, per axis: the line is the median, "
-    "the band holds 90 % of the joints. Below, the share of joints that two or more cameras "
-    "supported; the others are held by one camera and by the body's known shape, or carried along."
+    "Stated standard deviation of all joints of all people, per axis: the line is the median, the "
+    "band holds 90 % of the joints. Below: share of the joints that two or more cameras support. "
+    "The others come from one camera and the limb lengths, or are predicted from before."
 )
 _PER_JOINT_CAPTION = (
-    "Left: stated standard deviation per axis of each joint; the dot is the median, the bar holds "
-    "90 %. Right: how many cameras supported the joint, as shares of the time."
+    "Left: stated standard deviation of each joint, per axis; the dot is the median, the bar holds "
+    "90 % of the values. Right: number of cameras that support the joint, as a share of the time."
 )
 
 
