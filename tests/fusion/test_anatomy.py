@@ -11,6 +11,7 @@ from trecsim.lab.simulation.detector import PERFECT
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet, Poses2D
 
+KNOTS = 3.4
 ACROSS = path((0, -2, 0), (6, 2, 0))
 
 
@@ -160,34 +161,58 @@ def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
     R, z, c = np.zeros((1, 24, 24)), np.zeros((1, 24)), np.zeros((1, 24))
     kernels.start_all(R, z, c, np.ones((1, 3)), np.array([0.3]), 0.05, np.array([20.0]))
     n = 3 * live
-    tmp = anatomy.Held(
-        np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3), np.empty((n, 3))
-    )
+    tmp = anatomy.Held(np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3))
     weights = np.empty(4)
     span = kernels.locate(place, live, weights)
-    before, x, cov = R.copy(), np.ones(3), np.empty((3, 3))
+    before, x = R.copy(), np.ones(3)
     there = np.array([1.3, 0.9, 1.1])
     for _ in range(30):
         info = np.eye(3) / 0.05**2
-        anatomy.believe(
-            R[0],
-            z[0],
-            c[0],
-            x,
-            cov,
-            info,
-            info @ (there - x),
-            3 / 0.05**2,
-            1.0,
-            0.0,
-            span,
-            weights,
-            tmp,
-        )
+        vector, size = info @ (there - x), 3 / 0.05**2
+        anatomy.believe(R[0], z[0], c[0], x, info, vector, size, 1.0, 0.0, span, weights, tmp)
     np.testing.assert_allclose(x, there, atol=1e-3)
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(R[0] @ c[0], z[0], atol=1e-9)
-    assert cov[0, 0] < 0.05**2  # this time's message counts in what is said now
+
+
+def test_the_bound_on_a_step_does_not_count_as_knowledge():
+    rng = np.random.default_rng(8)
+    A = rng.normal(size=(3, 3))
+    info = A @ A.T + np.eye(3)
+    cov_m2 = np.empty((3, 3))
+    anatomy.without_reach(np.linalg.inv(info + np.eye(3) / anatomy._REACH_M2), cov_m2)
+    np.testing.assert_allclose(cov_m2, np.linalg.inv(info), rtol=1e-9)
+
+
+def arm_seen_by_one_camera(rng):
+    """Return curves of a shoulder, an elbow of nearly unknown depth and a wrist; the ray to it."""
+    arm_m = [[0.468, 3.064, 1.55], [0.419, 3.1, 1.205], [0.276, 3.108, 0.952]]
+    x = np.array(arm_m) + rng.normal(0, 0.01, (3, 3))
+    ray = np.array([-0.749, -0.610, 0.254]) / np.linalg.norm([-0.749, -0.610, 0.254])
+    R, z, c = np.zeros((3, 24, 24)), np.zeros((3, 24)), np.zeros((3, 24))
+    kernels.start_all(R, z, c, x, np.array([0.02, 1.3, 0.02]), 0.1, np.full(3, 20.0))
+    weights, rows, right = np.empty(4), np.empty((3, 24)), np.empty(3)
+    span = kernels.locate(KNOTS, 8, weights)
+    seen = (np.eye(3) - np.outer(ray, ray)) / 0.012**2
+    kernels.fold_gaussian(R[1], z[1], seen, np.zeros(3), 1e-3, x[1], span, weights, rows, right)
+    kernels.control_points(R[1], z[1], c[1])
+    return R, z, c, x, ray
+
+
+def test_limbs_across_the_line_of_sight_do_not_throw_their_joint_away():
+    rng = np.random.default_rng(0)
+    limbs = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2), np.zeros(3))
+    for _ in range(200):
+        R, z, c, x, ray = arm_seen_by_one_camera(rng)
+        cov_m2, after = np.empty((1, 3, 3, 3)), x[None].copy()
+        kernels.covariance_all(R[None], KNOTS, cov_m2)
+        kernels.constrain_all(
+            R[None], z[None], c[None], after, cov_m2, np.array([[2, 1, 2]]), limbs,
+            np.array([[0.28, 0.25]]), np.array([[0.042, 0.0375]]) ** 2, np.array([[0.0, 1.0]]),
+            0.3, KNOTS, 0.05,
+        )  # fmt: skip
+        assert np.linalg.norm(after[0, 1] - x[1]) < 0.2
+        assert np.sqrt(ray @ cov_m2[0, 1] @ ray) > 0.1  # the depth is still said to be uncertain
 
 
 def test_a_limb_that_is_far_off_has_no_say():

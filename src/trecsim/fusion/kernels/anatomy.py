@@ -13,15 +13,14 @@ from trecsim.fusion.kernels.information import (
     REACH,
     clear_row,
     control_points,
-    curve_covariance,
     fold_gaussian,
     invert3,
 )
 from trecsim.fusion.kernels.lengths import TIE_M2, learn, quotient
 
 _STEPS = 3
-# No joint moves much further than this at the word of the body [m^2]: a limb across the line of
-# sight fits as well bent towards the camera as away from it.
+# Variance of how far the body moves a joint in one step [m^2]. A limb across the line of sight says
+# nearly nothing about depth, and its linearised equation holds near the joint only.
 _REACH_M2 = 0.3**2
 # A joint less well known than this, summed over the directions, needs its body even if two cameras
 # see it: they may stand side by side [m^2].
@@ -31,13 +30,12 @@ _BODY_S = 1.3
 
 
 class Held(NamedTuple):
-    """Scratch arrays: a joint's information, three equations, and a block of columns."""
+    """Scratch arrays: a joint's information, and three equations."""
 
     R: Float64[np.ndarray, "n n"]
     z: Float64[np.ndarray, " n"]
     rows: Float64[np.ndarray, "3 n"]
     right: Float64[np.ndarray, "3"]
-    y: Float64[np.ndarray, "n 3"]
 
 
 @kernel
@@ -193,13 +191,13 @@ def right_side(R, c, z):
 
 
 @kernel
-def believe(R, z, c, x, cov_m2, info, vector, size, quick, lasting, span, weights, tmp):
+def believe(R, z, c, x, info, vector, size, quick, lasting, span, weights, tmp):
     """Move a joint as its body says, in place, and keep `lasting` of that as information.
 
     Parameters
     ----------
-    R, z, c, x, cov_m2
-        The joint: square-root information, control points, place and covariance.
+    R, z, c, x
+        The joint: square-root information, control points and place.
     info, vector, size
         The body's message; see `quotient`. `info` and `vector` are destroyed.
     quick
@@ -218,9 +216,11 @@ def believe(R, z, c, x, cov_m2, info, vector, size, quick, lasting, span, weight
             tmp.R[i, k] = root * R[i, k]
     new_info, new_vector = np.empty((3, 3)), np.empty(3)
     for p in range(3):
-        new_vector[p] = lasting / quick * vector[p]
+        new_vector[p] = 0.0  # the right side follows from the control points below
         for q in range(3):
             new_info[p, q] = lasting / quick * info[p, q]
+        # How far a joint may go in one step tells nothing of where it is.
+        new_info[p, p] -= lasting / quick / _REACH_M2
     least = 1e-6 * size
     fold_gaussian(
         R, z, new_info, new_vector, lasting * least, x, span, weights, tmp.rows, tmp.right
@@ -229,7 +229,19 @@ def believe(R, z, c, x, cov_m2, info, vector, size, quick, lasting, span, weight
     control_points(tmp.R, tmp.z, c)
     right_side(R, c, z)
     point(c, span, weights, x)
-    curve_covariance(tmp.R, span, weights, tmp.y, cov_m2)
+
+
+@kernel
+def without_reach(held_m2, cov_m2):
+    """Write the covariance of a joint held by its body, without the bound on its step.
+
+    `held_m2` is its covariance with the bound, (3, 3).
+    """
+    info = np.empty((3, 3))
+    invert3(held_m2, info)
+    for p in range(3):
+        info[p, p] -= 1.0 / _REACH_M2
+    invert3(info, cov_m2)
 
 
 @kernel
@@ -322,13 +334,8 @@ def relax_body(
             continue
         joint_block(A, place[j], after)
         size = quotient(before_m2[j], after, d[j], info, vector)
-        for p in range(3):  # how far a joint may go in one step tells nothing of where it is
-            info[p, p] -= 1.0 / _REACH_M2
-            vector[p] -= d[j, p] / _REACH_M2
-        believe(
-            R[j], z[j], c[j], x[j], cov_m2[j], info, vector, size, quick, lasting, span, weights,
-            tmp,
-        )  # fmt: skip
+        believe(R[j], z[j], c[j], x[j], info, vector, size, quick, lasting, span, weights, tmp)
+        without_reach(after, cov_m2[j])
 
 
 @kernel
@@ -356,7 +363,7 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, qui
         Time since the last frame set [s].
     """
     n = R.shape[2]
-    tmp = Held(np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3), np.empty((n, 3)))
+    tmp = Held(np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3))
     weights = np.empty(4)
     span = locate(now, n // 3, weights)
     lasting = min(1.0, elapsed_s / _BODY_S)
