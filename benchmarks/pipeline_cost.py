@@ -95,7 +95,7 @@ def measure_one(kind: str, site: Path) -> None:
     """Run one of the two in this process; print wall and processor time [s], peak memory [MB]."""
     from trecsim.estimators.pool import estimate
     from trecsim.fusion.warmup import warm_up
-    from trecsim.pipeline import run
+    from trecsim.site_run import run
     from trecsim.sites.check import check_site
 
     videos = {path.stem: path for path in sorted(site.parent.glob("*.mp4"))}

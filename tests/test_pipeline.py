@@ -12,12 +12,14 @@ import pytest
 
 from made_rigs import ring
 from made_site import body_at, make_site
-from trecsim import pipeline
+from trecsim import pipeline, site_run
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
 from trecsim.geometry import Rig
-from trecsim.pipeline import rig_sha256, run, track
+from trecsim.pipeline import track
+from trecsim.site_run import run
 from trecsim.sites.check import CheckedSite, check_site
+from trecsim.store.rig_digest import rig_sha256
 from trecsim.store.timing_csv import read_timing
 from trecsim.store.tracks import kept_of, read_tracks
 from trecsim.store.tracks_parquet import read_info
@@ -149,13 +151,13 @@ def test_a_run_tells_now_and_then_how_far_it_is(
     checked: CheckedSite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[int] = []
-    monkeypatch.setattr(pipeline, "TELL_EVERY_S", 0.0)
+    monkeypatch.setattr(site_run, "TELL_EVERY_S", 0.0)
     run(checked, tmp_path / "out", tell=lambda tally: told.append(tally.frame_sets))
     assert len(told) == 120
     assert told == sorted(told)
     assert told[-1] >= 39
     told.clear()
-    monkeypatch.setattr(pipeline, "TELL_EVERY_S", 1e9)
+    monkeypatch.setattr(site_run, "TELL_EVERY_S", 1e9)
     run(checked, tmp_path / "again", tell=lambda tally: told.append(tally.frame_sets))
     assert told == []
 
@@ -168,7 +170,7 @@ def test_a_recording_that_breaks_off_is_told_and_what_came_before_kept(
     lines = poses.read_text().splitlines()
     lines[91] = lines[91].replace('"t_s"', '"time"')
     poses.write_text("\n".join(lines) + "\n")
-    with pytest.raises(InputError, match=r"line 92.*what was finished before is kept in .*out"):
+    with pytest.raises(InputError, match=r"line 92.*the results before that are kept in .*out"):
         run(checked, tmp_path / "out")
     facts = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert facts["ended"] == "failed"
@@ -233,7 +235,7 @@ def test_ctrl_c_while_tracking_keeps_what_was_finished(
 
     monkeypatch.setattr(pipeline, "read_poses", interrupted)
     kept = kept_of(tmp_path / name)
-    with pytest.raises(KeyboardInterrupt, match=rf"stopped by Ctrl-C.*kept in {kept}"):
+    with pytest.raises(KeyboardInterrupt, match=rf"stopped.*kept in {kept}"):
         track(checked.rig, tmp_path / "walk.poses.jsonl", tmp_path / name)
     assert not (tmp_path / name).exists()
     assert kept.exists()

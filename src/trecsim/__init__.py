@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from trecsim.geometry import triangulate as triangulate
     from trecsim.lab.evaluation.evaluating import evaluate as evaluate
     from trecsim.lab.report.building import report as report
-    from trecsim.pipeline import run as run
     from trecsim.pipeline import track as track
+    from trecsim.site_run import run as run
     from trecsim.sites.check import check_site as check_site
     from trecsim.skeleton import COCO17 as COCO17
     from trecsim.skeleton import Skeleton as Skeleton
@@ -58,7 +58,8 @@ _HOMES = {
     "trecsim.lab.report.building": ("report",),
     "trecsim.fusion": ("FusionSettings", "Tracker"),
     "trecsim.geometry": ("Camera", "Rig", "triangulate"),
-    "trecsim.pipeline": ("run", "track"),
+    "trecsim.pipeline": ("track",),
+    "trecsim.site_run": ("run",),
     "trecsim.skeleton": ("COCO17", "Skeleton"),
     "trecsim.sources": ("VideoFile", "read_poses"),
     "trecsim.store.tracks": ("export_tracks", "read_tracks"),

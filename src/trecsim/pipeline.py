@@ -1,61 +1,91 @@
-"""From recordings to people in 3D, from top to bottom.
+"""From cameras to people in 3D, from top to bottom.
 
 ::
 
-    videos ──estimate──> 2D poses ──frame_sets──> frame sets ──Tracker──> snapshots ──> files
-    pose files ──────────────┘
+    sources ──> estimate ──> sync ──> fuse ──> sinks
 
-Images are decoded and looked at in threads of their own, which work ahead; the fusion runs in the
-thread that calls, and never waits for one camera longer than `trecsim.sync.frame_sets` does.
+A source delivers images (`trecsim.sources`), which an estimator turns into 2D poses
+(`trecsim.estimators`), or it delivers 2D poses. A buffer makes frame sets of them (`trecsim.sync`),
+the tracker makes snapshots of these (`trecsim.fusion`), and sinks take them (`trecsim.sinks`).
+`track`, `trecsim.site_run.run` and `live` differ in their sources and sinks only.
+
+Recordings are read in the order of their time stamps, so the result is always the same. Live
+sources are read as they deliver, and none waits for another.
 """
 
-import hashlib
-import json
-import logging
-import platform
-import time
-from collections.abc import Callable, Generator, Iterable, Iterator
-from contextlib import ExitStack, closing, suppress
-from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
-from itertools import chain, islice
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypedDict
+from typing import TypedDict, cast
 
-import numpy as np
-
-from trecsim.calibration import write_rig
-from trecsim.errors import InputError
+from trecsim.errors import Error, InputError
+from trecsim.estimators import Estimator2D
 from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import check_arguments
+from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
-from trecsim.sites import fusion_settings
-from trecsim.sites.check import CheckedSite, load_estimator
+from trecsim.sinks import Sinks
 from trecsim.skeleton import COCO17
-from trecsim.sources import prefetched, read_poses
-from trecsim.store.atomic import atomic_write, partial_path
-from trecsim.store.names import RIG
+from trecsim.sources import read_poses
+from trecsim.sources.base import Arrival, Source
+from trecsim.sources.mailbox import Fault, Mailbox, deliver
+from trecsim.store.atomic import partial_path
 from trecsim.store.parquet_file import TracksInfo
-from trecsim.store.poses_writer import PosesWriter
-from trecsim.store.recordings import (
-    claim_folder,
-    discard_recording,
-    poses_recorder,
-    timing_recorder,
-    tracks_recorder,
-)
+from trecsim.store.rig_digest import rig_sha256
 from trecsim.store.timing_csv import TimingWriter
 from trecsim.store.tracks import kept_of, tracks_writer
-from trecsim.tracking import Tally, follow
-from trecsim.values import Poses2D
-
-logger = logging.getLogger(__name__)
+from trecsim.tracking import Follower, Tally, logger
+from trecsim.values import Frame, Poses2D, Snapshot
 
 Progress = Callable[[int, int | None], None]
-TELL_EVERY_S = 60.0
-_IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
-Ended = Literal["complete", "stopped", "failed"]
+LIVE_DELAY_S = 0.1  # a live frame set waits this long for a camera that is late
+
+
+def flow(arrivals: Iterable[Arrival[Poses2D]], follower: Follower, sinks: Sinks) -> None:
+    """Pass everything that arrives through the fusion into the sinks.
+
+    Parameters
+    ----------
+    arrivals
+        2D poses as they come.
+    follower
+        The buffer and the tracker.
+    sinks
+        Who takes what.
+
+    Raises
+    ------
+    Error
+        What ended the arrivals before their time, after everything that came before it has reached
+        the sinks; or what a sink cannot do.
+    """
+    fault: Error | None = None
+    iterator = iter(arrivals)
+    while True:
+        try:
+            arrival = next(iterator, None)
+        except Error as error:  # of a source: what came before it is good
+            fault = error
+            break
+        if arrival is None:
+            break
+        sinks.take(_snapshots(arrival, follower, sinks))
+    sinks.take(follower.flush())
+    if fault is not None:
+        raise fault
+
+
+def _snapshots(arrival: Arrival[Poses2D], follower: Follower, sinks: Sinks) -> Iterable[Snapshot]:
+    if arrival.item is None:
+        return () if arrival.arrived_s is None else follower.poll(arrival.arrived_s)
+    sinks.take_poses(arrival.item)
+    return follower.add(arrival.item, arrival.arrived_s)
+
+
+def recorded(poses: Iterable[Poses2D]) -> Iterator[Arrival[Poses2D]]:
+    """Return the 2D poses of a recording as arrivals without a time of arrival."""
+    return (Arrival(one) for one in poses)
 
 
 class TrackSummary(TypedDict):
@@ -79,7 +109,7 @@ def track(
     timing: Path | None = None,
     progress: Progress | None = None,
 ) -> TrackSummary:
-    """Reconstruct everybody's 3D trajectory from files of 2D poses.
+    """Track people in 3D from files of 2D poses.
 
     Parameters
     ----------
@@ -88,44 +118,42 @@ def track(
     poses
         What `trecsim.sources.read_poses` reads.
     out
-        Where the tracks go: ``*.csv`` or ``*.parquet``.
+        The file of tracks to write: ``*.csv`` or ``*.parquet``.
     settings
         Of the fusion.
     lag_s
         How far behind the newest image of a frame set its snapshot is [s].
     fps
-        Frames per second, for poses that number their frames and tell no time.
+        Frames per second, for poses without time stamps.
     timing
-        Where to write what each frame set cost (CSV).
+        A file for the time of each frame set (CSV).
     progress
         Told the number of frame sets done.
 
     Raises
     ------
     InputError
-        When something in the files is wrong; what was finished before is kept.
+        When something in the files is wrong; the results before it are kept.
     SetupError
         When the disk has no room.
     """
     check_arguments(rig, settings, COCO17, lag_s)
     for text in settings.remarks() if settings else ():
         logger.warning("fusion: %s", text)
-    tally = Tally()
     images = read_poses(poses, rig_cameras=rig.names, fps=fps)
-    kept = kept_of(out)
+    tally, kept = Tally(), kept_of(out)
     try:
         with ExitStack() as files:
-            tracks = files.enter_context(tracks_writer(out, _info(rig)))
-            if timing is not None:
-                tally.tell = files.enter_context(TimingWriter(timing)).write
-            for snapshot in follow(images, rig, settings, lag_s=lag_s, tally=tally):
-                tracks.write(snapshot)
-                if progress is not None:
-                    progress(tally.frame_sets, None)
+            tracks = files.enter_context(tracks_writer(out, tracks_info(rig)))
+            steps = [files.enter_context(TimingWriter(timing))] if timing is not None else []
+            sinks = Sinks([tracks, _Told(tally, progress)], steps)
+            warm_up()
+            follower = Follower(rig, settings, lag_s=lag_s, tally=tally, step=sinks.take_step)
+            flow(recorded(images), follower, sinks)
     except InputError as error:
         raise type(error)(_with_kept(error, kept, tally, timing)) from error
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(_with_kept("stopped by Ctrl-C", kept, tally, timing)) from None
+        raise KeyboardInterrupt(_with_kept("stopped", kept, tally, timing)) from None
     return TrackSummary(
         out=out,
         frame_sets=tally.frame_sets,
@@ -135,258 +163,110 @@ def track(
     )
 
 
-@dataclass(frozen=True, slots=True)
-class RunSummary:
-    """What came of `run`.
-
-    Attributes
-    ----------
-    site
-        Name of the site.
-    out
-        Directory with everything that was kept.
-    ended
-        Whether the recordings came to their end, or what ended the run.
-    fault
-        What was wrong, if it failed.
-    images, frame_sets, people
-        How many went through the fusion, and how many different people came out.
-    first_s, last_s
-        Times of the first and last snapshot [s]; None when there was none.
-    wall_s
-        How long the run took [s].
-    fusion_ms
-        Median, 95th percentile, largest and mean time of a step of the fusion [ms].
-    """
-
-    site: str
-    out: Path
-    ended: Ended
-    fault: str | None
-    images: int
-    frame_sets: int
-    people: int
-    first_s: float | None
-    last_s: float | None
-    wall_s: float
-    fusion_ms: dict[str, float]
-
-
-def run(
-    checked: CheckedSite,
-    out: Path | None = None,
+def live(
+    sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]],
+    rig: Rig,
+    sinks: Sinks,
     *,
-    progress: Progress | None = None,
+    estimator: Estimator2D | None = None,
+    settings: FusionSettings | None = None,
+    lag_s: float = 0.0,
+    max_delay_s: float = LIVE_DELAY_S,
     stop: Callable[[], bool] = lambda: False,
-    tell: Callable[[Tally], None] = lambda tally: None,
-    picture: Callable[[RunSummary], None] = lambda summary: None,
-) -> RunSummary:
-    """Run a site on its recordings; keep tracks, rig, timings and a summary.
+    fault: Fault | None = None,
+    tally: Tally | None = None,
+) -> None:
+    """Track people in 3D from live sources until all end, or `stop` says so.
+
+    A source that stalls delays no other by more than `max_delay_s`. While all are silent, snapshots
+    come about ten times a second, in which people end.
 
     Parameters
     ----------
-    checked
-        What `trecsim.sites.check.check_site` returns.
-    out
-        Directory to make for this run; None makes one where the site file says.
-    progress
-        Told the number of images done and, if it is known, of all images.
+    sources
+        Each is read in a thread of its own.
+    rig
+        The cameras.
+    sinks
+        Who takes what.
+    estimator
+        Finds the 2D poses if the sources deliver images.
+    settings
+        Of the fusion.
+    lag_s
+        How far behind the newest image of a frame set its snapshot is [s].
+    max_delay_s
+        How long a frame set waits for a camera that is late [s].
     stop
-        Asked after each image; True ends the run as if the recordings ended there.
-    tell
-        Is called once a minute with how far the fusion is.
-    picture
-        Draws what came of the run, at its end.
-
-    Raises
-    ------
-    InputError
-        When a recording turns out wrong; what was finished before is kept.
-    SetupError
-        When the machine lacks something, or the disk has no room; what was recorded is kept.
-    KeyboardInterrupt
-        When it is interrupted, other than by `stop`; its text says what is kept.
+        Asked after each arrival, and while nothing arrives.
+    fault
+        Is told, in another thread, what ended a source or failed on an image; logged if None.
+    tally
+        Is kept up to date.
     """
-    began_s = time.monotonic()
-    watch = _Watch(progress, stop, tell, _image_count(checked))
-    with claim_folder(_folder_for(out, checked)) as claim:
-        folder = claim.folder
-        try:
-            fault = _record(checked, folder, watch)
-            if fault is not None and watch.tally.frame_sets == 0:
-                discard_recording(folder)
-                raise fault
-            summary = watch.summary(checked.file.site.name, folder, began_s, fault)
-            _write_summary(summary, checked)
-            picture(summary)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
-    if fault is not None:
-        raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
-    return summary
+    told = fault or _log_fault
+    warm_up()
+    follower = Follower(
+        rig,
+        settings,
+        lag_s=lag_s,
+        tally=tally,
+        max_delay_s=max_delay_s,
+        step=sinks.take_step,
+    )
+    arrivals = _delivered(sources, estimator, told).arrivals()
+    flow(_until(arrivals, stop), follower, sinks)
 
 
-def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError | None:
-    """Pass everything through the fusion into files; return the fault that ended it early."""
-    site, rig = checked.file.site, checked.rig
-    write_rig(rig, folder / RIG)
-    with ExitStack() as files:
-        tracks = files.enter_context(tracks_recorder(folder, _info(rig)))
-        watch.tally.tell = files.enter_context(timing_recorder(folder)).write
-        images = files.enter_context(closing(prefetched(_poses(checked), _IMAGES_AHEAD)))
-        settings, lag_s = fusion_settings(site.fusion), site.output.lag_s
-        try:
-            poses = watch.images(_begun(images))
-            if site.output.poses:
-                poses = _copied(poses, files.enter_context(poses_recorder(folder)))
-            for snapshot in follow(poses, rig, settings, lag_s=lag_s, tally=watch.tally):
-                tracks.write(snapshot)
-                watch.last_s = snapshot.t_s
-                watch.first_s = snapshot.t_s if watch.first_s is None else watch.first_s
-        except InputError as error:
-            return error
-    return None
+def _delivered(
+    sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]],
+    estimator: Estimator2D | None,
+    fault: Fault,
+) -> Mailbox[Poses2D]:
+    if estimator is None:
+        poses: Mailbox[Poses2D] = Mailbox(depth=16)
+        deliver(cast(Sequence[Source[Poses2D]], sources), poses, fault)
+        return poses
+    from trecsim.estimators.pool import estimate_live
+
+    frames: Mailbox[Frame] = Mailbox()
+    deliver(cast(Sequence[Source[Frame]], sources), frames, fault)
+    return estimate_live(frames, estimator, fault)
 
 
-def _begun(items: Iterator[Poses2D]) -> Iterator[Poses2D]:
-    """Wait for the first item now: the next are then made while the fusion's kernels load."""
-    return chain(list(islice(items, 1)), items)
+def _until(
+    arrivals: Iterator[Arrival[Poses2D]], stop: Callable[[], bool]
+) -> Iterator[Arrival[Poses2D]]:
+    for arrival in arrivals:
+        yield arrival
+        if stop():
+            return
 
 
-def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
-    site = checked.file.site
-    if site.poses is not None:
-        names, fps = checked.rig.names, site.poses.fps
-        yield from read_poses(site.poses.file, rig_cameras=names, fps=fps)
-        return
-    from trecsim.estimators.pool import estimate_videos, open_videos
-
-    estimator = load_estimator(checked.file)
-    videos = {camera: source.video for camera, source in site.sources.items()}
-    yield from estimate_videos(open_videos(videos, estimator), estimator)
+def _log_fault(error: Exception) -> None:
+    logger.error("a source ended: %s", error)
 
 
-def _copied(poses: Iterable[Poses2D], writer: PosesWriter) -> Iterator[Poses2D]:
-    for one in poses:
-        writer.write(one)
-        yield one
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """A sink that tells how far the tracking is."""
 
-
-@dataclass(slots=True)
-class _Watch:
-    """Counts what passes by, tells how far things are, and ends them on request."""
-
+    tally: Tally
     progress: Progress | None
-    stop: Callable[[], bool]
-    tell: Callable[[Tally], None]
-    image_count: int | None
-    tally: Tally = field(default_factory=Tally)
-    stopped: bool = False
-    done: int = 0
-    first_s: float | None = None
-    last_s: float | None = None
-    told_s: float = field(default_factory=time.monotonic)
 
-    def images(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
-        for one in poses:
-            yield one
-            self.done += 1
-            if self.progress is not None:
-                self.progress(self.done, self.image_count)
-            if time.monotonic() - self.told_s >= TELL_EVERY_S:
-                self.told_s = time.monotonic()
-                self.tell(self.tally)
-            if self.stop():
-                self.stopped = True
-                return
-
-    def summary(self, site: str, out: Path, began_s: float, fault: InputError | None) -> RunSummary:
-        ended: Ended = "failed" if fault else "stopped" if self.stopped else "complete"
-        return RunSummary(
-            site=site,
-            out=out,
-            ended=ended,
-            fault=str(fault) if fault else None,
-            images=self.done,
-            frame_sets=self.tally.frame_sets,
-            people=len(self.tally.people),
-            first_s=self.first_s,
-            last_s=self.last_s,
-            wall_s=time.monotonic() - began_s,
-            fusion_ms=self.tally.fusion_ms(),
-        )
+    def write(self, snapshot: Snapshot, /) -> None:
+        if self.progress is not None:
+            self.progress(self.tally.frame_sets, None)
 
 
-def _image_count(checked: CheckedSite) -> int | None:
-    counts = [info.expected_frames for info in checked.videos.values()]
-    return sum(count or 0 for count in counts) if counts and None not in counts else None
-
-
-def _info(rig: Rig) -> TracksInfo:
+def tracks_info(rig: Rig) -> TracksInfo:
+    """Return what a file of tracks says about itself."""
     return TracksInfo(rig_sha256=rig_sha256(rig))
 
 
-def rig_sha256(rig: Rig) -> str:
-    """Return a digest that changes whenever any number or name of the rig does."""
-    digest = hashlib.sha256()
-    for camera in rig:
-        named = [camera.name, list(camera.size_px), camera.distortion_model, camera.time_offset_s]
-        if camera.time_drift_ppm:
-            named += [camera.time_drift_ppm, camera.time_ref_s]
-        digest.update(json.dumps(named).encode())
-        for numbers in (camera.K, camera.T_cam_world, camera.distortion):
-            digest.update(np.ascontiguousarray(numbers, dtype="<f8").tobytes())
-    return digest.hexdigest()
-
-
-def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
-    site = checked.file.site
-    if out is not None:
-        return out
-    started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
-    beside = checked.file.path.parent / "recordings" / site.name
-    return (site.output.directory or beside) / started
-
-
-def _interrupted(folder: Path, tally: Tally) -> str:
-    """Say what an interruption leaves; remove what holds nothing."""
-    if tally.frame_sets == 0:
-        with suppress(OSError):
-            discard_recording(folder)
-        return "stopped by Ctrl-C before the first frame set; nothing is kept"
-    ended = (folder / "summary.json").exists()
-    missing = "a picture" if ended else "a summary"
-    return (
-        f"stopped at once by Ctrl-C after {tally.frame_sets} frame sets; what was finished before "
-        f"is kept in {folder}, without {missing}"
-    )
-
-
-def _write_summary(summary: RunSummary, checked: CheckedSite) -> None:
-    facts = {
-        "format": "trecsim.summary/1",
-        **asdict(summary),
-        "out": str(summary.out),
-        "rig_sha256": rig_sha256(checked.rig),
-        "configuration": checked.file.site.model_dump(mode="json"),
-        "versions": {"python": platform.python_version(), **_versions()},
-    }
-    facts["fusion_ms"] = {k: None if np.isnan(v) else v for k, v in summary.fusion_ms.items()}
-    with atomic_write(summary.out / "summary.json") as file:
-        file.write(json.dumps(facts, indent=2, allow_nan=False) + "\n")
-
-
-def _versions() -> dict[str, str]:
-    found = {}
-    for package in ("mc3d-trecsim", "numpy", "numba", "av", "openvino"):
-        with suppress(PackageNotFoundError):
-            found[package] = version(package)
-    return found
-
-
-def _with_kept(what: object, kept: Path, tally: Tally, timing: Path | None = None) -> str:
+def _with_kept(what: object, kept: Path, tally: Tally, timing: Path | None) -> str:
     if tally.frame_sets:
-        return f"{what}; what was finished before is kept in {kept}"
+        return f"{what}; the results before that are kept in {kept}"
     for path in (kept, *([partial_path(timing)] if timing is not None else ())):
         if path.is_file():  # it has a heading and nothing else
             path.unlink()

@@ -38,8 +38,6 @@ class Tally:
         Every identity reported.
     frame_sets
         Number of frame sets.
-    tell
-        Is told what each frame set cost, as soon as it is known.
     remarks
         What was said about poses and rig that do not fit together.
     """
@@ -47,7 +45,6 @@ class Tally:
     fusion_s: deque[float] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
     people: set[int] = field(default_factory=set)
     frame_sets: int = 0
-    tell: Callable[[StepTiming], None] | None = None
     remarks: list[str] = field(default_factory=list)
 
     def remark(self, texts: Iterable[str]) -> None:
@@ -61,8 +58,6 @@ class Tally:
         self.fusion_s.append(1e-3 * step.fusion_ms)
         self.frame_sets += 1
         self.people.update(identities)
-        if self.tell is not None:
-            self.tell(step)
 
     def fusion_ms(self) -> dict[str, float]:
         """Return median, 95th percentile, maximum and mean of the fusion's time [ms]."""
@@ -124,6 +119,8 @@ class Follower:
         Is kept up to date.
     max_delay_s
         How long a frame set waits for a camera that is late [s].
+    step
+        Is told what each frame set cost, as soon as it is known.
 
     Raises
     ------
@@ -139,6 +136,7 @@ class Follower:
         lag_s: float = 0.0,
         tally: Tally | None = None,
         max_delay_s: float = 1.0,
+        step: Callable[[StepTiming], None] = lambda step: None,
     ) -> None:
         self._tracker = Tracker(rig, settings, lag_s=lag_s)
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
@@ -146,6 +144,7 @@ class Follower:
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
         self._buffer = FrameSetBuffer(offsets_s, max_delay_s=max_delay_s)
         self._tally = tally if tally is not None else Tally()
+        self._tell_step = step
         self._given_s = math.nan
 
     def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[Snapshot]:
@@ -187,6 +186,7 @@ class Follower:
             snapshot = self._reach.kept(snapshot)
             step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
             self._tally.add(step, snapshot.id.tolist())
+            self._tell_step(step)
             self._tally.remark(self._consistency.observe(frame_set, snapshot))
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from made_site import make_site
-from trecsim import pipeline
+from trecsim import site_run
 
 Command = Callable[..., tuple[int, str, str]]
 LINE = r"trecsim: \d+ frame sets, (1 person|0 people) so far; fusion \d+\.\d\d ms per set"
@@ -15,7 +15,7 @@ LINE = r"trecsim: \d+ frame sets, (1 person|0 people) so far; fusion \d+\.\d\d m
 
 @pytest.fixture(autouse=True)
 def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline, "TELL_EVERY_S", 0.0)
+    monkeypatch.setattr(site_run, "TELL_EVERY_S", 0.0)
 
 
 def test_without_a_terminal_it_says_now_and_then_how_far_it_is(

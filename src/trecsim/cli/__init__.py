@@ -6,12 +6,14 @@ Commands are registered by name only; their module is imported when one is calle
 
 import logging
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
 from importlib.metadata import version
+from threading import current_thread, main_thread
 
 from cyclopts import App, CycloptsError, Parameter, UnknownCommandError
 
@@ -104,7 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     SystemExit
         Always, with 0 (done), 2 (the user's input is wrong) or 1 (anything else).
     """
-    with _warnings_as_lines():
+    with _warnings_as_lines(), _terminated_as_interrupted():
         raise SystemExit(_run(sys.argv[1:] if arguments is None else list(arguments)))
 
 
@@ -113,6 +115,19 @@ class _Line(logging.Formatter):
 
     def format(self, record: logging.LogRecord) -> str:
         return redacted(super().format(record))
+
+
+@contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    """Let SIGTERM, as systemd and containers send it, do what Ctrl-C does."""
+    if current_thread() is not main_thread():  # only there signals are handled
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
@@ -137,7 +152,7 @@ def _run(arguments: list[str]) -> int:
     except Error as error:
         return _tell(str(error), error.exit_code)
     except KeyboardInterrupt as error:  # a command that kept something says so in the text
-        return _tell(str(error) or "stopped by Ctrl-C", 1)
+        return _tell(str(error) or "stopped", 1)
     except BrokenPipeError:  # the reader of stdout went away, as `head` does
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1

@@ -112,7 +112,7 @@ def _estimate(
                 writer.write(poses)
                 counts[poses.camera].add(poses)
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"stopped by Ctrl-C; {_kept(out, counts)}") from None
+        raise KeyboardInterrupt(f"stopped; {_kept(out, counts)}") from None
     except Error as error:
         raise type(error)(f"{error}; {_kept(out, counts)}") from error
     return _summary(out, estimator, counts, perf_counter() - start_s)

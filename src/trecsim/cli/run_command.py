@@ -1,20 +1,17 @@
 """The command `trecsim run`."""
 
-import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING
 
 from trecsim.cli.first_run import tell_first_run
 from trecsim.cli.models_command import fetch_first
+from trecsim.cli.stopping import stopping_in_order
 from trecsim.cli.terminal import counted_people, finish, note, progress_bar
 
 if TYPE_CHECKING:
-    from trecsim.pipeline import RunSummary
+    from trecsim.site_run import RunSummary
     from trecsim.sites.check import CheckedSite
     from trecsim.tracking import Tally
 
@@ -39,7 +36,7 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     json
         Print the summary as one JSON object.
     """
-    from trecsim.pipeline import run as run_site
+    from trecsim.site_run import run as run_site
     from trecsim.sites.check import check_site
 
     checked = check_site(site)
@@ -49,14 +46,14 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
         fetch_first(checked.file.site.estimator.name, quiet=json)
     tell_first_run(quiet=json)
     told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
-    with progress_bar("images", quiet=json) as bar, _ctrl_c() as stop:
+    with progress_bar("images", quiet=json) as bar, stopping_in_order() as stop:
         summary = run_site(
             checked, out, progress=bar, stop=stop,
             tell=_tell_nothing if told else _tell_how_far,
             picture=partial(_draw_paths, checked),
         )  # fmt: skip
     if summary.ended == "stopped":
-        raise KeyboardInterrupt(f"stopped by Ctrl-C; {_told(summary)}")
+        raise KeyboardInterrupt(f"stopped; {_told(summary)}")
     finish(_facts(summary), json, _told(summary))
 
 
@@ -102,21 +99,3 @@ def _told(summary: "RunSummary") -> str:
         f"of {summary.images} images, {summary.wall_s:.1f} s; fusion {ms['median']:.2f} ms per set "
         f"(p95 {ms['p95']:.2f})"
     )
-
-
-@contextmanager
-def _ctrl_c() -> Iterator[Callable[[], bool]]:
-    """Let the first Ctrl-C end the run in order; the second ends it at once."""
-    asked = False
-
-    def ask(number: int, frame: FrameType | None) -> None:
-        nonlocal asked
-        asked = True
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-        note("stopping; once more to stop at once")
-
-    before = signal.signal(signal.SIGINT, ask)
-    try:
-        yield lambda: asked
-    finally:
-        signal.signal(signal.SIGINT, before)

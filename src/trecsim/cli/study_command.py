@@ -153,7 +153,7 @@ def _run(plan: "Study", out: Path, jobs: int | None, *, reporting: bool, quiet: 
             done = run_study(plan, out, workers=jobs, progress=bar, remark=note)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
-            f"stopped by Ctrl-C; all finished runs are in {out / NAME}; the same command continues"
+            f"stopped; all finished runs are in {out / NAME}; the same command continues"
         ) from None
     if done.failed:
         note(f"{done.failed} of {done.made} runs failed; the report says why")

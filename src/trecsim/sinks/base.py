@@ -50,3 +50,13 @@ class Sinks:
         for snapshot in snapshots:
             for sink in self.snapshots:
                 sink.write(snapshot)
+
+    def take_step(self, step: StepTiming) -> None:
+        """Hand what a frame set cost to all who take it."""
+        for sink in self.steps:
+            sink.write(step)
+
+    def take_poses(self, poses: Poses2D) -> None:
+        """Hand the 2D poses of an image to all who take them."""
+        for sink in self.poses:
+            sink.write(poses)

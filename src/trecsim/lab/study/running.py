@@ -296,14 +296,15 @@ def _pool(workers: int) -> Iterator[Executor]:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             for child in set(multiprocessing.active_children()) - before:
-                child.terminate()
+                child.kill()  # workers ignore SIGTERM: it may reach the whole process group
             raise
         pool.shutdown()
 
 
 def _begin_worker() -> None:
     """Let only the process that the user started answer to Ctrl-C, and end when it is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for one in (signal.SIGINT, signal.SIGTERM):  # the parent ends the work
+        signal.signal(one, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
 
 

@@ -1,0 +1,33 @@
+"""Ctrl-C and SIGTERM: both end a command in order, a second one at once."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from trecsim.cli.terminal import note
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+@contextmanager
+def stopping_in_order() -> Iterator[Callable[[], bool]]:
+    """Let the first signal end the work in order, and the second at once.
+
+    Yields a function that tells whether to stop.
+    """
+    asked = False
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+        for one in SIGNALS:
+            signal.signal(one, signal.default_int_handler)
+        note("stopping; once more to stop at once")
+
+    before = [signal.signal(one, ask) for one in SIGNALS]
+    try:
+        yield lambda: asked
+    finally:
+        for one, handler in zip(SIGNALS, before, strict=True):
+            signal.signal(one, handler)

@@ -1,0 +1,279 @@
+"""A site from its recordings to a folder with everything that came of it."""
+
+import json
+import platform
+import time
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import ExitStack, closing, suppress
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from itertools import chain, islice
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from trecsim.calibration import write_rig
+from trecsim.errors import InputError
+from trecsim.fusion.warmup import warm_up
+from trecsim.pipeline import Progress, flow, recorded, tracks_info
+from trecsim.sinks import Sinks
+from trecsim.sites import fusion_settings
+from trecsim.sites.check import CheckedSite, load_estimator
+from trecsim.sources import prefetched, read_poses
+from trecsim.store.atomic import atomic_write
+from trecsim.store.names import RIG
+from trecsim.store.recordings import (
+    claim_folder,
+    discard_recording,
+    poses_recorder,
+    timing_recorder,
+    tracks_recorder,
+)
+from trecsim.store.rig_digest import rig_sha256
+from trecsim.tracking import Follower, Tally
+from trecsim.values import Poses2D, Snapshot
+
+TELL_EVERY_S = 60.0
+_IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
+Ended = Literal["complete", "stopped", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class RunSummary:
+    """What came of `run`.
+
+    Attributes
+    ----------
+    site
+        Name of the site.
+    out
+        Directory with everything that was kept.
+    ended
+        Whether the recordings came to their end, or what ended the run.
+    fault
+        What was wrong, if it failed.
+    images, frame_sets, people
+        How many went through the fusion, and how many different people came out.
+    first_s, last_s
+        Times of the first and last snapshot [s]; None when there was none.
+    wall_s
+        How long the run took [s].
+    fusion_ms
+        Median, 95th percentile, largest and mean time of a step of the fusion [ms].
+    """
+
+    site: str
+    out: Path
+    ended: Ended
+    fault: str | None
+    images: int
+    frame_sets: int
+    people: int
+    first_s: float | None
+    last_s: float | None
+    wall_s: float
+    fusion_ms: dict[str, float]
+
+
+def run(
+    checked: CheckedSite,
+    out: Path | None = None,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] = lambda: False,
+    tell: Callable[[Tally], None] = lambda tally: None,
+    picture: Callable[[RunSummary], None] = lambda summary: None,
+) -> RunSummary:
+    """Run a site on its recordings; keep tracks, rig, timings and a summary.
+
+    Parameters
+    ----------
+    checked
+        What `trecsim.sites.check.check_site` returns.
+    out
+        Directory to make for this run; None makes one where the site file says.
+    progress
+        Told the number of images done and, if it is known, of all images.
+    stop
+        Asked after each image; True ends the run as if the recordings ended there.
+    tell
+        Is called once a minute with how far the fusion is.
+    picture
+        Draws what came of the run, at its end.
+
+    Raises
+    ------
+    InputError
+        When a recording turns out wrong; the results before that is kept.
+    SetupError
+        When the machine lacks something, or the disk has no room; what was recorded is kept.
+    KeyboardInterrupt
+        When it is interrupted, other than by `stop`; its text says what is kept.
+    """
+    began_s = time.monotonic()
+    watch = _Watch(progress, stop, tell, _image_count(checked))
+    with claim_folder(_folder_for(out, checked)) as claim:
+        folder = claim.folder
+        try:
+            fault = _record(checked, folder, watch)
+            if fault is not None and watch.tally.frame_sets == 0:
+                discard_recording(folder)
+                raise fault
+            summary = watch.summary(checked.file.site.name, folder, began_s, fault)
+            _write_summary(summary, checked)
+            picture(summary)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
+    if fault is not None:
+        raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
+    return summary
+
+
+def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError | None:
+    """Pass everything through the fusion into files; return the fault that ended it early."""
+    site, rig = checked.file.site, checked.rig
+    write_rig(rig, folder / RIG)
+    with ExitStack() as files:
+        tracks = files.enter_context(tracks_recorder(folder, tracks_info(rig)))
+        steps = files.enter_context(timing_recorder(folder))
+        kept = [files.enter_context(poses_recorder(folder))] if site.output.poses else []
+        sinks = Sinks([tracks, watch], [steps], kept)
+        try:
+            images = _begun(
+                files.enter_context(closing(prefetched(_poses(checked), _IMAGES_AHEAD)))
+            )
+            warm_up()
+            follower = Follower(
+                rig,
+                fusion_settings(site.fusion),
+                lag_s=site.output.lag_s,
+                tally=watch.tally,
+                step=sinks.take_step,
+            )
+            flow(recorded(watch.images(images)), follower, sinks)
+        except InputError as error:
+            return error
+    return None
+
+
+def _begun(items: Iterator[Poses2D]) -> Iterator[Poses2D]:
+    """Wait for the first image now: the next are estimated while the fusion's kernels load."""
+    return chain(list(islice(items, 1)), items)
+
+
+def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
+    site = checked.file.site
+    if site.poses is not None:
+        names, fps = checked.rig.names, site.poses.fps
+        yield from read_poses(site.poses.file, rig_cameras=names, fps=fps)
+        return
+    from trecsim.estimators.pool import estimate_videos, open_videos
+
+    estimator = load_estimator(checked.file)
+    videos = {camera: source.video for camera, source in site.sources.items()}
+    yield from estimate_videos(open_videos(videos, estimator), estimator)
+
+
+@dataclass(slots=True)
+class _Watch:
+    """Counts images and snapshots, tells how far the run is, and ends it on request."""
+
+    progress: Progress | None
+    stop: Callable[[], bool]
+    tell: Callable[[Tally], None]
+    image_count: int | None
+    tally: Tally = field(default_factory=Tally)
+    stopped: bool = False
+    done: int = 0
+    first_s: float | None = None
+    last_s: float | None = None
+    told_s: float = field(default_factory=time.monotonic)
+
+    def images(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
+        for one in poses:
+            yield one
+            self.done += 1
+            if self.progress is not None:
+                self.progress(self.done, self.image_count)
+            if time.monotonic() - self.told_s >= TELL_EVERY_S:
+                self.told_s = time.monotonic()
+                self.tell(self.tally)
+            if self.stop():
+                self.stopped = True
+                return
+
+    def write(self, snapshot: Snapshot, /) -> None:
+        self.last_s = snapshot.t_s
+        self.first_s = snapshot.t_s if self.first_s is None else self.first_s
+
+    def summary(self, site: str, out: Path, began_s: float, fault: InputError | None) -> RunSummary:
+        ended: Ended = "failed" if fault else "stopped" if self.stopped else "complete"
+        return RunSummary(
+            site=site,
+            out=out,
+            ended=ended,
+            fault=str(fault) if fault else None,
+            images=self.done,
+            frame_sets=self.tally.frame_sets,
+            people=len(self.tally.people),
+            first_s=self.first_s,
+            last_s=self.last_s,
+            wall_s=time.monotonic() - began_s,
+            fusion_ms=self.tally.fusion_ms(),
+        )
+
+
+def _image_count(checked: CheckedSite) -> int | None:
+    counts = [info.expected_frames for info in checked.videos.values()]
+    return sum(count or 0 for count in counts) if counts and None not in counts else None
+
+
+def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
+    site = checked.file.site
+    if out is not None:
+        return out
+    started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
+    beside = checked.file.path.parent / "recordings" / site.name
+    return (site.output.directory or beside) / started
+
+
+def _interrupted(folder: Path, tally: Tally) -> str:
+    """Say what an interruption leaves; remove what holds nothing."""
+    if tally.frame_sets == 0:
+        with suppress(OSError):
+            discard_recording(folder)
+        return "stopped before the first frame set; nothing is kept"
+    ended = (folder / "summary.json").exists()
+    missing = "a picture" if ended else "a summary"
+    return (
+        f"stopped at once after {tally.frame_sets} frame sets; the results before that "
+        f"are kept in {folder}, without {missing}"
+    )
+
+
+def _write_summary(summary: RunSummary, checked: CheckedSite) -> None:
+    facts = {
+        "format": "trecsim.summary/1",
+        **asdict(summary),
+        "out": str(summary.out),
+        "rig_sha256": rig_sha256(checked.rig),
+        "configuration": checked.file.site.model_dump(mode="json"),
+        "versions": {"python": platform.python_version(), **_versions()},
+    }
+    facts["fusion_ms"] = {k: None if np.isnan(v) else v for k, v in summary.fusion_ms.items()}
+    with atomic_write(summary.out / "summary.json") as file:
+        file.write(json.dumps(facts, indent=2, allow_nan=False) + "\n")
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for package in ("mc3d-trecsim", "numpy", "numba", "av", "openvino"):
+        with suppress(PackageNotFoundError):
+            found[package] = version(package)
+    return found
+
+
+def _with_kept(what: object, kept: Path, tally: Tally) -> str:
+    return f"{what}; the results before that are kept in {kept}" if tally.frame_sets else str(what)

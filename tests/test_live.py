@@ -1,0 +1,112 @@
+"""Live sources through the whole pipeline: what one camera does delays no other."""
+
+import time
+from threading import Event
+
+import numpy as np
+
+from fusion.made import made, path
+from trecsim.errors import InputError
+from trecsim.pipeline import live
+from trecsim.sinks import Sinks
+from trecsim.tracking import Tally
+from trecsim.values import Frame, Poses2D
+
+SCENE = made([path((0, -2, 0), (9, 4, 0))], cameras=3, seconds=2.4)
+FIRST, *_, LAST = SCENE.rig.names
+
+
+class Kept:
+    """A sink that keeps what it gets, and tells when enough has come."""
+
+    def __init__(self, enough=lambda item: False):
+        self.items, self.enough, self.reached = [], enough, Event()
+
+    def write(self, item):
+        self.items.append(item)
+        if self.enough(item):
+            self.reached.set()
+
+
+def source(camera, until_s=np.inf, then=None):
+    """Deliver a camera's images at their own pace, up to `until_s`; then do something else."""
+    began_s = time.monotonic()
+    for one in SCENE.poses:
+        if one.camera == camera and one.t_s < until_s:
+            time.sleep(max(0.0, began_s + one.t_s - time.monotonic()))
+            yield one
+    if then is not None:
+        then()
+
+
+def test_a_stalled_camera_delays_nobody():
+    later = Kept(lambda snapshot: snapshot.t_s > 2.2 and len(snapshot.id) == 1)
+    sources = [source(FIRST, 1.2, then=later.reached.wait), *map(source, SCENE.rig.names[1:])]
+    live(sources, SCENE.rig, Sinks([later]))
+    assert later.reached.is_set()  # while the first camera was still stalled
+    assert {int(i) for s in later.items for i in s.id} == {0}
+
+
+def test_when_all_cameras_fall_silent_people_end_and_time_goes_on():
+    gone = Kept(lambda snapshot: snapshot.t_s > 2.5 and len(snapshot.id) == 0)
+    sources = [source(name, then=gone.reached.wait) for name in SCENE.rig.names]
+    live(sources, SCENE.rig, Sinks([gone]))
+    there_s = [s.t_s for s in gone.items if len(s.id)]
+    assert there_s
+    assert max(there_s) < 3.5
+    times = [s.t_s for s in gone.items]
+    assert times == sorted(times)
+
+
+def test_a_source_that_fails_is_told_and_the_others_go_on():
+    def fail():
+        raise InputError("the cable is out")
+
+    faults, snapshots = [], Kept()
+    sources = [source(FIRST, 1.0, then=fail), *map(source, SCENE.rig.names[1:])]
+    live(sources, SCENE.rig, Sinks([snapshots]), fault=faults.append)
+    assert [str(fault) for fault in faults] == ["the cable is out"]
+    assert snapshots.items[-1].t_s > 2.2
+    assert len(snapshots.items[-1].id) == 1
+
+
+def test_it_ends_when_it_is_told_to_even_if_every_camera_is_silent():
+    never = Event()
+    tally = Tally()
+
+    def silent():
+        never.wait()
+        yield SCENE.poses[0]
+
+    live([silent()], SCENE.rig, Sinks(), stop=lambda: True, tally=tally)
+    never.set()
+    assert tally.frame_sets == 0
+
+
+def test_images_are_estimated_in_order_and_slow_estimators_drop_the_oldest():
+    class Slow:
+        skeleton = "coco17"
+        workers = 2
+
+        def __call__(self, frame):
+            if frame.index == 3:
+                raise InputError("an image that cannot be read")
+            return Poses2D(
+                frame.camera, frame.t_s, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0)
+            )
+
+    def camera(name):
+        for n in range(20):
+            yield Frame(name, n, 0.04 * n, np.zeros((4, 4, 3), np.uint8))
+            time.sleep(0.005)
+
+    faults, poses = [], Kept()
+    cameras = [camera(name) for name in SCENE.rig.names]
+    sinks = Sinks(poses=[poses])
+    live(cameras, SCENE.rig, sinks, estimator=Slow(), fault=faults.append)
+    for name in SCENE.rig.names:
+        times = [one.t_s for one in poses.items if one.camera == name]
+        assert times == sorted(times)
+        assert 0.12 not in times
+    assert len(faults) <= 3
+    assert {str(fault) for fault in faults} <= {"an image that cannot be read"}
