@@ -106,7 +106,7 @@ def run(
     Raises
     ------
     InputError
-        When a recording turns out wrong; the results before that is kept.
+        When a recording turns out wrong; the results before that are kept.
     SetupError
         When the machine lacks something, or the disk has no room; what was recorded is kept.
     KeyboardInterrupt
