@@ -1,6 +1,5 @@
 """Read a file by its model; all that is wrong with it comes in one message, with line numbers."""
 
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from trecsim.errors import ConfigError
+from trecsim.toml_models import bounded_toml
 from trecsim.toml_models.lines import KeyPath, key_lines, line_of
 from trecsim.toml_models.table import Table
 
@@ -75,9 +75,7 @@ def parsed(path: Path, text: str, kind: str) -> dict[str, Any]:
         When the text is not TOML.
     """
     try:
-        return tomllib.loads(text)
-    except RecursionError:
-        raise ConfigError(f"{path} is no {kind}: it is nested too deeply") from None
+        return bounded_toml.loads(text)
     except ValueError as error:
         raise ConfigError(f"{path} is not TOML: {error}") from None
 

@@ -8,7 +8,6 @@ encoding can hide anything from the check.
 """
 
 import json
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from xml.etree import ElementTree
 
 from trecsim.calibration.formats.opencv_yaml import parse_opencv_yaml
 from trecsim.errors import CalibrationError
+from trecsim.toml_models import bounded_toml
 
 Syntax = Literal["toml", "json", "yaml", "xml"]
 
@@ -102,7 +102,7 @@ def _syntax(path: Path, text: str) -> Syntax:
 def _parse(syntax: Syntax, text: str) -> Any:
     match syntax:
         case "toml":
-            return tomllib.loads(text)
+            return bounded_toml.loads(text)
         case "json":
             return json.loads(text)
         case "yaml":
