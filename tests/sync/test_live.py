@@ -119,3 +119,16 @@ def test_an_image_that_waits_is_given_when_the_stream_ends():
     buffer = FrameSetBuffer()
     assert list(buffer.add(image("a", 1.0), 0.0)) == []
     assert [names(s) for s in buffer.flush()] == ["a"]
+
+
+def test_a_camera_that_falls_silent_and_comes_back_is_remarked_once_each(caplog):
+    run(delivered(8.0, stalls=[("b", 2.0, 6.0)]))
+    silent, late, again = caplog.messages
+    assert silent == "camera 'b' has delivered no image for 1.42 s"
+    assert late.startswith("camera 'b' delivers 3.96 s late")
+    assert again == "camera 'b' delivers images again"
+
+
+def test_short_pauses_are_not_remarked(caplog):
+    run(delivered(8.0, stalls=[("b", 2.0, 2.5), ("a", 4.0, 4.9)]))
+    assert caplog.messages == []

@@ -139,6 +139,7 @@ class FrameSetBuffer:
         self._given_s = -math.inf
         self._learning = True
         self._remarked: set[str] = set()
+        self._silent: set[str] = set()
 
     def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[FrameSet]:
         """Take in one image; yield the sets that are closed now.
@@ -166,6 +167,7 @@ class FrameSetBuffer:
             The present, by the clock of arrivals [s].
         """
         self._time.move_on(arrived_s)
+        self._warn_of_silence()
         yield from self._closed()
         if self._newest is None or self._count or not self._time.all_silent():
             return
@@ -186,6 +188,9 @@ class FrameSetBuffer:
 
     def _add(self, image: Poses2D, arrived_s: float | None) -> None:
         self._warn_if_late(image)
+        if image.camera in self._silent:
+            self._silent.discard(image.camera)
+            logger.warning("camera %r delivers images again", image.camera)
         camera = self._cameras.setdefault(image.camera, CameraQueue())
         self._misdated.extend(camera.pop_misdated(image))
         time = self._time.note(image.camera, image.t_s, arrived_s)
@@ -312,13 +317,25 @@ class FrameSetBuffer:
         period_s = self._period()
         return WINDOW_PERIODS * period_s if period_s < math.inf else FALLBACK_WINDOW_S
 
+    def _warn_of_silence(self) -> None:
+        for name in self._cameras.keys() - self._silent:
+            time = self._time.heard(name)
+            if self._time.is_silent(time, self._max_delay_s + LATE_S):
+                self._silent.add(name)
+                logger.warning(
+                    "camera %r has delivered no image for %.3g s",
+                    name,
+                    self._time.elapsed_s - time.heard_s,
+                )
+
     def _warn_if_late(self, image: Poses2D) -> None:
         late_s = self._given_s - image.t_s
         if late_s > max(LATE_S, self._max_delay_s) and image.camera not in self._remarked:
             self._remarked.add(image.camera)
             logger.warning(
                 "camera %r delivers %.3g s late, after the other cameras' images of that time were "
-                "used. Check the order of the cameras in the file, and their time offsets",
+                "used. Check its connection or, in a file, the order of the cameras; and its time "
+                "offset",
                 image.camera,
                 late_s,
             )
