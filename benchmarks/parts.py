@@ -202,7 +202,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("three cameras at once", "they too must agree for `confirm_s`",
              changes={"lifecycle.confirm": _confirmed_by_time}),
         Part("two cameras sure at once", "they too must agree for `confirm_s`",
-             changes={"birth._SURE_SCORE": ALWAYS}),
+             changes={"birth.SURE_BIRTH_SCORE": ALWAYS}),
         Part("expected visibility", "it never matters how many cameras should see somebody",
              changes={"lifecycle.expected_cameras": _two_cameras}),
         Part("people hidden by others", "a camera should find those, too",

@@ -31,7 +31,7 @@ def replaced(name: str, changes: Mapping[str, Any]) -> Iterator[None]:
     name
         Of the changes as a whole: what is compiled for them is kept under it for the next time.
     changes
-        The new values by path below `trecsim.fusion`: ``birth._SURE_SCORE``,
+        The new values by path below `trecsim.fusion`: ``birth.SURE_BIRTH_SCORE``,
         ``tracker.Tracker._owners``, ``kernels.lengths.tighten``. In place of a kernel stands a
         plain function, which is compiled. Where a path leads to the module that a function is
         from, it is replaced wherever it is used; else only in the module of the path.

@@ -13,8 +13,7 @@ from jaxtyping import Float64, Int64
 from trecsim.fusion import kernels
 from trecsim.fusion.images import Images
 from trecsim.fusion.model import Model
-
-_REACH_M = 0.8
+from trecsim.fusion.tuning import GATE_M
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +56,7 @@ def associate(
     match, flip, sure = np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(shape)
     kernels.associate_all(
         model.P, model.focal_px, images.cam, images.offset, xyz_m, cov_m2, images.xy_px,
-        images.factor, model.noise, _REACH_M, match, flip, sure,
+        images.factor, model.noise, GATE_M, match, flip, sure,
     )  # fmt: skip
     return Association(match, flip, sure)
 
@@ -74,7 +73,7 @@ def score(
     ratio = np.empty((len(xyz_m), len(xy_px)))
     flip = np.empty((len(xyz_m), len(xy_px)), np.int64)
     kernels.score_view(
-        model.P, model.focal_px, cam, xyz_m, cov_m2, xy_px, factor, model.noise, _REACH_M,
+        model.P, model.focal_px, cam, xyz_m, cov_m2, xy_px, factor, model.noise, GATE_M,
         ratio, flip,
     )  # fmt: skip
     return ratio, flip

@@ -14,22 +14,15 @@ from trecsim.fusion import kernels
 from trecsim.fusion.association import score
 from trecsim.fusion.images import Detections
 from trecsim.fusion.model import Model
-
-# Two detections begin a person from this log likelihood ratio to chance on: one in 20,000 pairs of
-# strangers reaches it, were their key points independent.
-_PAIR_SCORE = 10.0
-# Where no other detection fits, a pair that meets as well as this is a person beyond doubt.
-_SURE_SCORE = 25.0
-# A further camera joins from this log ratio to clutter on; little, as two have found the place.
-_ABSORB_SCORE = 3.0
-# So uncertain is the place that two cameras gave, when further cameras are compared with it [m].
-_SEED_SIGMA_M = 0.08
-# Of more detections that belong to nobody only the best are paired, as the work grows with the
-# square of their number: a crowd of twenty before three cameras.
-_MOST = 60
-# Rays that pass further from each other do not meet [m]; so many joints make a body.
-_MEET_M = 0.25
-_FEWEST = 4
+from trecsim.fusion.tuning import (
+    BIRTH_SCORE,
+    CANDIDATE_SIGMA_M,
+    FEWEST_JOINTS,
+    JOIN_SCORE,
+    MEETING_GAP_M,
+    MOST_UNASSIGNED,
+    SURE_BIRTH_SCORE,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,13 +67,13 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
     if len(pool) < 2 or (pool.cam == pool.cam[0]).all():
         return
     best = np.arange(len(pool))
-    if len(pool) > _MOST:
+    if len(pool) > MOST_UNASSIGNED:
         worth = (np.isfinite(pool.xy_px[..., 0]) / pool.factor).sum(axis=1)
-        best = np.sort(np.argsort(-worth, kind="stable")[:_MOST])
+        best = np.sort(np.argsort(-worth, kind="stable")[:MOST_UNASSIGNED])
         pool = pool.take(best)
     ray, origin = rays(model, pool), model.position_m[pool.cam]
     pair, flip = _pairs(model, pool, origin, ray)
-    good = pair >= _PAIR_SCORE
+    good = pair >= BIRTH_SCORE
     partners = good.sum(axis=0) + good.sum(axis=1)
     free = np.ones(len(pool), bool)
     which = np.argwhere(good)
@@ -89,11 +82,11 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
             continue
         xyz = np.empty(ray.shape[1:])
         other = ray[k, model.noise.mirror] if flip[i, k] else ray[k]
-        met = kernels.midpoints(origin[i], ray[i], origin[k], other, _MEET_M, xyz)
-        if met < _FEWEST:
+        met = kernels.midpoints(origin[i], ray[i], origin[k], other, MEETING_GAP_M, xyz)
+        if met < FEWEST_JOINTS:
             continue
         alone = partners[i] == 1 and partners[k] == 1
-        sure = bool(pair[i, k] >= _SURE_SCORE and alone)
+        sure = bool(pair[i, k] >= SURE_BIRTH_SCORE and alone)
         member = {i: 0, k: int(flip[i, k])}
         _absorb(model, pool, free, xyz, member)
         chosen = np.array(list(member), np.int64)
@@ -124,7 +117,7 @@ def _absorb(
     member: dict[int, int],
 ) -> None:
     """Add the other cameras' free detections of the same person, with their mirror state."""
-    cov = np.broadcast_to(np.eye(3) * _SEED_SIGMA_M**2, (1, len(xyz_m), 3, 3)).copy()
+    cov = np.broadcast_to(np.eye(3) * CANDIDATE_SIGMA_M**2, (1, len(xyz_m), 3, 3)).copy()
     taken = {int(pool.cam[d]) for d in member}
     for cam in sorted(set(pool.cam.tolist()) - taken):
         here = np.flatnonzero((pool.cam == cam) & free)
@@ -132,5 +125,5 @@ def _absorb(
             continue
         ratio, mirrored = score(model, cam, pool.xy_px[here], pool.factor[here], xyz_m[None], cov)
         d = int(np.argmax(ratio[0]))
-        if ratio[0, d] >= _ABSORB_SCORE:
+        if ratio[0, d] >= JOIN_SCORE:
             member[int(here[d])] = int(mirrored[0, d])

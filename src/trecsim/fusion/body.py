@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion.settings import FusionSettings
+from trecsim.fusion.tuning import LENGTH_SPREAD
 from trecsim.skeleton import Skeleton
 
 # Usual distances between an adult's joints [m] and how far posture changes them [m]. The spread
@@ -28,7 +29,6 @@ _USUAL_M = {
     ("hip", "knee", "same"): (0.42, 0.01),
     ("knee", "ankle", "same"): (0.41, 0.01),
 }
-_SPREAD = 0.15
 
 _HEAD = ("nose", "eye", "ear")
 _ARM = ("elbow", "wrist")
@@ -99,7 +99,7 @@ def usual_body(skeleton: Skeleton) -> UsualBody:
     return UsualBody(
         np.array(pairs, np.int64).reshape(-1, 2),
         length,
-        _SPREAD * length,
+        LENGTH_SPREAD * length,
         np.array(slack),
         np.array([frozenset(pair) in limbs for pair in pairs], bool),
     )

@@ -15,9 +15,7 @@ from trecsim.fusion.images import Images
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
-
-# Even an image that follows at once says something new.
-_LEAST_NEWS = 0.05
+from trecsim.fusion.tuning import LEAST_INDEPENDENCE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +40,7 @@ class Prediction:
 
 def news(since_s: float, model: Model) -> float:
     """Return how much is new, 0 to 1, in what is seen so long after the last image."""
-    return min(max(since_s / model.settings.error_memory_s, _LEAST_NEWS), 1.0)
+    return min(max(since_s / model.settings.error_memory_s, LEAST_INDEPENDENCE), 1.0)
 
 
 def predict(people: Population, images: Images, grid: KnotGrid, t_s: float) -> Prediction:

@@ -12,18 +12,17 @@ from trecsim.fusion.birth import Candidate
 from trecsim.fusion.images import Detections, Images
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
+from trecsim.fusion.tuning import (
+    FIRST_LEVEL_SIGMA_M,
+    FIRST_SIGMA_M,
+    FIRST_SPEED_MPS,
+    GUESSED_SIGMA_M,
+    SHORTEST_TRUNK_M,
+)
 
-# Standard deviation of a joint before its own key points are fitted: one that two cameras place,
-# and one that is placed from its neighbours, a limb's length away [m].
-_START_SIGMA_M, _GUESS_SIGMA_M = 0.4, 0.6
-# Standard deviation of the ground's height where people appear, about the world's z = 0 [m].
-_LEVEL_SIGMA_M = 0.3
-# Standard deviation of the first velocity, per axis: people stand or walk when they appear [m/s].
-_START_SPEED_MPS = 1.5
 # Rank of a joint along the body: missing joints of higher rank are placed below their neighbours of
-# lower rank. A trunk shorter than this does not tell which way is down [m].
+# lower rank.
 _RANK = {"shoulder": 1, "hip": 2, "elbow": 2, "knee": 3, "wrist": 3, "ankle": 4}
-_SHORTEST_TRUNK_M = 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +100,7 @@ def _down(
     trunk_m = ends_m[1] - ends_m[0]
     length_m = np.linalg.norm(trunk_m, axis=1)
     down = np.tile([0.0, 0.0, -1.0], (len(xyz_m), 1))
-    known = length_m > _SHORTEST_TRUNK_M
+    known = length_m > SHORTEST_TRUNK_M
     down[known] = trunk_m[known] / length_m[known, None]
     return down
 
@@ -139,7 +138,7 @@ def first_states(births: Sequence[Birth], t_s: float, live: int, model: Model) -
         needless=np.zeros(n),
         limb_m=np.tile(model.body.length_m, (n, 1)),
         limb_m2=np.tile(model.body.spread_m**2, (n, 1)),
-        level=np.tile([0.0, _LEVEL_SIGMA_M**2], (n, 1)),
+        level=np.tile([0.0, FIRST_LEVEL_SIGMA_M**2], (n, 1)),
     )
     for k, birth in enumerate(births):
         kernels.start_all(
@@ -147,8 +146,8 @@ def first_states(births: Sequence[Birth], t_s: float, live: int, model: Model) -
             people.z[k],
             people.c[k],
             birth.xyz_m,
-            np.where(np.isfinite(birth.candidate.xyz_m[:, 0]), _START_SIGMA_M, _GUESS_SIGMA_M),
-            _START_SPEED_MPS * model.settings.knot_s,
+            np.where(np.isfinite(birth.candidate.xyz_m[:, 0]), FIRST_SIGMA_M, GUESSED_SIGMA_M),
+            FIRST_SPEED_MPS * model.settings.knot_s,
             model.stiffness,
         )
     return people

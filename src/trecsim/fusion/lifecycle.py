@@ -13,18 +13,13 @@ from trecsim.fusion.images import Images
 from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-
-# So often it is looked whether somebody is two people [s].
-COMPARE_S = 0.1
-# Detections of two cameras are given up as a pair for others from this evidence on; one look adds
-# no more than `_MOST`. From `_CLEAR` on, which half of all good pairs reach, a pair is looked at
-# only as the partner of others [log likelihood ratios to chance].
-_CROSSED, _MOST, _CLEAR = 10.0, 20.0, 25.0
-# Whom others could have replaced at so many looks, 0.1 s apart, there is not: one crossing lasts
-# as long in one camera, but not in two at a time.
-_NEEDLESS = 3.0
-# Who has been read mirrored for so long is mirrored: longer than a detector errs at a stretch [s].
-_MIRROR_S = 0.2
+from trecsim.fusion.tuning import (
+    CLEAR_PAIR,
+    MIRROR_S,
+    MOST_SWAP_EVIDENCE,
+    REDUNDANT_CHECKS,
+    SWAP_EVIDENCE,
+)
 
 
 def note_support(
@@ -54,7 +49,7 @@ def doubt(
 ) -> None:
     """Gather evidence, in place, that people are halves of two, or that others explain them.
 
-    To be called once in `COMPARE_S`, as the errors of a detector persist. `xyz_m` is where
+    To be called once in `CHECK_S`, as the errors of a detector persist. `xyz_m` is where
     everybody should be in each image.
     """
     kernels.note_needless(
@@ -63,20 +58,21 @@ def doubt(
     )  # fmt: skip
     kernels.note_exchanges(
         images.cam, images.offset, images.xy_px, images.factor, association.match, model.ray_of,
-        model.position_m, model.bones, model.bone_m, model.noise, _CLEAR, _MOST, people.crossed,
+        model.position_m, model.bones, model.bone_m, model.noise, CLEAR_PAIR, MOST_SWAP_EVIDENCE,
+        people.crossed,
     )  # fmt: skip
 
 
 def trusted_s(people: Population) -> Float64[np.ndarray, " track"]:
     """Return when two cameras last supported people; never, if they rather show two people [s]."""
-    return np.where(people.crossed > _CROSSED, -np.inf, people.two_s)
+    return np.where(people.crossed > SWAP_EVIDENCE, -np.inf, people.two_s)
 
 
 def mend_mirrored(people: Population, model: Model) -> None:
     """Exchange left and right, in place, of people whom most cameras read the other way round."""
-    if people.mirrored_s.max(initial=0.0) <= _MIRROR_S:
+    if people.mirrored_s.max(initial=0.0) <= MIRROR_S:
         return
-    for k in np.flatnonzero(people.mirrored_s > _MIRROR_S):
+    for k in np.flatnonzero(people.mirrored_s > MIRROR_S):
         people.mirror(int(k), model.noise.mirror)
         people.mirrored_s[k] = 0.0
 
@@ -132,7 +128,7 @@ def survivors(
         people.camera_s, people.two_s, people.confirmed, expected, people.x_m,
         t_s, s.death_s, s.doubt_s, alive,
     )  # fmt: skip
-    return alive & (people.needless < _NEEDLESS)
+    return alive & (people.needless < REDUNDANT_CHECKS)
 
 
 def close_pairs(

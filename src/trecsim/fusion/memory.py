@@ -9,12 +9,7 @@ from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.snapshots import evaluated, velocity
 from trecsim.fusion.spline import KnotGrid
-
-# Somebody who comes back may be so far from where the person should be, an arm's length, and
-# further by the time that has passed, at half of a walk's speed [m, m/s].
-_NEAR_M, _SPREAD_MPS = 0.5, 0.6
-# Nobody goes on at the last velocity for longer: after a step people turn or stop [s].
-_GOES_ON_S = 0.5
+from trecsim.fusion.tuning import EXTRAPOLATE_S, REIDENTIFY_M, REIDENTIFY_MPS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +36,7 @@ class Lost:
 
         That is anything from having stopped at once to having gone on for half a second.
         """
-        way_m = self.velocity_mps * min(t_s - self.t_s, _GOES_ON_S)
+        way_m = self.velocity_mps * min(t_s - self.t_s, EXTRAPOLATE_S)
         length_m2 = float(way_m @ way_m)
         share = float((xyz_m - self.xyz_m) @ way_m) / length_m2 if length_m2 > 0.0 else 0.0
         return float(np.linalg.norm(xyz_m - self.xyz_m - min(max(share, 0.0), 1.0) * way_m))
@@ -55,7 +50,7 @@ def recall(
         (one.distance_m(xyz_m, t_s), one)
         for one in lost
         if t_s - one.t_s <= recall_s
-        and one.distance_m(xyz_m, t_s) < _NEAR_M + _SPREAD_MPS * (t_s - one.t_s)
+        and one.distance_m(xyz_m, t_s) < REIDENTIFY_M + REIDENTIFY_MPS * (t_s - one.t_s)
     ]
     return min(near, key=lambda pair: pair[0])[1] if near else None
 

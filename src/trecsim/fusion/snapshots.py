@@ -9,10 +9,8 @@ from trecsim.fusion import kernels, lifecycle
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.tuning import SAME_S
 from trecsim.values import Snapshot
-
-# Times closer than this are the same; a difference of times is rarely exact [s].
-SAME_S = 1e-6
 
 
 def snapshot_of(

@@ -16,16 +16,13 @@ from trecsim.fusion.memory import Lost
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
 from trecsim.fusion.settings import FusionSettings
-from trecsim.fusion.snapshots import SAME_S, snapshot_of
+from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
+from trecsim.fusion.tuning import CHECK_S, DUPLICATE_S, SAME_S, UNASSIGNED_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
 from trecsim.values import FrameSet, Poses2D, Snapshot
-
-# Leftover detections of different cameras this close in time may begin a person together [s].
-_PAIR_S = 0.1
-_CLOSE_S = 0.25
 
 
 class Tracker:
@@ -160,7 +157,7 @@ class Tracker:
         association = associate(m, images, prediction.xyz_m, prediction.cov_m2)
         inlier = fitting.fit(people, images, association, prediction, m, since_s)
         lifecycle.note_support(people, images, association, inlier, t_s, elapsed_s)
-        if t_s - self._compared_s >= lifecycle.COMPARE_S:
+        if t_s - self._compared_s >= CHECK_S:
             self._compared_s = t_s
             lifecycle.doubt(people, images, association, prediction.xyz_m, m)
         fitting.constrain(people, prediction.now, m, t_s, elapsed_s)
@@ -178,7 +175,7 @@ class Tracker:
         owner, n_open = self._owners(images, association)
         old = self._leftover
         if len(old):
-            old = old.still_open(images.cam, self._t_s - _PAIR_S)
+            old = old.still_open(images.cam, self._t_s - UNASSIGNED_S)
         if not len(old) and not n_open:
             self._leftover = old
             return replaced
@@ -265,7 +262,7 @@ class Tracker:
         alive = np.ones(len(people), bool)
         alive[list(replaced)] = False
         for pair, younger in close.items():
-            if self._t_s - self._close_since[pair] >= _CLOSE_S:
+            if self._t_s - self._close_since[pair] >= DUPLICATE_S:
                 alive[younger] = False
         left = ~stays & alive
         gone = memory.remembered(
