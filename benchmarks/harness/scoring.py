@@ -78,7 +78,7 @@ def scores(
         "p95 error": 100 * found.error.p95_m,
         "joints within 15 cm": found.error.recall_15cm,
         "missed": 100 * found.missed_share,
-        "ghosts": 100 * found.ghosts_share,
+        "ghosts": 100 * found.false_positives_share,
         "right count": 100 * found.right_count,
         "switches": float(found.identity.switches),
         "switches in 10 person-minutes": 10 * found.identity.switches / minutes,

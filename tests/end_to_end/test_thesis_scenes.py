@@ -47,4 +47,4 @@ def test_everybody_in_a_scene_of_the_thesis_is_followed(name, tmp_path, shared_d
     assert result.recall_15cm > RECALL[name]
     assert result.mean_m < 0.025
     # Someone who vanishes is carried for up to half a second: ten sets, once per person.
-    assert result.ghosts <= 12
+    assert result.false_positives <= 12

@@ -61,8 +61,6 @@ def demo(
 
 
 def _facts(result: "DemoSummary") -> dict[str, Any]:
-    from dataclasses import asdict
-
     return {
         "out": result.folder,
         "picture": result.picture,
@@ -72,7 +70,7 @@ def _facts(result: "DemoSummary") -> dict[str, Any]:
         "frame_sets": result.run.frame_sets,
         "fusion_ms": result.run.fusion_ms,
         "wall_s": result.run.wall_s,
-        "truth": asdict(result.comparison) if result.comparison else None,
+        "truth": result.comparison and result.comparison.row(),
     }
 
 
@@ -102,7 +100,10 @@ def _against_truth(truth: "Comparison") -> list[tuple[str, str]]:
         ("joint error", f"median {_cm(truth.median_m)}, 95th percentile {_cm(truth.p95_m)}"),
         ("identity switches", f"{truth.switches}"),
         ("missed", f"{_share(truth.missed, truth.person_frames)} of the person-frames"),
-        ("false positives", f"{_share(truth.ghosts, truth.person_frames)} of the person-frames"),
+        (
+            "false positives",
+            f"{_share(truth.false_positives, truth.person_frames)} of the person-frames",
+        ),
     ]
 
 

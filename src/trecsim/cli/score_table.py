@@ -69,7 +69,10 @@ def _against_truth(scores: "Sequence[Scores]") -> list[Line]:
         ("  95th percentile [cm]", lambda one: _cm(one.error.p95_m)),
         ("joints within 15 cm [%]", lambda one: _pc(one.error.recall_15cm)),
         ("missed person-frames [%]", lambda one: _counted(one.missed_share, one.missed)),
-        ("false positive person-frames [%]", lambda one: _counted(one.ghosts_share, one.ghosts)),
+        (
+            "false positive person-frames [%]",
+            lambda one: _counted(one.false_positives_share, one.false_positives),
+        ),
         ("frames with the right number of people [%]", lambda one: _pc(one.right_count)),
         ("identity switches", lambda one: str(one.identity.switches)),
         ("IDF1 [%]", lambda one: _pc(one.identity.idf1)),

@@ -20,23 +20,23 @@ def best(worth: np.ndarray) -> list[tuple[int, int]]:
 
 def mota(moments: Sequence[Moment]) -> tuple[float, int]:
     """Return MOTA and its switches: pairs of the moment before are kept as long as they can be."""
-    there = ghosts = missed = switches = 0
+    there = false_positives = missed = switches = 0
     last: dict[int, int] = {}
     just_now: dict[int, int] = {}
     for true, found, alike in moments:
         there += len(true)
         if not true or not found:
-            missed, ghosts = missed + len(true), ghosts + len(found)
+            missed, false_positives = missed + len(true), false_positives + len(found)
             continue
         kept = np.array([[just_now.get(person) == other for other in found] for person in true])
         worth = np.where(alike >= 0.5, alike + 1000 * kept, 0.0)
         pairs = {true[r]: found[c] for r, c in best(worth) if worth[r, c] > 0}
         switches += sum(last.get(person, other) != other for person, other in pairs.items())
         missed += len(true) - len(pairs)
-        ghosts += len(found) - len(pairs)
+        false_positives += len(found) - len(pairs)
         last |= pairs
         just_now = pairs
-    return 1 - (missed + ghosts + switches) / there, switches
+    return 1 - (missed + false_positives + switches) / there, switches
 
 
 def idf1(moments: Sequence[Moment]) -> float:

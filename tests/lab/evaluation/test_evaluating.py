@@ -35,7 +35,11 @@ def scored(path: Path, truth: Truth = TWO) -> Scores:
 def test_tracks_that_are_the_truth_are_perfect(tmp_path: Path) -> None:
     scores = scored(write(tmp_path, [{4: 0.0, 7: 3.0}] * 10))
     assert (scores.moments, scores.person_moments, scores.matched) == (10, 20, 20)
-    assert (scores.missed_share, scores.ghosts_share, scores.right_count) == (0.0, 0.0, 1.0)
+    assert (scores.missed_share, scores.false_positives_share, scores.right_count) == (
+        0.0,
+        0.0,
+        1.0,
+    )
     assert (scores.error.mean_m, scores.error.recall_15cm) == (0.0, 1.0)
     assert (scores.identity.idf1, scores.identity.mota) == (1.0, 1.0)
     assert scores.identity.hota == pytest.approx(1.0)
@@ -123,26 +127,28 @@ def test_a_time_before_the_beginning_is_refused(tmp_path: Path) -> None:
 def test_an_absent_person_is_neither_missed_nor_found(tmp_path: Path) -> None:
     truth = truth_of([0.0] * 10, [np.nan] * 5 + [3.0] * 5, step_s=0.1)
     scores = scored(write(tmp_path, [{1: 0.0}] * 10), truth)
-    assert (scores.person_moments, scores.missed, scores.ghosts) == (15, 5, 0)
+    assert (scores.person_moments, scores.missed, scores.false_positives) == (15, 5, 0)
     assert scores.right_count == 0.5
 
 
 def test_nobody_truly_there_has_no_perfect_score(tmp_path: Path) -> None:
     truth = truth_of([np.nan] * 10, step_s=0.1)
     scores = scored(write(tmp_path, [{1: 0.0}] * 10), truth)
-    assert (scores.person_moments, scores.ghosts, scores.right_count) == (0, 10, 0.0)
+    assert (scores.person_moments, scores.false_positives, scores.right_count) == (0, 10, 0.0)
     unknown = (scores.missed_share, scores.error.recall_15cm, scores.identity.mota)
     assert np.isnan(unknown).all()
     nobody_at_all = Truth(TWO.t_s, np.empty((0, 10, 17, 3)))
-    assert scored(write(tmp_path, [{1: 0.0}] * 10), nobody_at_all).ghosts == 10
+    assert scored(write(tmp_path, [{1: 0.0}] * 10), nobody_at_all).false_positives == 10
 
 
-def test_unknown_joints_lower_the_recall_and_whoever_has_none_is_a_ghost(tmp_path: Path) -> None:
+def test_unknown_joints_lower_the_recall_and_a_person_without_any_is_a_false_positive(
+    tmp_path: Path,
+) -> None:
     path = tmp_path / "tracks.csv"
     rows = "{0},1,nose,0,0,0,0.02,2\n{0},2,nose,nan,nan,nan,nan,0\n"
     path.write_text(HEADER + "".join(rows.format(n / 10) for n in range(10)))
     scores = scored(path, truth_of([0.0] * 10, step_s=0.1))
-    assert (scores.matched, scores.ghosts) == (10, 10)
+    assert (scores.matched, scores.false_positives) == (10, 10)
     assert scores.error.recall_15cm == pytest.approx(1 / 17)
     assert {joint.joint: joint.found for joint in scores.joints}["nose"] == 10
     assert {joint.joint: joint.recall_15cm for joint in scores.joints}["left_eye"] == 0.0

@@ -40,11 +40,11 @@ def test_two_people_who_exchange_their_identities_half_way() -> None:
     assert identity.hota == pytest.approx(np.sqrt(1 / 3))
 
 
-def test_a_ghost_and_a_person_who_is_missed() -> None:
+def test_a_false_positive_and_a_missed_person() -> None:
     truth = truth_of([0.0, 0.0], [3.0, 3.0])
     scores = scores_of(truth, [{1: 0.0, 9: 6.0}, {1: 0.0}])
     identity = scores.identity
-    # two are found, B is missed twice, one is a ghost
+    # two are found, B is missed twice, one is a false positive
     assert identity.mota == pytest.approx(1 - (2 + 1) / 4)
     assert identity.idf1 == pytest.approx(2 * 2 / (4 + 3))
     assert identity.deta == pytest.approx(2 / (2 + 2 + 1))
@@ -78,7 +78,7 @@ def test_mota_rather_keeps_a_pair_than_makes_two() -> None:
     found = [{1: 0.0}, {1: 0.0, 2: 0.45}]  # B is near 1 only, and 1 was A's before
     scores = scores_of(truth, found)
     assert scores.matched == 3
-    # A keeps 1; B is missed and 2 is a ghost, of three person-moments
+    # A keeps 1; B is missed and 2 is a false positive, of three person-moments
     assert scores.identity.mota == pytest.approx(1 - 2 / 3)
 
 

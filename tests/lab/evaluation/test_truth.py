@@ -27,7 +27,7 @@ def test_tracks_that_are_the_truth_have_no_error() -> None:
     tracks = [snapshot(t_s, [7, 9], people(0.0, 2.0)) for t_s in T_S]
     result = compare(tracks, T_S, standing(0.0, 2.0))
     assert (result.frames, result.person_frames, result.matched) == (11, 22, 22)
-    assert (result.missed, result.ghosts, result.switches) == (0, 0, 0)
+    assert (result.missed, result.false_positives, result.switches) == (0, 0, 0)
     assert (result.mean_m, result.median_m, result.p95_m, result.recall_15cm) == (0, 0, 0, 1)
 
 
@@ -44,15 +44,15 @@ def test_errors_are_those_of_the_joints() -> None:
 
 def test_who_is_not_found_is_missed_and_lowers_the_recall() -> None:
     result = compare([snapshot(0.5, [1], people(0.0))], T_S, standing(0.0, 2.0))
-    assert (result.matched, result.missed, result.ghosts) == (1, 1, 0)
+    assert (result.matched, result.missed, result.false_positives) == (1, 1, 0)
     assert result.recall_15cm == 0.5
 
 
-def test_who_is_not_there_is_a_ghost_and_stands_for_nobody() -> None:
+def test_a_person_who_is_not_there_is_a_false_positive_and_matches_nobody() -> None:
     result = compare([snapshot(0.5, [1, 2], people(0.0, 0.51))], T_S, standing(0.0))
-    assert (result.matched, result.missed, result.ghosts) == (1, 0, 1)
+    assert (result.matched, result.missed, result.false_positives) == (1, 0, 1)
     result = compare([snapshot(0.5, [1], people(0.51))], T_S, standing(0.0))
-    assert (result.matched, result.missed, result.ghosts) == (0, 1, 1)
+    assert (result.matched, result.missed, result.false_positives) == (0, 1, 1)
     assert np.isnan(result.mean_m)
     assert result.recall_15cm == 0.0
 
@@ -78,7 +78,7 @@ def test_absent_people_are_neither_missed_nor_found() -> None:
     truth_m[1, :5] = np.nan  # the second comes at 0.5 s
     tracks = [snapshot(t_s, [1], people(0.0)) for t_s in (0.2, 0.45)]
     result = compare(tracks, T_S, truth_m)
-    assert (result.person_frames, result.missed, result.ghosts) == (2, 0, 0)
+    assert (result.person_frames, result.missed, result.false_positives) == (2, 0, 0)
 
 
 def test_joints_that_one_side_does_not_know_do_not_count_as_errors() -> None:

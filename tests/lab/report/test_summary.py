@@ -202,7 +202,7 @@ def test_what_is_wrong_against_the_truth_is_told(recording: Recording) -> None:
     scores = scores_of(recording)
     assert isinstance(scores, Scores)
     assert scores.missed_share == pytest.approx(4 / 60)
-    bad = replace(scores, ghosts_share=0.3, identity=replace(scores.identity, switches=2))
+    bad = replace(scores, false_positives_share=0.3, identity=replace(scores.identity, switches=2))
     blocks = summary.section(recording, None, LIMBS, bad).blocks
     told = [block.text for block in blocks if isinstance(block, Text)]
     assert told[0].startswith("7 % of the person-frames of the ground truth were missed")
@@ -225,7 +225,7 @@ def test_a_single_limb_that_jumps_is_told(recording: Recording) -> None:
 def test_a_truth_of_another_recording_is_told(recording: Recording) -> None:
     scores = scores_of(recording)
     assert isinstance(scores, Scores)
-    other = replace(scores, matched=1, missed=59, ghosts=55, missed_share=59 / 60)
+    other = replace(scores, matched=1, missed=59, false_positives=55, missed_share=59 / 60)
     blocks = summary.section(recording, None, LIMBS, other).blocks
     told = [block.text for block in blocks if isinstance(block, Text)]
     assert told == [

@@ -1,7 +1,7 @@
 """Tracks against a known truth: how far, how many missed, whose identity was lost."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -31,7 +31,7 @@ class Comparison:
         How often somebody was found within half a metre, mean over the joints.
     missed
         How often somebody was there and not found.
-    ghosts
+    false_positives
         How often somebody was found where nobody was.
     switches
         How often a true person came to bear another identity than when last found.
@@ -45,12 +45,16 @@ class Comparison:
     person_frames: int
     matched: int
     missed: int
-    ghosts: int
+    false_positives: int
     switches: int
     mean_m: float
     median_m: float
     p95_m: float
     recall_15cm: float
+
+    def row(self) -> dict[str, float]:
+        """Return the figures by the keys of the JSON summary, the former key included."""
+        return {**asdict(self), "ghosts": self.false_positives}
 
 
 def compare(
@@ -134,7 +138,7 @@ def comparison(moments: Moments, matches: Matches) -> Comparison:
         person_frames=person_frames,
         matched=matched,
         missed=person_frames - matched,
-        ghosts=len(moments.id) - matched,
+        false_positives=len(moments.id) - matched,
         switches=int(switches(moments, matches).sum()),
         mean_m=float(some.mean()),
         median_m=float(np.median(some)),

@@ -33,7 +33,7 @@ class Identity:
     idf1
         Share of person-moments with the right identity, one identity for each person (Ristani).
     mota
-        1 less the shares of missed, ghosts and switches (CLEAR MOT, Bernardin).
+        1 minus the shares of missed people, false positives and switches (CLEAR MOT, Bernardin).
     mota_switches
         The switches in it: a pair is kept there as long as it stays within the gate.
     hota, deta, assa

@@ -21,6 +21,8 @@ from trecsim.store.truth import Truth
 
 ALL_JOINTS = "all joints"
 _FORMER_KEYS = {
+    "ghosts": "false_positives",
+    "ghosts_share": "false_positives_share",
     "honesty": "uncertainty_calibration",
     "honesty_by_support": "calibration_by_support",
 }
@@ -74,7 +76,7 @@ class Scores:
         How often somebody was found within half a metre, mean over the joints.
     missed, missed_share
         How often not, and that as a share of `person_moments`.
-    ghosts, ghosts_share
+    false_positives, false_positives_share
         How often somebody was found where nobody was, and that as a share of `person_moments`.
     right_count
         Share of the moments with exactly as many people as are truly there.
@@ -94,8 +96,8 @@ class Scores:
     matched: int
     missed: int
     missed_share: float
-    ghosts: int
-    ghosts_share: float
+    false_positives: int
+    false_positives_share: float
     right_count: float
     error: JointScore
     joints: tuple[JointScore, ...]
@@ -112,7 +114,9 @@ class Scores:
     @property
     def elsewhere(self) -> bool:
         """Whether there are people in both, but hardly any of them near each other."""
-        return self.matched < _HARDLY * min(self.person_moments, self.matched + self.ghosts)
+        return self.matched < _HARDLY * min(
+            self.person_moments, self.matched + self.false_positives
+        )
 
 
 def score(moments: Moments, truth: Truth, from_s: float, until_s: float) -> Scores:
@@ -150,8 +154,8 @@ def score(moments: Moments, truth: Truth, from_s: float, until_s: float) -> Scor
         matched=counts.matched,
         missed=counts.missed,
         missed_share=_share(counts.missed, counts.person_frames),
-        ghosts=counts.ghosts,
-        ghosts_share=_share(counts.ghosts, counts.person_frames),
+        false_positives=counts.false_positives,
+        false_positives_share=_share(counts.false_positives, counts.person_frames),
         right_count=_share(int(right.sum()), len(right)),
         error=_joint_score(ALL_JOINTS, int(matches.true_joints.sum()), matches.error_m),
         joints=_joint_scores(matches),

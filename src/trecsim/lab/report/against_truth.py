@@ -54,7 +54,7 @@ def _facts(scores: Scores) -> list[Fact]:
         Fact("joint error", _cm(error.median_m), f"median; 95th percentile {_cm(error.p95_m)}"),
         Fact("within 15 cm", _percent(error.recall_15cm), "of all true joints"),
         Fact("missed", _percent(scores.missed_share), "of the person-frames"),
-        Fact("false positives", _percent(scores.ghosts_share), "of the person-frames"),
+        Fact("false positives", _percent(scores.false_positives_share), "of the person-frames"),
         Fact("identity switches", f"{identity.switches}", f"IDF1 {_number(identity.idf1)}"),
         Fact("right count", _percent(scores.right_count), "of the frames"),
     ]

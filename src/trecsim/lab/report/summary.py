@@ -223,10 +223,10 @@ def _truth_warnings(scores: Scores) -> Iterator[str]:
             f"{100 * scores.missed_share:.0f} % of the person-frames of the ground truth were "
             "missed."
         )
-    if scores.ghosts_share > AMISS:
+    if scores.false_positives_share > AMISS:
         yield (
             f"False positives: tracks without a person in the ground truth, "
-            f"{100 * scores.ghosts_share:.0f} % of the person-frames."
+            f"{100 * scores.false_positives_share:.0f} % of the person-frames."
         )
     switches = scores.identity.switches
     if switches:

@@ -70,7 +70,8 @@ MEASURES = (
         lambda f: f["switches"],
     ),
     Measure(
-        "lost_percent", "missed people and ghosts", "missed, ghosts", "%", 2, False, _lost_percent
+        "lost_percent", "missed people and false positives", "missed, false", "%", 2, False,
+        _lost_percent,
     ),
     Measure(
         "fusion_ms", "fusion per frame set", "time", "ms", 2, False, lambda f: f["fusion_ms"]

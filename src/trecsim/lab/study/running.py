@@ -223,7 +223,7 @@ def run_one(job: Job) -> dict[str, float]:
         "recall_15cm": found.recall_15cm,
         "switches": found.switches,
         "missed": found.missed,
-        "ghosts": found.ghosts,
+        "ghosts": found.false_positives,
         "person_frames": found.person_frames,
         "fusion_ms": tally.fusion_ms()["median"],
     }
