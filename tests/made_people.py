@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trecsim.lab.evaluation.people import PersonTrack
+from trecsim.lab.evaluation.person_tracks import PersonTrack
 from trecsim.values import Snapshot
 
 STANDING_M = np.array(

@@ -61,7 +61,7 @@ def scores(
     """Track, compare with the truth, and return the scores by the names in `KINDS`."""
     from trecsim.lab.evaluation.limbs import limb_series, limb_summary, limb_table
     from trecsim.lab.evaluation.moments import gather, within
-    from trecsim.lab.evaluation.people import people_of
+    from trecsim.lab.evaluation.person_tracks import people_of
     from trecsim.lab.evaluation.scores import score
     from trecsim.tracking import follow
 

@@ -92,7 +92,7 @@ def test_what_is_wrong_is_one_line(trecsim: Run, case: Path) -> None:
         ((case / "newest.csv", "--truth", case / "later.npz"), "no moment in common"),
         ((case / "newest.csv", "--truth", case / "none.npz"), "none.npz"),
         ((case / "none.csv",), "there are no tracks at"),
-        ((case / "newest.csv", "--rig", case / "rig.toml"), "the rig and the poses"),
+        ((case / "newest.csv", "--rig", case / "rig.toml"), "both rig and poses"),
         ((case / "newest.csv", "--shelf", case), "calibration.json"),
         ((), "TRACKS requires an argument"),
     ):

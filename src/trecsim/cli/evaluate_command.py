@@ -99,7 +99,8 @@ def _facts(result: "Evaluation") -> dict[str, Any]:
         "jitter": [row.row() for row in result.jitter],
         "support": [row.row() for row in result.support],
         "lifetimes": [life.row() for life in result.lifetimes],
-        "breaks": [one.row() for one in result.breaks],
+        "breaks": [one.row() for one in result.fragmentations],  # former name
+        "fragmentations": [one.row() for one in result.fragmentations],
         "reprojection": seen
         and {
             "joints": [row.row() for row in seen.rows],

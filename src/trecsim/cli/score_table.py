@@ -26,7 +26,7 @@ def score_table(results: "Sequence[Evaluation]") -> str:
             results,
             ("frames with people", lambda one: str(one.moments)),
             ("identities", lambda one: str(one.people)),
-            ("  probably continuing an earlier identity", lambda one: str(len(one.breaks))),
+            ("  probably continuing an earlier identity", lambda one: str(len(one.fragmentations))),
         )
     lines += _without_truth(results)
     return _aligned(lines)

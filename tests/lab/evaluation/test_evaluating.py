@@ -61,7 +61,7 @@ def test_tracks_that_end_early_miss_everybody_from_there_on(tmp_path: Path) -> N
     scores = evaluate(path, TWO, remark=remarks.append).scores
     assert scores is not None
     assert (scores.moments, scores.missed) == (10, 10)
-    assert any("end 0.5 s before the truth" in remark for remark in remarks)
+    assert any("end 0.5 s before the ground truth" in remark for remark in remarks)
     part = evaluate(path, TWO, until_s=0.45).scores
     assert part is not None
     assert (part.moments, part.missed) == (5, 0)
@@ -78,7 +78,7 @@ def test_times_of_frame_sets_beside_the_tracks_are_the_moments(tmp_path: Path) -
         writer.write(StepTiming(0.25, 2, 2, 1.0))
     remarks: list[str] = []
     evaluate(path, TWO, remark=remarks.append)
-    assert any("timing.csv beside them is of other tracks" in remark for remark in remarks)
+    assert any("timing.csv beside them belongs to other tracks" in remark for remark in remarks)
 
 
 def test_a_run_that_saw_only_a_part_of_the_truth_is_said_to_be_scored_there_only(
@@ -93,7 +93,7 @@ def test_a_run_that_saw_only_a_part_of_the_truth_is_said_to_be_scored_there_only
     scores = evaluate(path, truth, remark=remarks.append).scores
     assert scores is not None
     assert (scores.moments, scores.missed) == (10, 0)
-    assert any("no frame set came in 3 s of the 3.9 s" in remark for remark in remarks)
+    assert any("no frame set in 3 s of the evaluated 3.9 s" in remark for remark in remarks)
 
 
 def test_empty_tracks_are_a_stated_zero(tmp_path: Path) -> None:
@@ -202,7 +202,7 @@ def test_a_truth_of_another_skeleton_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_rig_without_poses_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the rig and the poses"):
+    with pytest.raises(InputError, match="both rig and poses"):
         evaluate(write(tmp_path, [{1: 0.0}]), rig=tmp_path / "rig.toml")
 
 

@@ -16,7 +16,7 @@ from trecsim.lab.evaluation.limbs import (
 )
 from trecsim.lab.evaluation.measured import read_measured
 from trecsim.lab.evaluation.moments import gather
-from trecsim.lab.evaluation.people import people_of, pieces
+from trecsim.lab.evaluation.person_tracks import people_of, pieces
 from trecsim.skeleton import COCO17
 from trecsim.store.truth import Truth
 

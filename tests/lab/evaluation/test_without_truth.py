@@ -42,8 +42,8 @@ def test_lives_breaks_and_lengths_are_told(recording, measured):
         (0, 50, 0),
         (3, 50, 0),
     ]
-    assert [(one.ended, one.began) for one in result.breaks] == [(0, 3)]
-    assert result.breaks[0].pause_s == pytest.approx(0.52)
+    assert [(one.ended, one.began) for one in result.fragmentations] == [(0, 3)]
+    assert result.fragmentations[0].pause_s == pytest.approx(0.52)
     shin = result.limbs[LIMBS.index("left shin")]
     assert (shin.person, shin.n) == (0, 50)
     assert shin.difference_m == pytest.approx(-0.02, abs=1e-6)
@@ -60,6 +60,7 @@ def test_the_command_tells_them_too(recording, measured, capsys):
     (facts,) = json.loads(capsys.readouterr().out)["tracks"]
     assert [life["person"] for life in facts["lifetimes"]] == [0, 3]
     assert [(one["ended"], one["began"]) for one in facts["breaks"]] == [(0, 3)]
+    assert facts["fragmentations"] == facts["breaks"]
     rows = {(row["person"], row["limb"]): row for row in facts["limbs"]["rows"]}
     assert rows[0, "left shin"]["difference_cm"] == pytest.approx(-2.0, abs=1e-4)
     assert rows[3, "left shin"]["difference_cm"] is None

@@ -9,7 +9,7 @@ import pytest
 from made_recording import make_recording
 from trecsim.fusion import FusionSettings
 from trecsim.lab.evaluation.limbs import LimbRow, LimbSummary, limb_series
-from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.evaluation.reprojection import Reprojection, ReprojectionRow
 from trecsim.lab.evaluation.scores import Scores
 from trecsim.lab.report import summary

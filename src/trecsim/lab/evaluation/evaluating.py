@@ -1,4 +1,4 @@
-"""Tracks from a file, scored with all that is known about them."""
+"""Evaluation of tracks from a file, with or without ground truth."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from pathlib import Path
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
-from trecsim.lab.evaluation.lifetimes import Break, Lifetime, breaks, lifetimes
+from trecsim.lab.evaluation.jitter import JitterRow, SupportRow, jitter, support_of_joints
 from trecsim.lab.evaluation.limbs import (
     LimbRow,
     LimbSummary,
@@ -26,11 +26,16 @@ from trecsim.lab.evaluation.moments import (
     within,
 )
 from trecsim.lab.evaluation.pcp import Pcp
-from trecsim.lab.evaluation.people import PersonTrack, people_of
+from trecsim.lab.evaluation.person_tracks import PersonTrack, people_of
 from trecsim.lab.evaluation.reprojection import Reprojection, reprojection
 from trecsim.lab.evaluation.scores import Scores, score
 from trecsim.lab.evaluation.shelf import read_annotation, score_shelf
-from trecsim.lab.evaluation.steadiness import JitterRow, SupportRow, jitter, support_of_joints
+from trecsim.lab.evaluation.track_lifetimes import (
+    Fragmentation,
+    Lifetime,
+    fragmentations,
+    lifetimes,
+)
 from trecsim.skeleton import COCO17
 from trecsim.sources import read_poses
 from trecsim.store.tracks import read_tracks
@@ -38,37 +43,37 @@ from trecsim.store.truth import Truth, read_truth
 
 Remark = Callable[[str], None]
 
-LEFT_OUT_S = 1.0  # more than a lag, or a camera that starts late
+LEFT_OUT_S = 1.0  # longer than a lag, or the late start of a camera
 
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
-    """All that can be said about tracks.
+    """Results of the evaluation of one file of tracks.
 
     Attributes
     ----------
     tracks
         The file.
     moments
-        In it, that count; somebody is there at each of them.
+        Number of evaluated frames with at least one person.
     people
-        Different identities.
+        Number of identities.
     first_s, last_s
-        The first and the last moment [s]; NaN without any.
+        Times of the first and last frame [s]; NaN without any.
     scores
-        Against the truth; None without one.
+        Scores against ground truth; None without it.
     shelf
-        After the protocol of the Shelf recording; None without it.
+        PCP after the protocol of the Shelf recording; None without it.
     limbs, limb_summary
-        Lengths of everybody's limbs.
+        Limb lengths of all people.
     jitter
-        How much joints tremble; the first row is over all of them.
+        Jitter of each joint; the first row is over all joints.
     support
-        How many cameras support joints; the first row is over all of them.
+        Support of each joint; the first row is over all joints.
     reprojection
-        Against the 2D poses; None without them.
-    lifetimes, breaks
-        When each identity was there, and where one seems to have been lost and another begun.
+        Reprojection errors; None without 2D poses.
+    lifetimes, fragmentations
+        Lifetime of each track, and probable changes of identity.
     """
 
     tracks: Path
@@ -84,7 +89,7 @@ class Evaluation:
     support: tuple[SupportRow, ...]
     reprojection: Reprojection | None
     lifetimes: tuple[Lifetime, ...]
-    breaks: tuple[Break, ...]
+    fragmentations: tuple[Fragmentation, ...]
 
 
 def evaluate(
@@ -100,36 +105,36 @@ def evaluate(
     until_s: float = float("inf"),
     remark: Remark = lambda text: None,
 ) -> Evaluation:
-    """Score tracks with all that is known about them.
+    """Evaluate tracks, with ground truth where it is given.
 
     Parameters
     ----------
     tracks
         A CSV or Parquet file of tracks, or the directory of a recording.
     truth
-        Where everybody truly was: ``truth.npz``, the directory of a made scene, or the arrays.
+        Ground truth: ``truth.npz``, the directory of a synthetic scene, or the arrays.
     shelf
-        Directory of the Shelf recording, if the tracks are made of it; all its frames count.
+        Directory of the Shelf recording, for tracks of it; all its frames count.
     lag_s
         Smoothing lag of the tracks [s]; the last frames of `shelf`, which they cannot reach, do
         not count.
     rig, poses
-        Cameras and the 2D poses that the tracks were made of, to measure reprojection errors.
+        Cameras and 2D poses, for reprojection errors.
     lengths
-        Limb lengths measured with a tape, which count more than those of the truth.
+        Limb lengths measured with a tape; they replace those of the ground truth.
     from_s, until_s
-        Only this time counts, but for `shelf` [s].
+        Time to evaluate, except for `shelf` [s].
     remark
-        Is called with what is worth knowing without being wrong.
+        Called with remarks.
 
     Returns
     -------
-    Scores against the truth are None without one; what needs none is always there.
+    Scores against ground truth are None without it; all others are always given.
 
     Raises
     ------
     InputError
-        A file is wrong, or tracks and truth have no time in common.
+        A file is invalid, or tracks and ground truth have no time in common.
     SetupError
         The library that scores identities is not installed.
     """
@@ -155,7 +160,7 @@ def evaluate(
         support=support_of_joints(people),
         reprojection=_reprojection(rig, poses, people, usual_s, remark),
         lifetimes=lifetimes(people, usual_s),
-        breaks=breaks(people),
+        fragmentations=fragmentations(people),
     )
 
 
@@ -163,9 +168,9 @@ def _check_request(
     rig: Rig | Path | str | None, poses: Path | str | None, from_s: float, until_s: float
 ) -> None:
     if (rig is None) != (poses is None):
-        raise InputError("reprojection errors need both, the rig and the poses")
+        raise InputError("reprojection errors need both rig and poses")
     if -float("inf") < from_s < 0:
-        raise InputError(f"the time that counts cannot begin before 0 s, got from {from_s:g} s")
+        raise InputError(f"the time to evaluate cannot begin before 0 s, got from {from_s:g} s")
     if not from_s < until_s:
         raise InputError(f"the time must run forwards, got from {from_s:g} s until {until_s:g} s")
 
@@ -236,7 +241,7 @@ def _check_joints(recorded: Recorded, truth: Truth) -> None:
 
 
 def _check_overlap(recorded: Recorded, truth: Truth) -> None:
-    """Refuse tracks of another time; without anybody they have no time and no error."""
+    """Refuse tracks of another time; empty tracks have no time and pass."""
     t_s = recorded.moments.t_s
     if len(t_s) and (t_s[-1] < truth.t_s[0] or t_s[0] > truth.t_s[-1]):
         raise InputError(
@@ -249,36 +254,36 @@ def _check_overlap(recorded: Recorded, truth: Truth) -> None:
 def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float) -> list[str]:
     found = recorded.moments.t_s
     if not len(found):
-        return ["the tracks are empty: nobody was ever found"]
+        return ["the tracks are empty"]
     counted = (found >= from_s) & (found <= until_s)
     step_s = interval_s(recorded.moments)
     remarks = []
     if recorded.other_timing is not None:
         remarks.append(
-            f"{recorded.other_timing.name} beside them is of other tracks; moments without anybody "
-            f"are taken to be {step_s:.3g} s apart"
+            f"{recorded.other_timing.name} beside them belongs to other tracks; empty frames are "
+            f"assumed to be {step_s:.3g} s apart"
         )
     if not counted.all():
         remarks.append(
-            f"{(~counted).sum()} of {len(found)} moments lie outside the time that counts, "
+            f"{(~counted).sum()} of {len(found)} frames lie outside the evaluated time, "
             f"{from_s:g} s to {until_s:g} s"
         )
     if recorded.frame_set_t_s is None and until_s - found[-1] > 1.5 * step_s:
         remarks.append(
-            f"the tracks end {until_s - found[-1]:.3g} s before the truth does; until there nobody "
-            "counts as found (tracks with a lag: give --to-s)"
+            f"the tracks end {until_s - found[-1]:.3g} s before the ground truth; people there "
+            "count as missed (for tracks with a lag, set --to-s)"
         )
     uncovered_s = _uncovered_s(recorded, from_s, until_s)
     if uncovered_s > LEFT_OUT_S:
         remarks.append(
-            f"no frame set came in {uncovered_s:.3g} s of the {until_s - from_s:.3g} s that count, "
-            "at the beginning or the end: these are not scored"
+            f"no frame set in {uncovered_s:.3g} s of the evaluated {until_s - from_s:.3g} s, "
+            "at the beginning or the end; this time is not scored"
         )
     return remarks
 
 
 def _uncovered_s(recorded: Recorded, from_s: float, until_s: float) -> float:
-    """Return for how long no frame set was there yet, or any more; 0 where nothing tells."""
+    """Return how long there was no frame set at both ends; 0 where unknown [s]."""
     times_s = recorded.frame_set_t_s
     if times_s is None:
         return 0.0

@@ -1,4 +1,4 @@
-"""How long it takes until somebody who comes is found, and until somebody who left is forgotten."""
+"""Latency of birth and death: from arrival to the first match, from leaving to the track's end."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ from trecsim.store.truth import Truth
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """Delays of one kind.
+    """Statistics of one kind of delay.
 
     Attributes
     ----------
     n
-        How many there are.
+        Number of stays.
     never
-        How many times it never came to it; these are not in the figures beside.
+        Number of stays without an end of the delay; not part of the other figures.
     median_s, max_s
-        [s]; NaN when there is none.
+        Median and maximum [s]; NaN without any.
     """
 
     n: int
@@ -33,15 +33,15 @@ class Delay:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Delays at the two ends of a stay.
+    """Delays at both ends of a stay.
 
     Attributes
     ----------
     birth
-        From the moment when somebody is truly there until the first match.
+        From the arrival in the ground truth until the first match.
     death
-        From the moment when somebody is truly gone until the last report of the identity borne
-        last, as long as it is nobody else's.
+        From the end of the stay until the last report of the person's last identity, as long as it
+        matches nobody else.
     """
 
     birth: Delay
@@ -56,11 +56,11 @@ class _Stay:
 
 
 def latency(moments: Moments, truth: Truth, matches: Matches) -> Latency:
-    """Return how late people are found and forgotten.
+    """Return the delays of births and deaths.
 
-    A stay is a time over which a person is truly there without a break. It begins and ends at the
-    truth's own times, or with the first moment of the tracks; a stay that lasts until their end
-    has no death. Stays between two moments do not count.
+    A stay is an uninterrupted presence of a person in the ground truth. It begins and ends at the
+    times of the ground truth, or with the first frame of the tracks; a stay that lasts until the
+    last frame has no death. Stays that fall between two frames are left out.
     """
     births, deaths = [], []
     identity = np.where(matches.row == NOBODY, NOBODY, _identities(moments, matches.row))
@@ -85,7 +85,7 @@ def _identities(
 
 
 def _stays(truth: Truth, moments: Moments) -> Iterator[_Stay]:
-    """Yield the stays of everybody, cut to the time of the tracks."""
+    """Yield all stays, cut to the time of the tracks."""
     first_s, last_s = moments.t_s[0], moments.t_s[-1]
     for person, xyz_m in enumerate(truth.xyz_m):
         there = np.isfinite(xyz_m).all(axis=-1).any(axis=-1)
@@ -97,7 +97,7 @@ def _stays(truth: Truth, moments: Moments) -> Iterator[_Stay]:
 
 
 class _Reports:
-    """Where each identity is reported without being matched to somebody."""
+    """Frames in which each identity is reported without a match."""
 
     def __init__(self, moments: Moments, matches: Matches) -> None:
         alone: Bool[np.ndarray, " row"] = np.ones(len(moments.id), np.bool_)
@@ -112,7 +112,7 @@ class _Reports:
         )
 
     def last_alone(self, identity: int, begin: int) -> int | None:
-        """Return the last of the moments on end, from `begin` on, at which it is alone."""
+        """Return the last of the consecutive unmatched frames from `begin` on."""
         moments = self._moments.get(identity, np.empty(0, np.int64))
         behind = moments[np.searchsorted(moments, begin) :]
         run = np.flatnonzero(behind == begin + np.arange(len(behind)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Float64
 
-from trecsim.lab.evaluation.people import PersonTrack
+from trecsim.lab.evaluation.person_tracks import PersonTrack
 from trecsim.skeleton import COCO17
 from trecsim.store.truth import Truth
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int64
 
 from trecsim.geometry import Camera, Rig
-from trecsim.lab.evaluation.people import PersonTrack
+from trecsim.lab.evaluation.person_tracks import PersonTrack
 from trecsim.skeleton import COCO17
 from trecsim.values import Poses2D
 

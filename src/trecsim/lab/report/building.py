@@ -8,7 +8,7 @@ from pathlib import Path
 
 from trecsim.lab.evaluation.limbs import Given, limb_series, limb_summary, limb_table, true_lengths
 from trecsim.lab.evaluation.measured import read_measured
-from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.report import (
     against_truth,
     cameras_section,

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float64
 
 from trecsim.geometry import Rig
 from trecsim.geometry.view import image_margin
-from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.evaluation.reprojection import Reprojection, reprojection
 from trecsim.lab.plots.recorder import floor_places
 from trecsim.lab.report.plan_section import Extent, extent_of

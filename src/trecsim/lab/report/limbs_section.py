@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from trecsim.lab.evaluation.limbs import LIMBS, Given, LimbRow, LimbSeries, limb_series, limb_table
-from trecsim.lab.evaluation.people import people_of
+from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.report.curves import curve
 from trecsim.lab.report.page import Block, Figure, Section, Table, Text
 from trecsim.lab.report.recording import Recording

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.lab.evaluation.people import people_of
-from trecsim.lab.evaluation.steadiness import support_of_joints
+from trecsim.lab.evaluation.jitter import support_of_joints
+from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.report.curves import curve, draw_curve
 from trecsim.lab.report.page import Figure, Section, Text
 from trecsim.lab.report.recording import Recording

@@ -1,4 +1,4 @@
-"""How steady tracks are, and how well cameras support them; no truth is needed."""
+"""Jitter of joints, and support by cameras; no ground truth is needed."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,29 +6,29 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.lab.evaluation.people import PersonTrack, pieces
+from trecsim.lab.evaluation.person_tracks import PersonTrack, pieces
 from trecsim.skeleton import COCO17
 
 ALL_JOINTS = "all joints"
-MOST_CAMERAS = 3  # this many and more are one class of support
+MOST_CAMERAS = 3  # this many and more count as one class
 
 Points = Float64[np.ndarray, "time joint 3"]
 
 
 @dataclass(frozen=True, slots=True)
 class JitterRow:
-    """How much one joint trembles, over everybody.
+    """Jitter of one joint over all people.
 
     Attributes
     ----------
     joint
-        Its name, or that of all together.
+        Name of the joint, or of all together.
     n
-        Positions that were judged.
+        Number of positions evaluated.
     jitter_m
-        Standard deviation per axis of white noise that would tremble as much [m].
+        Standard deviation per axis of white noise with the same jitter [m].
     acceleration_mps2
-        Root mean square of the acceleration, true motion included [m/s^2].
+        Root mean square acceleration, true motion included [m/s^2].
     """
 
     joint: str
@@ -47,27 +47,27 @@ class JitterRow:
 
 
 def jitter(people: Iterable[PersonTrack], usual_s: float) -> tuple[JitterRow, ...]:
-    """Return how much each joint trembles, and all together in the first row.
+    """Return the jitter of each joint, and of all together in the first row.
 
     Parameters
     ----------
     people
         The tracks.
     usual_s
-        Usual time between two moments; across longer gaps nothing is judged [s].
+        Typical time between two frames; longer gaps are left out [s].
 
     Notes
     -----
-    A position is held against the cubic through the two before and the two after it, at their own
-    times. What is left over is divided by what white noise of one unit would leave, so that for
-    noise the figure is its standard deviation whatever the rate, and for motion that is smooth
-    over four intervals it is nearly nothing. Noise that is itself smooth is not seen.
+    Each position is compared with the cubic through the two positions before and the two after it.
+    The residual is scaled so that white noise of unit standard deviation gives 1 at any frame
+    rate. Motion that is smooth over four intervals contributes almost nothing; noise that is
+    correlated over them is not detected.
     """
     sums = np.zeros((len(COCO17.joints), 4))
     for track in people:
         xyz_m = track.xyz_m.astype(np.float64)
         piece = pieces(track.t_s, usual_s)
-        sums[:, :2] += _squares(_tremble_m(track.t_s, xyz_m, piece), axes=3)
+        sums[:, :2] += _squares(_residual_m(track.t_s, xyz_m, piece), axes=3)
         sums[:, 2:] += _squares(_acceleration_mps2(track.t_s, xyz_m, piece), axes=1)
     every = (ALL_JOINTS, sums.sum(axis=0))
     return tuple(
@@ -79,10 +79,10 @@ def jitter(people: Iterable[PersonTrack], usual_s: float) -> tuple[JitterRow, ..
     )
 
 
-def _tremble_m(
+def _residual_m(
     t_s: Float64[np.ndarray, " time"], xyz_m: Points, piece: Int64[np.ndarray, " time"]
 ) -> Float64[np.ndarray, "inner joint 3"]:
-    """Return what is left of each position, in units of white noise [m]."""
+    """Return the scaled residual of each position from the cubic through its neighbours [m]."""
     inner = np.flatnonzero(piece[4:] == piece[:-4]) + 2
     around = inner[:, None] + np.array([-2, -1, 1, 2])
     from_middle_s = t_s[around] - t_s[inner, None]
@@ -92,7 +92,7 @@ def _tremble_m(
             apart_s = from_middle_s[:, other] - from_middle_s[:, one]
             weight[:, one] *= from_middle_s[:, other] / apart_s
     left_m = xyz_m[inner]
-    for one in range(4):  # one after the other: all at once would take four times the memory
+    for one in range(4):  # one at a time to save memory
         left_m = left_m - weight[:, one, None, None] * xyz_m[around[:, one]]
     return np.asarray(left_m / np.sqrt(1.0 + (weight**2).sum(axis=1))[:, None, None])
 
@@ -110,7 +110,7 @@ def _acceleration_mps2(
 def _squares(
     vectors: Float64[np.ndarray, "inner joint 3"], axes: int
 ) -> Float64[np.ndarray, "joint 2"]:
-    """Return per joint the sum of the squared lengths, divided by `axes`, and their number."""
+    """Return per joint the sum of squared lengths divided by `axes`, and their number."""
     square = (vectors**2).sum(axis=-1) / axes
     known = np.isfinite(square)
     return np.stack([np.where(known, square, 0.0).sum(axis=0), known.sum(axis=0)], axis=1)
@@ -122,16 +122,16 @@ def _root_mean(total: float, n: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class SupportRow:
-    """How many cameras support one joint.
+    """Number of cameras that support one joint.
 
     Attributes
     ----------
     name
         The joint, or all joints.
     n
-        Positions given.
+        Number of positions.
     shares
-        Of them those supported by none, one, two, and three or more cameras.
+        Shares supported by none, one, two, and three or more cameras.
     """
 
     name: str
@@ -145,7 +145,7 @@ class SupportRow:
 
 
 def support_of_joints(people: Iterable[PersonTrack]) -> tuple[SupportRow, ...]:
-    """Return the support of each joint over everybody, and of all together in the first row."""
+    """Return the support of each joint over all people, and of all joints in the first row."""
     counts = np.zeros((len(COCO17.joints), MOST_CAMERAS + 1), np.int64)
     for track in people:
         counts += _counts(track)

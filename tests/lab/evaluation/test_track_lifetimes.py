@@ -1,10 +1,10 @@
-"""When identities lived, and which seem to be one person."""
+"""Track lifetimes and fragmentations."""
 
 import numpy as np
 import pytest
 
 from made_people import STANDING_M, track
-from trecsim.lab.evaluation.lifetimes import breaks, lifetimes
+from trecsim.lab.evaluation.track_lifetimes import fragmentations, lifetimes
 
 STEP_S = 0.04
 
@@ -15,7 +15,7 @@ def standing(person, from_s, until_s, x_m=0.0):
 
 
 def pairs(*people):
-    return [(one.ended, one.began) for one in breaks(people)]
+    return [(one.ended, one.began) for one in fragmentations(people)]
 
 
 def test_a_life_with_a_gap():
@@ -25,8 +25,8 @@ def test_a_life_with_a_gap():
     assert life.seconds == pytest.approx(1.04)
 
 
-def test_one_that_begins_where_another_ended_is_a_break():
-    (found,) = breaks([standing(1, 0, 2), standing(2, 2.4, 5, x_m=0.3)])
+def test_one_that_begins_where_another_ended_is_a_fragmentation():
+    (found,) = fragmentations([standing(1, 0, 2), standing(2, 2.4, 5, x_m=0.3)])
     assert (found.ended, found.began) == (1, 2)
     assert found.pause_s == pytest.approx(0.4)
     assert found.at_s == pytest.approx(2.4)

@@ -7,23 +7,23 @@ from jaxtyping import Float, Float64, Int16, Int64
 
 from trecsim.lab.evaluation.moments import Moments
 
-GAP_PERIODS = 1.5  # a longer step than this is a gap, not the next moment
+GAP_PERIODS = 1.5  # of the typical period; a longer step is a gap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PersonTrack:
-    """Where one identity was.
+    """Track of one identity.
 
     Attributes
     ----------
     person
         The identity.
     t_s
-        The moments at which it was there, increasing [s].
+        Times of its frames, increasing [s].
     xyz_m
-        Its joints in the world frame; NaN where not known [m].
+        Joints in the world frame; NaN where unknown [m].
     support
-        Cameras that support each joint; 0 means it is carried along.
+        Number of cameras that support each joint; 0 means predicted.
     """
 
     person: int
@@ -33,7 +33,7 @@ class PersonTrack:
 
 
 def people_of(moments: Moments) -> tuple[PersonTrack, ...]:
-    """Return everybody's track, in order of their identities."""
+    """Return all tracks in order of identity."""
     order = np.argsort(moments.id, kind="stable")
     identity, first = np.unique(moments.id[order], return_index=True)
     t_s = moments.t_s[moments.moment[order]]
@@ -46,7 +46,7 @@ def people_of(moments: Moments) -> tuple[PersonTrack, ...]:
 
 
 def pieces(t_s: Float64[np.ndarray, " time"], usual_s: float) -> Int64[np.ndarray, " time"]:
-    """Return for each moment of a track the number of the piece without a gap it belongs to.
+    """Return for each frame of a track the number of the uninterrupted piece it belongs to.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How long identities live, and where one seems to have been lost and another begun."""
+"""Track lifetimes, and probable fragmentations: one person with two identities in turn."""
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.lab.evaluation.people import PersonTrack, pieces
+from trecsim.lab.evaluation.person_tracks import PersonTrack, pieces
 from trecsim.skeleton import COCO17
 
-OVERLAP_S = 1.0  # so long an identity may be carried on while its person has another already
-PAUSE_S = 2.0  # so long a person may have been without one
+OVERLAP_S = 1.0  # longest overlap of the old identity with the new one
+PAUSE_S = 2.0  # longest time between the two identities
 REACH_M = 0.5
 SPEED_MPS = 1.5
 
@@ -20,18 +20,18 @@ _HIPS = [COCO17.index("left_hip"), COCO17.index("right_hip")]
 
 @dataclass(frozen=True, slots=True)
 class Lifetime:
-    """When an identity was there.
+    """Lifetime of one track.
 
     Attributes
     ----------
     person
         The identity.
     first_s, last_s
-        Its first and last moment [s].
+        First and last frame [s].
     moments
-        At how many moments it was there.
+        Number of frames in which it was reported.
     gaps
-        How often it was gone in between.
+        Number of interruptions.
     """
 
     person: int
@@ -42,7 +42,7 @@ class Lifetime:
 
     @property
     def seconds(self) -> float:
-        """From the first moment to the last [s]."""
+        """Duration from the first frame to the last [s]."""
         return self.last_s - self.first_s
 
     def row(self) -> dict[str, float]:
@@ -58,14 +58,14 @@ class Lifetime:
 
 
 def lifetimes(people: Sequence[PersonTrack], usual_s: float) -> tuple[Lifetime, ...]:
-    """Return when each identity was there.
+    """Return the lifetime of each track.
 
     Parameters
     ----------
     people
         The tracks.
     usual_s
-        Usual time between two moments; a longer one is a gap [s].
+        Typical time between two frames; a longer one is a gap [s].
     """
     return tuple(
         Lifetime(
@@ -80,8 +80,8 @@ def lifetimes(people: Sequence[PersonTrack], usual_s: float) -> tuple[Lifetime, 
 
 
 @dataclass(frozen=True, slots=True)
-class Break:
-    """An identity that ended where, and when, another began: probably one and the same person.
+class Fragmentation:
+    """An identity that ended where and when another began: probably the same person.
 
     Attributes
     ----------
@@ -90,9 +90,9 @@ class Break:
     at_s
         When the second began [s].
     pause_s
-        From the end of the first to the beginning of the second; negative if they overlap [s].
+        Time from the end of the first to the start of the second; negative if they overlap [s].
     distance_m
-        Over the floor, between the first at its end, or when the second began, and the second [m].
+        Distance on the floor between the start of the second and the first at that time [m].
     """
 
     ended: int
@@ -112,15 +112,14 @@ class Break:
         }
 
 
-def breaks(people: Sequence[PersonTrack]) -> tuple[Break, ...]:
-    """Return where an identity seems to have broken, in order of time.
+def fragmentations(people: Sequence[PersonTrack]) -> tuple[Fragmentation, ...]:
+    """Return probable fragmentations in order of time.
 
     Notes
     -----
-    One that begins no more than a second before and two after another ends, within half a metre
-    and what one walks meanwhile at 1.5 m/s. Each end has at most one beginning and the other way
-    round, the nearest first. Without truth this is a guess: somebody else may come through the
-    door through which one has left.
+    The second identity begins at most 1 s before and 2 s after the end of the first, within 0.5 m
+    plus the distance walked in between at 1.5 m/s. Pairs are one to one, nearest first. Without
+    ground truth this is a guess: another person may enter where the first one left.
     """
     found = []
     ended: set[int] = set()
@@ -133,7 +132,7 @@ def breaks(people: Sequence[PersonTrack]) -> tuple[Break, ...]:
     return tuple(sorted(found, key=lambda one: one.at_s))
 
 
-def _possible(people: Sequence[PersonTrack]) -> Iterator[Break]:
+def _possible(people: Sequence[PersonTrack]) -> Iterator[Fragmentation]:
     by_start = sorted(people, key=lambda track: float(track.t_s[0]))
     starts_s = [float(track.t_s[0]) for track in by_start]
     for first in people:
@@ -147,11 +146,11 @@ def _possible(people: Sequence[PersonTrack]) -> Iterator[Break]:
                 continue
             distance_m = float(np.linalg.norm(_place_m(first, start_s) - _place_m(second, start_s)))
             if distance_m <= REACH_M + SPEED_MPS * max(pause_s, 0.0):
-                yield Break(first.person, second.person, start_s, pause_s, distance_m)
+                yield Fragmentation(first.person, second.person, start_s, pause_s, distance_m)
 
 
 def _place_m(track: PersonTrack, t_s: float) -> Float64[np.ndarray, " 2"]:
-    """Return where somebody stands at the last moment until `t_s`: the hips, else all joints."""
+    """Return the floor position in the last frame until `t_s`: hips, or else all joints."""
     at = max(int(np.searchsorted(track.t_s, t_s, side="right")) - 1, 0)
     joints_m = track.xyz_m[at, :, :2].astype(np.float64)
     hips_m: Float64[np.ndarray, " 2"] = joints_m[_HIPS].mean(axis=0)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from made_people import STANDING_M, track
-from trecsim.lab.evaluation.steadiness import (
+from trecsim.lab.evaluation.jitter import (
     ALL_JOINTS,
     jitter,
     support_of_joints,
@@ -26,7 +26,7 @@ def uneven_times(n, seed=1):
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_motion_along_a_cubic_does_not_tremble(seed):
+def test_motion_along_a_cubic_has_no_jitter(seed):
     rng = np.random.default_rng(seed)
     t_s = uneven_times(30, seed)
     coefficients = rng.normal(0, 2.0, (4, 17, 3))
@@ -35,7 +35,7 @@ def test_motion_along_a_cubic_does_not_tremble(seed):
 
 
 @pytest.mark.parametrize("step_s", [0.01, 0.04, 0.1])
-def test_white_noise_trembles_by_its_standard_deviation_at_any_rate(step_s):
+def test_the_jitter_of_white_noise_is_its_standard_deviation_at_any_rate(step_s):
     noise_m = np.random.default_rng(5).normal(0, 0.003, (4000, 17, 3))
     for t_s in (uneven_times(4000) * step_s / STEP_S, np.arange(4000) * step_s):
         row = rows_by_joint(track(0, t_s, STANDING_M + noise_m), usual_s=step_s)[ALL_JOINTS]
@@ -43,7 +43,7 @@ def test_white_noise_trembles_by_its_standard_deviation_at_any_rate(step_s):
         assert row.n == 3996 * 17
 
 
-def test_the_joint_that_trembles_is_named():
+def test_the_joint_with_jitter_is_named():
     t_s = np.arange(200) * STEP_S
     trembling = track(0, t_s)
     trembling.xyz_m[:, WRIST] += np.random.default_rng(6).normal(0, 0.01, (200, 3))
