@@ -22,6 +22,7 @@ _IN_ORDER = (
     "speed",
     "simulating",
     "evaluating",
+    "reading",
     "storing",
     "memory",
     "arrival",

@@ -85,7 +85,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))
         for name in ("memory", "arrival", "soak", "simulating", "evaluating", "real_video",
-                     "pipeline_cost", "storing")
+                     "pipeline_cost", "reading", "storing")
     },
 }  # fmt: skip
 """Every table: the benchmark it needs, and what makes it."""

@@ -240,6 +240,8 @@ OTHERS: tuple[Target, ...] = (
            ("simulating", "12 cameras, 50 people", "times real time"), ">=", 2, "x real time"),
     Target("simulated detector", "figures off those of the real one, worst",
            ("detector_figures", "*", "off by"), "<=", 10, "%"),
+    Target("reading 2D poses", "an image of Shelf (2.9 people), processor time",
+           ("reading", "Shelf", "processor time, least"), "<=", 60, "us"),
     Target("evaluating", "an hour of 4 people, time",
            ("evaluating", "an hour of 4 people", "time"), "<=", 60, "s"),
     Target("evaluating", "an hour of 4 people, peak memory",

@@ -1,6 +1,8 @@
 import errno
 import json
 import logging
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 from sources.made_poses import assert_same, made_poses
 from trecsim.errors import InputError, SetupError
+from trecsim.sources import poses_jsonl, quick_json
 from trecsim.sources.poses_jsonl import MAX_LINE_BYTES, read_poses_jsonl
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.values import Poses2D
@@ -284,6 +287,41 @@ def test_no_damage_whatever_ends_in_anything_but_a_clear_error(read, data):
             assert (image.score >= 0).all()
             assert (image.score <= 1).all()
             assert not np.isinf(image.xy_px).any()
+
+
+def all_of(content):
+    """Return all that the reader makes of a content, as text: every image, or the fault."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "room.poses.jsonl"
+        path.write_bytes(content)
+        try:
+            return [repr([image.camera, image.t_s, image.xy_px.tolist(), image.score.tolist(),
+                          image.person_score.tolist()])
+                    for image in read_poses_jsonl(path)]  # fmt: skip
+        except InputError as error:
+            return str(error).replace(folder, "")
+
+
+@given(data=st.data())
+def test_the_quick_reader_and_the_strict_one_make_the_same_of_every_line(data):
+    ends = ["1e999", "null", "[[", "true", "1e-320", "9" * 30, "-0", '"t_s": 7,', "\\u0061", "0.1"]
+    rest = bytearray((line(t_s=1) + line("b", 2, people=[PERSON] * 2) + line("b", 3.5)).encode())
+    for _ in range(data.draw(st.integers(0, 3))):
+        place = data.draw(st.integers(0, len(rest) - 1))
+        patch = data.draw(st.sampled_from(ends) | st.text('0123456789.,[]{}e-"', max_size=3))
+        rest[place : place + data.draw(st.integers(0, 5))] = patch.encode()
+    content = HEADER.encode() + rest
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(quick_json, "decode", lambda line: None)
+        patched.setattr(quick_json, "converted", lambda people, n_joints: None)
+        strict = all_of(content)
+    assert all_of(content) == strict
+
+
+def test_well_formed_lines_are_read_without_the_strict_reader(read, monkeypatch):
+    lines = [line("nörd", 1), line("b", 2, people=[]), line("b", 3, people=[PERSON] * 3)]
+    monkeypatch.setattr(poses_jsonl._LineParser, "_carefully", None)
+    assert [len(image.xy_px) for image in read(HEADER + "".join(lines))] == [1, 0, 3]
 
 
 def test_while_writing_and_after_an_interrupt_the_part_is_readable(tmp_path):

@@ -2,22 +2,19 @@
 
 import logging
 import math
-from array import array
 from collections.abc import Collection, Iterator
-from contextlib import suppress
-from itertools import chain
 from pathlib import Path
 from reprlib import repr as brief
 from typing import IO, Any
 
 import numpy as np
-from jaxtyping import Float64
 
 from trecsim.errors import InputError
 from trecsim.skeleton import SKELETONS, Skeleton
-from trecsim.sources import strict_json
+from trecsim.sources import quick_json, strict_json
 from trecsim.sources.faults import FaultError, sound, unknown_camera
 from trecsim.sources.keypoint_layouts import MAX_COORDINATE_PX
+from trecsim.sources.quick_json import SCORE_RANGE, People
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.names import POSES_FORMAT
 from trecsim.values import Poses2D
@@ -26,9 +23,6 @@ logger = logging.getLogger(__name__)
 
 MAX_LINE_BYTES = 4 * 2**20  # about ten thousand people in one image
 MAX_ABS_TIME_S = 1e11
-# Regressed scores leave the unit interval by a little, and that is harmless: they are clipped.
-# What lies further out has another meaning (percents, logits, a visibility flag).
-SCORE_RANGE = (-0.1, 1.5)
 _MISSING = (math.nan, math.nan, 0.0)
 
 
@@ -127,6 +121,17 @@ class _LineParser:
         FaultError
             With what is wrong in it.
         """
+        image = quick_json.decode(line) if len(line) <= MAX_LINE_BYTES else None
+        if image is None or not (image.camera and abs(image.t_s) <= MAX_ABS_TIME_S):
+            return self._carefully(line)
+        people = quick_json.people_of(image.people, len(self._skeleton.joints))
+        if people is None:
+            return self._carefully(line)
+        camera = self._camera(image.camera)
+        return Poses2D(camera, self._time(camera, image.t_s), *people)
+
+    def _carefully(self, line: bytes) -> Poses2D:
+        """Return the image by the strict reader, which says what is wrong."""
         fields = _loads(line)
         if not isinstance(fields, dict):
             raise FaultError(f"expected an object, found {brief(fields)}")
@@ -137,8 +142,10 @@ class _LineParser:
         people = fields["people"]
         if not isinstance(people, list):
             raise FaultError(f"'people' must be a list, found {brief(people)}")
-        xy_px, score, person_score = self._people(people, b"true" in line or b"false" in line)
-        return Poses2D(camera, self._time(camera, fields["t_s"]), xy_px, score, person_score)
+        arrays = quick_json.converted(people, len(self._skeleton.joints))
+        if arrays is None:
+            arrays = _people_step_by_step(people, self._skeleton)
+        return Poses2D(camera, self._time(camera, fields["t_s"]), *arrays)
 
     def _camera(self, name: object) -> str:
         if not isinstance(name, str) or not name:
@@ -162,54 +169,9 @@ class _LineParser:
             )
         return t_s
 
-    def _people(
-        self, people: list[Any], careful: bool
-    ) -> tuple[
-        Float64[np.ndarray, "person joint 2"],
-        Float64[np.ndarray, "person joint"],
-        Float64[np.ndarray, " person"],
-    ]:
-        table, person_score = _table_or_fault(people, self._skeleton, careful)
-        xy_px = np.ascontiguousarray(table[:, :, :2])
-        return xy_px, np.clip(table[:, :, 2], 0.0, 1.0), np.clip(person_score, 0.0, 1.0)
 
-
-def _table_or_fault(
-    people: list[Any], skeleton: Skeleton, careful: bool
-) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, " person"]]:
-    if not people:
-        return np.empty((0, len(skeleton.joints), 3)), np.empty(0)
-    if not careful:  # quick, but would take a bool for a number
-        with suppress(TypeError, KeyError, OverflowError, ValueError):
-            return _table(people, len(skeleton.joints))
-    return _table_step_by_step(people, skeleton)
-
-
-def _table(
-    people: list[Any], n_joints: int
-) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, " person"]]:
-    """Return x, y and score of all key points, fast; raise anything if something is odd."""
-    for person in people:
-        if len(person["keypoints"]) != n_joints:
-            raise ValueError
-    rows = [_MISSING if row is None else row for person in people for row in person["keypoints"]]
-    if any(len(row) != 3 for row in rows):
-        raise ValueError
-    table = np.frombuffer(array("d", chain.from_iterable(rows))).reshape(-1, n_joints, 3)
-    person_score = np.frombuffer(array("d", [person["score"] for person in people]))
-    low, high = SCORE_RANGE
-    scores = np.append(table[:, :, 2], person_score)
-    if (np.abs(table[:, :, :2]) > MAX_COORDINATE_PX).any() or scores.min() < low:
-        raise ValueError
-    if scores.max() > high:
-        raise ValueError
-    return table, person_score
-
-
-def _table_step_by_step(
-    people: list[Any], skeleton: Skeleton
-) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, " person"]]:
-    """Return the same as :func:`_table`, slowly, and say what is wrong and where."""
+def _people_step_by_step(people: list[Any], skeleton: Skeleton) -> People:
+    """Return the same as :func:`.quick_json.people_of`, slowly, and say what is wrong and where."""
     rows: list[tuple[float, float, float]] = []
     person_score: list[float] = []
     for index, person in enumerate(people):
@@ -227,7 +189,9 @@ def _table_step_by_step(
             _keypoint(row, f"{where}, {joint}")
             for row, joint in zip(keypoints, skeleton.joints, strict=True)
         )
-    return np.array(rows).reshape(-1, len(skeleton.joints), 3), np.array(person_score)
+    table = np.array(rows).reshape(-1, len(skeleton.joints), 3)
+    xy_px = np.ascontiguousarray(table[:, :, :2])
+    return People(xy_px, table[:, :, 2].clip(0.0, 1.0), np.array(person_score).clip(0.0, 1.0))
 
 
 def _keypoint(row: object, where: str) -> tuple[float, float, float]:
