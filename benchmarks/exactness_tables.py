@@ -30,7 +30,7 @@ def accuracy(results: Results, *, short: bool) -> str:
     """Return the table of simulated rooms."""
     result = results["accuracy"]
     head = ["room", "mean joint error [cm]", "with 0.2 s lag [cm]", "joints within 15 cm",
-            "identity switches", "missed", "ghosts"]  # fmt: skip
+            "identity switches", "missed", "false positives"]  # fmt: skip
     head += [] if short else ["IDF1", "HOTA", "limb length sd [cm]", "truth in 90 % regions"]
     rows = []
     for room in result.figures:
@@ -90,7 +90,7 @@ def scenes(results: Results) -> str:
              f"{fixed(at('ghosts'), 1)} %"]
         )  # fmt: skip
     head = ["scene", "mean joint error [cm]", "with 0.2 s lag [cm]", "joints within 15 cm", "IDF1",
-            "HOTA", "switches", "missed", "ghosts"]  # fmt: skip
+            "HOTA", "switches", "missed", "false positives"]  # fmt: skip
     return table(head, rows)
 
 

@@ -42,6 +42,27 @@ def speed_short(results: Results) -> str:
     return made + busy(results["speed"])
 
 
+def pipeline_short(results: Results) -> str:
+    """Return what the whole pipeline manages, and what that means for a site with four cameras."""
+    result = results["pipeline_cost"]
+    machine = result.about["machine"]
+    rate = value_of(result.figures, "images per second", "all cameras")
+    instructions = machine.get("instructions")
+    told = "not recorded" if instructions is None else " ".join(instructions) or "none of note"
+    rows = [
+        ["images per second, all cameras together", number(rate)],
+        ["that is, with 4 cameras, for each", number(rate / 4)],
+        [
+            "cores for 4 cameras at 25 images per second, in proportion",
+            number(100 / rate * machine["cores"], 2),
+        ],
+        ["peak memory [MB]", number(value_of(result.figures, "peak memory", "8 s of video"))],
+    ]
+    on = f"{machine['cores']} cores of {machine['processor']} (vector instructions: {told})"
+    head = ["whole pipeline, videos of 1920 x 1080", on]
+    return table(head, rows) + busy(result)
+
+
 def thesis_speed(results: Results) -> str:
     """Return the thesis' table 5 [ms] with ours beside it."""
     _, people, at = grid(results)

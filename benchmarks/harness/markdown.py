@@ -108,6 +108,4 @@ def busy(result: Result) -> str:
     if others is None:
         return ""
     cores = result.about["machine"]["cores"]
-    return (
-        f"\n\n*The machine was busy with other things on {others:.1f} of {cores} cores: too long.*"
-    )
+    return f"\n\n*Other programs used {others:.1f} of {cores} cores meanwhile: times are too long.*"
