@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from trecsim.lab.simulation.agreement import misplaced
+from trecsim.lab.simulation.annotation_bias import with_annotation_bias
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.detector import PERFECT, Detector, Footage, detect
 from trecsim.lab.simulation.occlusion import Obstacle
@@ -151,8 +151,10 @@ def test_what_cameras_agree_on_does_not_depend_on_when_they_look() -> None:
     taken = footage(people=2, seconds=4.0)
     truth_m = np.moveaxis(taken.xyz_m, 0, 1)
     habit = (0.05,) * 17, (0.02,) * 17
-    believed_m = misplaced(taken.taken_s, truth_m, *habit, np.random.default_rng(7))
-    later_m = misplaced(taken.taken_s[50::3], truth_m[50::3], *habit, np.random.default_rng(7))
+    believed_m = with_annotation_bias(taken.taken_s, truth_m, *habit, np.random.default_rng(7))
+    later_m = with_annotation_bias(
+        taken.taken_s[50::3], truth_m[50::3], *habit, np.random.default_rng(7)
+    )
     np.testing.assert_array_equal(later_m, believed_m[50::3])
     away_m = believed_m - truth_m
     assert away_m[..., 2].mean() == pytest.approx(0.05, abs=0.01)  # they stand upright

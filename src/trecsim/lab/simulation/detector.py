@@ -16,8 +16,8 @@ from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic.dataclasses import dataclass
 
 from trecsim.geometry.camera import Camera
-from trecsim.lab.simulation.agreement import misplaced
-from trecsim.lab.simulation.mistakes import exchanged, false_person
+from trecsim.lab.simulation.annotation_bias import with_annotation_bias
+from trecsim.lab.simulation.false_positives import false_positive, with_swaps
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck, spells
 from trecsim.lab.simulation.occlusion import (
     Obstacle,
@@ -220,10 +220,10 @@ def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> li
     unsure += np.log(STRAY_DOUBT) * dubious
     doubt = np.array(detector.doubt) * np.exp(unsure)
     score = 1.0 - np.minimum(doubt, MOST_DOUBT)
-    xy_px, score = exchanged(t_s, xy_px, score, detector.swapped, rng)
+    xy_px, score = with_swaps(t_s, xy_px, score, detector.swapped, rng)
     xy_px[_missing(t_s, hidden, detector, rng)] = np.nan
     found = _found(t_s, xy_px, hidden, height_px, detector, rng)
-    false = false_person(camera.size_px, t_s, detector.false_people, rng)
+    false = false_positive(camera.size_px, t_s, detector.false_people, rng)
     xy_px = _inside(camera, np.concatenate((xy_px, false.xy_px), axis=1))
     score = np.concatenate((score, false.score), axis=1)
     score = np.where(np.isnan(xy_px[..., 0]), 0.0, score)
@@ -258,10 +258,10 @@ def _seen(
     if any(detector.common_up_m) or any(detector.common_spread_m):
         rng = np.random.default_rng(footage.common_seed)
         up_m, spread_m = detector.common_up_m, detector.common_spread_m
-        believed_m = misplaced(footage.taken_s, xyz_m, up_m, spread_m, rng)
-        # Who sees badly trusts habit more than the image.
+        biased_m = with_annotation_bias(footage.taken_s, xyz_m, up_m, spread_m, rng)
+        # The less visible a joint, the more the estimator relies on its bias.
         trust = np.minimum(np.exp(HABIT_POWER * unsure), MOST_HABIT)
-        xy_px += (camera.project(believed_m) - xy_px) * trust[..., None]
+        xy_px += (camera.project(biased_m) - xy_px) * trust[..., None]
     xy_px = _inside(camera, xy_px)
     if any(detector.hidden_missing):
         xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan

@@ -1,4 +1,4 @@
-"""People seen where there are none, and left taken for right."""
+"""False positives, and swaps of left and right."""
 
 from dataclasses import dataclass
 
@@ -17,8 +17,8 @@ FIGURE = np.stack((_LEFT, _DOWN), axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FalsePerson:
-    """Something in the background that now and then looks like a person.
+class FalsePositive:
+    """False positive of one camera: background that is sometimes detected as a person.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class FalsePerson:
     score
         Confidence per key point.
     found
-        When it is taken for a person.
+        Whether it is detected.
     """
 
     xy_px: Float64[np.ndarray, "time 1 17 2"]
@@ -35,13 +35,13 @@ class FalsePerson:
     found: Bool[np.ndarray, "time 1"]
 
 
-def false_person(
+def false_positive(
     size_px: tuple[int, int],
     t_s: Float64[np.ndarray, " time"],
     share: float,
     rng: np.random.Generator,
-) -> FalsePerson:
-    """Return a coat or chair somewhere in an image that is taken for a person now and then.
+) -> FalsePositive:
+    """Return a false positive at a fixed place of the image, detected now and then.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ def false_person(
     t_s
         Times of the images [s].
     share
-        Share of the images in which it is taken for a person.
+        Share of the images in which it is detected.
     rng
-        Source of chance.
+        Random numbers.
     """
     tall_px = rng.uniform(0.15, 0.35) * size_px[1]
     middle_px = rng.uniform(0.15, 0.85, 2) * size_px
@@ -61,10 +61,10 @@ def false_person(
     xy_px = middle_px + tall_px * (figure + wobble)
     xy_px[spells(rng, t_s, 0.3, 0.25, 1, 17)] = np.nan
     score = np.clip(0.4 + 0.1 * ornstein_uhlenbeck(rng, t_s, 0.3, 1, 17), 0.1, 0.8)
-    return FalsePerson(xy_px, score, spells(rng, t_s, 0.4, share, 1))
+    return FalsePositive(xy_px, score, spells(rng, t_s, 0.4, share, 1))
 
 
-# What is exchanged, and how often: everything, the arms, or the legs.
+# What is swapped, and the share of swaps: the whole person, the arms, or the legs.
 _PARTS = (
     (np.array(COCO17.mirror), 0.8),
     (np.array([*range(7), 8, 7, 10, 9, *range(11, 17)]), 0.1),
@@ -73,14 +73,14 @@ _PARTS = (
 SWAP_S = 0.1
 
 
-def exchanged(
+def with_swaps(
     t_s: Float64[np.ndarray, " time"],
     xy_px: Float64[np.ndarray, "time person 17 2"],
     score: Float64[np.ndarray, "time person 17"],
     share: float,
     rng: np.random.Generator,
 ) -> tuple[Float64[np.ndarray, "time person 17 2"], Float64[np.ndarray, "time person 17"]]:
-    """Return key points and scores, left and right exchanged now and then.
+    """Return key points and scores with left and right swapped now and then.
 
     Parameters
     ----------
@@ -91,10 +91,10 @@ def exchanged(
     score
         Confidence per key point.
     share
-        Share of the images in which a person's left and right are exchanged: mostly those of the
-        whole person, else of the arms or the legs only.
+        Share of the images in which left and right are swapped, mostly of the whole person, else of
+        the arms or legs only.
     rng
-        Source of chance.
+        Random numbers.
     """
     xy_px, score = xy_px.copy(), score.copy()
     for mirror, part in _PARTS:

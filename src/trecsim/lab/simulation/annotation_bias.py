@@ -1,8 +1,8 @@
-"""Where an estimator believes joints to be: wrong in the same way in all cameras.
+"""Annotation bias: joint positions that all cameras estimate wrongly in the same way.
 
-An estimator was taught by people who marked joints in images, and truth that was marked by other
-people differs from that: hips are set higher, for one. What differs is fixed to the body, it
-changes slowly, and all cameras agree on it, so that no tracker can tell it from the truth.
+An estimator learns where annotators mark joints, and annotations differ between data sets; hips,
+for one, are marked at different heights. This bias is fixed to the body, changes slowly and is
+common to all cameras, so no tracker can distinguish it from the truth.
 """
 
 import numpy as np
@@ -10,43 +10,43 @@ from jaxtyping import Float64
 
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck
 
-STEP_S = 0.08  # coarse on purpose: what habit adds does not tremble
+STEP_S = 0.08  # coarse on purpose: the bias adds no jitter
 FAST, FAST_S, SLOW_S = 0.7, 0.3, 8.0  # share of the variance that changes quickly; memories
 
 Joints = Float64[np.ndarray, "time person 17 3"]
 
 
-def misplaced(
+def with_annotation_bias(
     t_s: Float64[np.ndarray, " time"],
     xyz_m: Joints,
     up_m: tuple[float, ...],
     spread_m: tuple[float, ...],
     rng: np.random.Generator,
 ) -> Joints:
-    """Return where an estimator believes joints to be.
+    """Return the joints with the bias of the estimator added.
 
     Parameters
     ----------
     t_s
         Times; before 0 nothing changes [s].
     xyz_m
-        Everybody's joints then, NaN while absent [m].
+        Joints of all people, NaN while absent [m].
     up_m
-        How far too high each joint is set, from the hips towards the shoulders [m].
+        Mean bias of each joint, from the hips towards the shoulders [m].
     spread_m
-        Standard deviation about that, over people and time, per axis and joint [m].
+        Standard deviation about that mean, over people and time, per axis and joint [m].
     rng
-        Source of chance. The same one gives the same at any time, whatever the other times are:
-        so cameras agree.
+        Random numbers. The same generator gives the same bias at a time, whatever the other times
+        are, so that cameras agree.
     """
     offset_m = np.array(spread_m)[:, None] * _wandering(t_s, xyz_m.shape[1], rng)
     offset_m[..., 2] += np.array(up_m)
-    believed_m: Joints = xyz_m + np.einsum("tpia,tpja->tpji", _body_axes(xyz_m), offset_m)
-    return believed_m
+    biased_m: Joints = xyz_m + np.einsum("tpia,tpja->tpji", _body_axes(xyz_m), offset_m)
+    return biased_m
 
 
 def _wandering(t_s: Float64[np.ndarray, " time"], people: int, rng: np.random.Generator) -> Joints:
-    """Return unit processes at any times: made on a grid from 0, linear between."""
+    """Return unit processes, made on a grid from 0 and interpolated linearly."""
     grid_s = np.arange(int(np.ceil(t_s.max(initial=0.0) / STEP_S)) + 2) * STEP_S
     of_fast, of_slow = rng.spawn(2)
     fast = ornstein_uhlenbeck(of_fast, grid_s, FAST_S, people, 17, 3)
@@ -60,7 +60,7 @@ def _wandering(t_s: Float64[np.ndarray, " time"], people: int, rng: np.random.Ge
 
 
 def _body_axes(xyz_m: Joints) -> Float64[np.ndarray, "time person 3 axis"]:
-    """Return forward, left and up of everybody's trunk, as columns."""
+    """Return the forward, left and up axes of each trunk, as columns."""
     up = _unit(xyz_m[..., 5:7, :].mean(axis=-2) - xyz_m[..., 11:13, :].mean(axis=-2))
     forward = _unit(np.cross(xyz_m[..., 11, :] - xyz_m[..., 12, :], up))
     return np.stack((forward, np.cross(up, forward), up), axis=-1)
