@@ -7,9 +7,9 @@ from jaxtyping import Float64
 
 from trecsim.lab.simulation.actions import Point
 from trecsim.lab.simulation.body_shape import Body
-from trecsim.lab.simulation.bouts import Bout, end_of, path_along, stay, ways
 from trecsim.lab.simulation.frame_times import even
 from trecsim.lab.simulation.keyposes import ANKLE_M, FEET, KNEE_M, pitched
+from trecsim.lab.simulation.locomotion import Segment, end_of, path_along, segments_along, stay
 from trecsim.lab.simulation.on_foot import strides
 from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
 from trecsim.lab.simulation.pose import Pose, reaching
@@ -48,19 +48,19 @@ def crawl(body: Body, place: Place, to_m: Sequence[Point], speed_mps: float) -> 
     speed_mps
         How fast [m/s].
     """
-    hips, bouts = place.ahead(body.shin_m), [stay(place.ahead(body.shin_m), 0.1)]
+    hips, segments = place.ahead(body.shin_m), [stay(place.ahead(body.shin_m), 0.1)]
     for point_m in to_m:
-        bouts += ways(hips, [((point_m,), speed_mps)], turning_radps=TURN_RADPS)
-        hips = end_of(bouts, hips)
-    path = path_along(bouts, 0.0, False, False)
-    return _crawling(body, path, bouts), hips.ahead(-body.shin_m)
+        segments += segments_along(hips, [((point_m,), speed_mps)], turning_radps=TURN_RADPS)
+        hips = end_of(segments, hips)
+    path = path_along(segments, 0.0, False, False)
+    return _crawling(body, path, segments), hips.ahead(-body.shin_m)
 
 
-def _crawling(body: Body, path: FloorPath, bouts: Sequence[Bout]) -> Pose:
+def _crawling(body: Body, path: FloorPath, segments: Sequence[Segment]) -> Pose:
     """Return the poses along a path."""
     turning_hz = np.abs(np.gradient(path.heading_rad, STEP_S)) / STEP_RAD
     rate_hz = path.speed_mps / (STRIDE * body.stature_m) + turning_hz
-    phase, _ = strides(rate_hz, bouts, MID_STANCE)
+    phase, _ = strides(rate_hz, segments, MID_STANCE)
     inside = (path.t_s >= path.enter_s - STEP_S / 2) & (path.t_s < path.leave_s - STEP_S / 2)
     knees_m, hands_m = [], []
     for side, sign in enumerate((1, -1)):

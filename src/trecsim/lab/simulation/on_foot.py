@@ -9,8 +9,16 @@ from jaxtyping import Float64
 
 from trecsim.lab.simulation.actions import Run, Stand, Turn, Walk
 from trecsim.lab.simulation.body_shape import Body
-from trecsim.lab.simulation.bouts import Bout, end_of, path_along, shortest, stay, turned, ways
 from trecsim.lab.simulation.frame_times import even
+from trecsim.lab.simulation.locomotion import (
+    Segment,
+    end_of,
+    path_along,
+    segments_along,
+    shortest,
+    stay,
+    turned,
+)
 from trecsim.lab.simulation.paths import STEP_S
 from trecsim.lab.simulation.turns import Place
 from trecsim.lab.simulation.walkers import MID_STANCE, Walker, cadence_hz, stepping
@@ -70,17 +78,17 @@ def on_foot(
     goes
         Ends in the middle of a walk, without a stop.
     """
-    bouts = [] if comes else [stay(place, _rest_s(actions))]
+    segments = [] if comes else [stay(place, _rest_s(actions))]
     groups = _groups(actions)
     for number, group in enumerate(groups):
         first, last = number == 0, number == len(groups) - 1
-        bouts += _bouts(place, group, comes and first, goes and last)
-        place = end_of(bouts, place)
+        segments += _segments(place, group, comes and first, goes and last)
+        place = end_of(segments, place)
     if not goes:
-        bouts.append(stay(place, _rest_s(actions[::-1])))
-    path = path_along(bouts, start_s, comes, goes)
+        segments.append(stay(place, _rest_s(actions[::-1])))
+    path = path_along(segments, start_s, comes, goes)
     rate_hz = cadence_hz(body, path)
-    phase, treading = strides(rate_hz, bouts, MID_STANCE, comes=comes, goes=goes)
+    phase, treading = strides(rate_hz, segments, MID_STANCE, comes=comes, goes=goes)
     seconds = path.leave_s - path.enter_s
     return Stretch(stepping(body, path, phase, style, treading), seconds, place)
 
@@ -121,7 +129,7 @@ def _groups(actions: Sequence[OnFoot]) -> list[list[OnFoot]]:
     return groups
 
 
-def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[Bout]:
+def _segments(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[Segment]:
     """Return what somebody does from this place on."""
     first = group[0]
     if isinstance(first, Stand):
@@ -129,7 +137,7 @@ def _bouts(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[B
     if isinstance(first, Turn):
         return [turned(place, turn_rad(first, place), radians(first.speed_degps))]
     legs = [(action.to_m, action.speed_mps) for action in group if isinstance(action, Walk | Run)]
-    return ways(place, legs, comes=comes, goes=goes)
+    return segments_along(place, legs, comes=comes, goes=goes)
 
 
 def turn_rad(turn: Turn, place: Place) -> float:
@@ -141,7 +149,7 @@ def turn_rad(turn: Turn, place: Place) -> float:
 
 def strides(
     rate_hz: Float64[np.ndarray, " step"],
-    bouts: Sequence[Bout],
+    segments: Sequence[Segment],
     mid_stance: float,
     *,
     comes: bool = False,
@@ -153,7 +161,7 @@ def strides(
     ----------
     rate_hz
         Strides per second that the way asks for, one entry per time of the path.
-    bouts
+    segments
         What the path consists of.
     mid_stance
         Share of a stride at which the body passes over a foot.
@@ -168,20 +176,20 @@ def strides(
     """
     rate_hz, treading = rate_hz.copy(), np.zeros(len(rate_hz))
     lead = mid_stance - NEUTRAL
-    at = (len(rate_hz) - sum(len(bout.xy_m) for bout in bouts)) // 2
+    at = (len(rate_hz) - sum(len(segment.xy_m) for segment in segments)) // 2
     rate_hz[: 0 if comes else at] = 0.0
-    for number, bout in enumerate(bouts):
-        first, last = number == 0, number == len(bouts) - 1
-        end = at + len(bout.xy_m)
-        rate_hz[at:end] *= (np.arange(at, end) >= at + bout.lead) * (
-            np.arange(at, end) < at + bout.close
+    for number, segment in enumerate(segments):
+        first, last = number == 0, number == len(segments) - 1
+        end = at + len(segment.xy_m)
+        rate_hz[at:end] *= (np.arange(at, end) >= at + segment.lead) * (
+            np.arange(at, end) < at + segment.close
         )
-        if bout.close and not (comes and first) and not (goes and last):
+        if segment.close and not (comes and first) and not (goes and last):
             made = float(rate_hz[at:end].sum()) * STEP_S
             rate_hz[at:end] *= max(round(2 * made), 1) / 2 / made
-        steps = [(at, at + bout.lead, lead), (at + bout.close, end, 0.5 - lead)]
+        steps = [(at, at + segment.lead, lead), (at + segment.close, end, 0.5 - lead)]
         for begin, stop, more in steps:
-            if bout.close and stop > begin + 1:
+            if segment.close and stop > begin + 1:
                 share = np.linspace(0.0, 1.0, stop - begin + 1)
                 rate_hz[begin:stop] += more * np.diff(even(share)) / STEP_S
                 treading[begin:stop] = TREAD_VIGOUR

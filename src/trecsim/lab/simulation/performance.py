@@ -24,15 +24,15 @@ from trecsim.lab.simulation.actions import (
     Walk,
 )
 from trecsim.lab.simulation.body_shape import Body
-from trecsim.lab.simulation.bouts import AHEAD_RAD, shortest
 from trecsim.lab.simulation.clips import carried, looped, place_of, posed, read_clip, stays_in
 from trecsim.lab.simulation.contact import on_the_floor
 from trecsim.lab.simulation.crawling import crawl
 from trecsim.lab.simulation.frame_times import even
+from trecsim.lab.simulation.locomotion import AHEAD_RAD, shortest
 from trecsim.lab.simulation.on_foot import OnFoot, on_foot
 from trecsim.lab.simulation.paths import STEP_S
 from trecsim.lab.simulation.pose import Pose, at, blend, joined
-from trecsim.lab.simulation.postures import LYING, STAND, Being, Posture, stepping_over, way
+from trecsim.lab.simulation.postures import LYING, STAND, Being, Posture, stepping_over, transition
 from trecsim.lab.simulation.sampled import Sampled
 from trecsim.lab.simulation.turns import Place
 
@@ -184,7 +184,7 @@ class _Script:
             return
         if goal.name == self.posture.name:  # another seat, the other arm
             self.become(STAND)
-        for name in way(self.posture.name, goal.name):
+        for name in transition(self.posture.name, goal.name):
             there = goal if name == goal.name else Posture(name)
             change, after = self.being.change(self.posture, there, self.place, self.now_s)
             self.show(change(self.times_s(change.seconds)))

@@ -127,12 +127,12 @@ _CHANGES: dict[tuple[Name, Name], _Change] = {
 }
 
 
-def way(start: Name, goal: Name) -> tuple[Name, ...]:
+def transition(start: Name, goal: Name) -> tuple[Name, ...]:
     """Return the postures one goes through, the quickest way, without the first.
 
     Examples
     --------
-    >>> way("stand", "front")
+    >>> transition("stand", "front")
     ('kneel', 'fours', 'front')
     """
     known: dict[Name, tuple[float, tuple[Name, ...]]] = {start: (0.0, ())}
@@ -229,13 +229,13 @@ class Being:
 
     def change(
         self, start: Posture, goal: Posture, place: Place, start_s: float
-    ) -> tuple["Motion", Place]:
+    ) -> tuple["Transition", Place]:
         """Return the way between two neighbouring postures, and the place afterwards.
 
         Parameters
         ----------
         start, goal
-            Neighbours, see :func:`way`.
+            Neighbours, see :func:`transition`.
         place
             Of the first posture.
         start_s
@@ -250,7 +250,7 @@ class Being:
             via = placed(change.via(self.body, start if back else goal), after if back else place)
         if (start.name, goal.name) == ("kneel", "stand"):  # the rear foot comes to the one ahead
             after = place.ahead(self.body.shin_m + 0.9 * self.body.thigh_m)
-        return Motion(self, (start, place), (goal, after), via, start_s, change.seconds), after
+        return Transition(self, (start, place), (goal, after), via, start_s, change.seconds), after
 
     def fall(
         self,
@@ -259,7 +259,7 @@ class Being:
         place: Place,
         start_s: float,
         seconds: float,
-    ) -> tuple["Motion", Place]:
+    ) -> tuple["Transition", Place]:
         """Return a fall to the floor, and the place afterwards.
 
         Parameters
@@ -282,11 +282,11 @@ class Being:
         }[to]
         via = placed(keyposes.buckling(self.body, to), place)
         ends = (start, place), (Posture(to), after)
-        return Motion(self, *ends, via, start_s, seconds, is_fall=True), after
+        return Transition(self, *ends, via, start_s, seconds, is_fall=True), after
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class Transition:
     """A change from one posture to another.
 
     Attributes

@@ -1,4 +1,4 @@
-"""What is done on foot or on all fours, as ways over the floor with time for the feet."""
+"""Locomotion: segments of standing, turning and walking on the floor, with time for the feet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,27 +14,27 @@ from trecsim.lab.simulation.turns import Place
 
 CURVE_S = 0.25  # standard deviation of the smoothing that rounds corners
 TURNING_S = 0.2  # standard deviation of the smoothing of the direction
-RUN_MPS = 2.1  # faster than this one runs
+RUN_MPS = 2.1  # a run above, a walk below
 WALKING_MPS2, RUNNING_MPS2 = 1.5, 2.5
 SLOWEST_MPS = 0.1
-AHEAD_RAD = 0.6  # who has to go further to the side turns on the spot first
+AHEAD_RAD = 0.6  # a larger change of direction begins with a turn on the spot
 TURN_RADPS = 1.8
-LEAD_S = 0.35  # the first step begins so long before the body moves
-CLOSE_S = 0.7  # the last step ends so long after the body stopped, feet side by side
-FADE_S = 0.4  # the body leaves its place, and comes to it, so gently
+LEAD_S = 0.35  # from the first step to the motion of the body
+CLOSE_S = 0.7  # from the stop of the body to feet side by side
+FADE_S = 0.4  # the body leaves and reaches its place over this time
 GRID_M = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Bout:
-    """One thing done on foot; one entry per `STEP_S`.
+class Segment:
+    """Standing, turning or walking for a while; one entry per `STEP_S`.
 
     Attributes
     ----------
     xy_m, heading_rad
         Position and direction [m, rad].
     lead, close
-        Between these entries the body moves; before and after only the feet do.
+        The body moves between these entries; before and after, only the feet do.
     """
 
     xy_m: Float64[np.ndarray, "step 2"]
@@ -43,46 +43,46 @@ class Bout:
     close: int = 0
 
 
-def stay(place: Place, seconds: float) -> Bout:
-    """Return a bout of standing still.
+def stay(place: Place, seconds: float) -> Segment:
+    """Return a segment of standing still.
 
     Parameters
     ----------
     place
-        Where.
+        Position and direction.
     seconds
-        How long [s].
+        Duration [s].
     """
     steps = round(seconds / STEP_S)
     here_m = np.tile([place.x_m, place.y_m], (steps, 1))
-    return Bout(here_m, np.full(steps, place.heading_rad))
+    return Segment(here_m, np.full(steps, place.heading_rad))
 
 
-def end_of(bouts: list[Bout], place: Place) -> Place:
-    """Return where the last bout ends.
+def end_of(segments: list[Segment], place: Place) -> Place:
+    """Return where the last segment ends.
 
     Parameters
     ----------
-    bouts
-        What was done.
+    segments
+        All segments.
     place
-        Where it began; returned if nothing was done.
+        Where they begin; returned if there are none.
     """
-    if not bouts or not len(bouts[-1].xy_m):
+    if not segments or not len(segments[-1].xy_m):
         return place
-    last = bouts[-1]
+    last = segments[-1]
     return Place(float(last.xy_m[-1, 0]), float(last.xy_m[-1, 1]), float(last.heading_rad[-1]))
 
 
-def ways(
+def segments_along(
     place: Place,
     legs: Sequence[tuple[tuple[Point, ...], float]],
     *,
     comes: bool = False,
     goes: bool = False,
     turning_radps: float = TURN_RADPS,
-) -> list[Bout]:
-    """Return a way through points, after a turn on the spot if it leads aside.
+) -> list[Segment]:
+    """Return a path through points, after a turn on the spot if it starts sideways.
 
     Parameters
     ----------
@@ -91,9 +91,9 @@ def ways(
     legs
         Way points and the speed towards them [m, m/s].
     comes, goes
-        Begins, ends in the middle of the way.
+        Whether the person is already moving at the start, still moving at the end.
     turning_radps
-        How fast to turn on the spot [rad/s].
+        Angular speed of the turn on the spot [rad/s].
     """
     corners_m, speeds_mps = _corners(place, legs)
     if not len(speeds_mps):
@@ -101,13 +101,13 @@ def ways(
     step_m = corners_m[1] - corners_m[0]
     heading_rad = float(np.arctan2(step_m[1], step_m[0]))
     aside_rad = 0.0 if comes else shortest(heading_rad - place.heading_rad)
-    bouts = []
+    segments = []
     if abs(aside_rad) > AHEAD_RAD:
-        bouts.append(turned(place, aside_rad, turning_radps))
+        segments.append(turned(place, aside_rad, turning_radps))
         place = place.ahead(0.0, 0.0, aside_rad)
     if comes:
         place = Place(place.x_m, place.y_m, heading_rad)
-    return [*bouts, _go(place, corners_m, speeds_mps, comes, goes)]
+    return [*segments, _go(place, corners_m, speeds_mps, comes, goes)]
 
 
 def shortest(angle_rad: float) -> float:
@@ -121,7 +121,7 @@ def shortest(angle_rad: float) -> float:
     return float((angle_rad + np.pi) % (2 * np.pi) - np.pi)
 
 
-def turned(place: Place, by_rad: float, speed_radps: float) -> Bout:
+def turned(place: Place, by_rad: float, speed_radps: float) -> Segment:
     """Return a turn on the spot.
 
     Parameters
@@ -129,47 +129,47 @@ def turned(place: Place, by_rad: float, speed_radps: float) -> Bout:
     place
         Where it begins.
     by_rad
-        How far, counter-clockwise [rad].
+        Angle, counter-clockwise [rad].
     speed_radps
-        How fast on average [rad/s].
+        Mean angular speed [rad/s].
     """
     steps = max(round(abs(by_rad) / speed_radps / STEP_S), 30)
     here_m = np.tile([place.x_m, place.y_m], (steps, 1))
     turn = place.heading_rad + by_rad * even(np.arange(steps) / steps)
-    return _bout(place, place.ahead(0.0, 0.0, by_rad), here_m, turn, False, False)
+    return _segment(place, place.ahead(0.0, 0.0, by_rad), here_m, turn, False, False)
 
 
-def _bout(
+def _segment(
     start: Place, end: Place, xy_m: np.ndarray, heading_rad: np.ndarray, comes: bool, goes: bool
-) -> Bout:
-    """Return a bout with time for the feet before and after, exactly at rest at both ends."""
+) -> Segment:
+    """Return a segment with time for the feet before and after, exactly at rest at both ends."""
     lead = 0 if comes else round(LEAD_S / STEP_S)
     close = 0 if goes else round(CLOSE_S / STEP_S)
     reach = round(4 * CURVE_S / STEP_S)
-    # Who comes or goes moves on beyond the ends.
+    # Somebody who is already or still moving goes on beyond the ends.
     before = np.arange(-reach - lead, 0)[:, None] * ((xy_m[1] - xy_m[0]) if comes else 0.0)
     after = np.arange(1, reach + close + 1)[:, None] * ((xy_m[-1] - xy_m[-2]) if goes else 0.0)
     ends = np.zeros((1, 2))
     rough_m = np.concatenate((xy_m[0] + before + ends, xy_m, xy_m[-1] + after + ends))
     turn = np.pad(heading_rad, (reach + lead, reach + close), mode="edge")
     inside = slice(reach, -reach)
-    way = np.column_stack((smooth(rough_m, CURVE_S), smooth(turn, TURNING_S)))[inside]
-    steps = np.arange(len(way))
+    course = np.column_stack((smooth(rough_m, CURVE_S), smooth(turn, TURNING_S)))[inside]
+    steps = np.arange(len(course))
     if not comes:
         first = np.array([start.x_m, start.y_m, start.heading_rad])
-        way = first + even((steps - lead) * STEP_S / FADE_S)[:, None] * (way - first)
+        course = first + even((steps - lead) * STEP_S / FADE_S)[:, None] * (course - first)
     if not goes:
         last = np.array([end.x_m, end.y_m, end.heading_rad])
         over = even((steps - len(steps) + close) * STEP_S / FADE_S + 0.5)[:, None]
-        way = way + over * (last - way)
+        course = course + over * (last - course)
     rest = max(close - round(FADE_S / 2 / STEP_S), 0)
-    return Bout(way[:, :2], way[:, 2], lead, len(way) - rest)
+    return Segment(course[:, :2], course[:, 2], lead, len(course) - rest)
 
 
 def _corners(
     place: Place, legs: Sequence[tuple[tuple[Point, ...], float]]
 ) -> tuple[Float64[np.ndarray, "corner 2"], Float64[np.ndarray, " leg"]]:
-    """Return the corners of the way, and the speed between each and the next."""
+    """Return the corners of the path, and the speed from each to the next."""
     corners_m: list[Point] = [(place.x_m, place.y_m)]
     speeds_mps: list[float] = []
     for points_m, speed_mps in legs:
@@ -186,30 +186,32 @@ def _go(
     speeds_mps: Float64[np.ndarray, " leg"],
     comes: bool,
     goes: bool,
-) -> Bout:
-    """Return a way through corners."""
-    way_m = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1))))
-    t_s, s_m = _timetable(way_m, speeds_mps, comes, goes)
+) -> Segment:
+    """Return the segment along a path through corners."""
+    along_path_m = np.concatenate(
+        ([0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1)))
+    )
+    t_s, s_m = _timetable(along_path_m, speeds_mps, comes, goes)
     steps_s = np.arange(max(int(t_s[-1] / STEP_S), 2)) * STEP_S
     along_m = np.interp(steps_s, t_s, s_m)
-    xy_m = np.stack([np.interp(along_m, way_m, column) for column in corners_m.T], axis=1)
+    xy_m = np.stack([np.interp(along_m, along_path_m, column) for column in corners_m.T], axis=1)
     steps_m = np.diff(corners_m, axis=0)
     angles = np.unwrap(np.arctan2(steps_m[:, 1], steps_m[:, 0]))
     angles += place.heading_rad + shortest(angles[0] - place.heading_rad) - angles[0]
-    leg = np.clip(np.searchsorted(way_m, along_m, side="right") - 1, 0, len(angles) - 1)
+    leg = np.clip(np.searchsorted(along_path_m, along_m, side="right") - 1, 0, len(angles) - 1)
     end = Place(float(corners_m[-1, 0]), float(corners_m[-1, 1]), float(angles[-1]))
-    return _bout(place, end, xy_m, angles[leg], comes, goes)
+    return _segment(place, end, xy_m, angles[leg], comes, goes)
 
 
 def _timetable(
-    way_m: Float64[np.ndarray, " corner"],
+    along_path_m: Float64[np.ndarray, " corner"],
     speeds_mps: Float64[np.ndarray, " leg"],
     comes: bool,
     goes: bool,
 ) -> tuple[Float64[np.ndarray, " entry"], Float64[np.ndarray, " entry"]]:
-    """Return when one is how far [s, m]: as fast as wished, speeding up and down gently."""
-    s_m = np.linspace(0.0, way_m[-1], max(int(way_m[-1] / GRID_M), 2) + 1)
-    leg = np.clip(np.searchsorted(way_m, s_m, side="right") - 1, 0, len(speeds_mps) - 1)
+    """Return times and distances covered [s, m], with limited acceleration."""
+    s_m = np.linspace(0.0, along_path_m[-1], max(int(along_path_m[-1] / GRID_M), 2) + 1)
+    leg = np.clip(np.searchsorted(along_path_m, s_m, side="right") - 1, 0, len(speeds_mps) - 1)
     speed = speeds_mps[leg]
     gain = np.where(speed > RUN_MPS, RUNNING_MPS2, WALKING_MPS2) * (s_m[1] - s_m[0])
     if not comes:
@@ -224,20 +226,20 @@ def _timetable(
     return t_s, s_m
 
 
-def path_along(bouts: Sequence[Bout], start_s: float, comes: bool, goes: bool) -> FloorPath:
-    """Return the path along all bouts, known for a while before and after.
+def path_along(segments: Sequence[Segment], start_s: float, comes: bool, goes: bool) -> FloorPath:
+    """Return the path along all segments, extended before and after.
 
     Parameters
     ----------
-    bouts
-        What is done one after the other.
+    segments
+        In order of time.
     start_s
-        When it begins [s].
+        Time of the start [s].
     comes, goes
-        Begins, ends in the middle of a way.
+        Whether the person is already moving at the start, still moving at the end.
     """
-    xy_m = np.concatenate([bout.xy_m for bout in bouts])
-    heading_rad = np.concatenate([bout.heading_rad for bout in bouts])
+    xy_m = np.concatenate([segment.xy_m for segment in segments])
+    heading_rad = np.concatenate([segment.heading_rad for segment in segments])
     steps, margin = len(xy_m), round(paths.LEAD_S / STEP_S)
     before_m = np.arange(-margin, 0)[:, None] * ((xy_m[1] - xy_m[0]) if comes else np.zeros(2))
     after_m = np.arange(1, margin + 1)[:, None] * ((xy_m[-1] - xy_m[-2]) if goes else np.zeros(2))
