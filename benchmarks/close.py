@@ -116,12 +116,12 @@ def before(camera: "Camera", aside: float) -> Point:
 
 def made_entry(name: str, seed: int) -> "Simulation":
     """Return a scene of close entry."""
-    from trecsim.lab.simulation.cast import Players
+    from trecsim.lab.simulation.people import ScriptedPeople
     from trecsim.lab.simulation.scene import Scene, simulate
 
     room = rooms()[name]
-    cast = Players(tuple(entering(room, seed)))
-    return simulate(Scene(room.rig, cast, ENTRY_S, clocks=clocks()), seed)
+    people = ScriptedPeople(tuple(entering(room, seed)))
+    return simulate(Scene(room.rig, people, ENTRY_S, clocks=clocks()), seed)
 
 
 def clocks() -> tuple[Any, ...]:
@@ -187,14 +187,14 @@ def doing(what: str, room: Room, rng: np.random.Generator) -> "Role":
 
 def made_alone(what: str, seed: int) -> "tuple[Simulation, tuple[Poses2D, ...], Camera]":
     """Return a scene, what two cameras tell of it, and the one that always sees the person."""
-    from trecsim.lab.simulation.cast import Players
+    from trecsim.lab.simulation.people import ScriptedPeople
     from trecsim.lab.simulation.room import corner_rig
     from trecsim.lab.simulation.scene import Scene, simulate
 
     room = Room(corner_rig(7.0, 5.5, 2.5, 2), (-1.5, -0.3), (1.5, 1.7))
-    cast = Players((doing(what, room, np.random.default_rng([seed, DOING.index(what)])),))
+    people = ScriptedPeople((doing(what, room, np.random.default_rng([seed, DOING.index(what)])),))
     seconds = KNOWN_S + ALONE_S + AGAIN_S
-    made = simulate(Scene(room.rig, cast, seconds, clocks=clocks()), seed)
+    made = simulate(Scene(room.rig, people, seconds, clocks=clocks()), seed)
     eye = room.rig.cameras[seed % 2]
     poses = tuple(
         emptied(image) if image.camera != eye.name and hidden(image.t_s) else image

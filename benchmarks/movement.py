@@ -27,7 +27,7 @@ from harness.options import Options, fingerprint, shared_data
 if TYPE_CHECKING:
     from trecsim.lab.simulation import Simulation
     from trecsim.lab.simulation.actions import Action
-    from trecsim.lab.simulation.cast import Person
+    from trecsim.lab.simulation.people import Person
 
 SEEDS, QUICK_SEEDS = 10, 4
 COMPOSED_SEEDS = 4  # there only the detector's errors differ
@@ -49,13 +49,13 @@ Task = tuple[str, int, int, Path, Mapping[str, Any]]
 
 @dataclass(frozen=True, slots=True)
 class Troupe:
-    """People whose motions are known before: a cast."""
+    """People whose motions are known before."""
 
     members: "tuple[Person, ...]"
 
     @property
-    def people(self) -> int:
-        """How many."""
+    def count(self) -> int:
+        """Number of people."""
         return len(self.members)
 
     def __call__(self, seconds: float, rng: np.random.Generator) -> "tuple[Person, ...]":
@@ -174,8 +174,8 @@ def made(name: str, cameras: int, seed: int, folder: Path) -> "tuple[Simulation,
     from trecsim.lab.simulation.actions import Turn, Walk
     from trecsim.lab.simulation.body_shape import bodies
     from trecsim.lab.simulation.camera_clocks import Clock
-    from trecsim.lab.simulation.cast import Person
-    from trecsim.lab.simulation.performance import perform
+    from trecsim.lab.simulation.motion import motion_of
+    from trecsim.lab.simulation.people import Person
     from trecsim.lab.simulation.room import corner_rig
     from trecsim.lab.simulation.scene import Scene, simulate
 
@@ -192,15 +192,15 @@ def made(name: str, cameras: int, seed: int, folder: Path) -> "tuple[Simulation,
     so_far: list[Action] = []
     for _, actions in parts:
         so_far += actions
-        ends_s.append(perform(actor, start_m, 0.0, so_far).leave_s)
+        ends_s.append(motion_of(actor, start_m, 0.0, so_far).leave_s)
     until_s = ends_s[-1] + (0.0 if name == RUNNING else 0.4)
-    acts = perform(actor, start_m, 0.0, so_far, until_s=None if name == RUNNING else until_s)
+    acts = motion_of(actor, start_m, 0.0, so_far, until_s=None if name == RUNNING else until_s)
     aside = float(rng.choice((-1.0, 1.0)) * 1.6)
     way_m = tuple((x_m, aside) for x_m in (2.2, -2.2) * 8)
-    passes = perform(passer, (-2.2, aside), 0.0, (Walk(way_m, 1.1),), until_s=until_s)
-    cast = Troupe((Person(actor.stature_m, acts), Person(passer.stature_m, passes)))
+    passes = motion_of(passer, (-2.2, aside), 0.0, (Walk(way_m, 1.1),), until_s=until_s)
+    people = Troupe((Person(actor.stature_m, acts), Person(passer.stature_m, passes)))
     clocks = tuple(Clock(FPS, start_s=(0.37 * n % 1.0) / FPS) for n in range(cameras))
-    scene = Scene(corner_rig(*ROOM_M, cameras), cast, until_s, clocks=clocks)
+    scene = Scene(corner_rig(*ROOM_M, cameras), people, until_s, clocks=clocks)
     names = [part for part, _ in parts]
     return simulate(scene, seed), {
         part: span_s for part, span_s in zip(names, pairwise(ends_s), strict=True) if part
@@ -262,10 +262,10 @@ def composed(task: Task) -> tuple[dict[str, float], str]:
     name, cameras, seed, folder, overrides = task
     with np.load(folder / "scenes" / f"{name}.npz") as file:
         joints_m, fps = file["joints"][:, :, :17], float(file["fps"])
-    cast = Troupe(tuple(clip_person(person_m, fps) for person_m in joints_m))
+    people = Troupe(tuple(clip_person(person_m, fps) for person_m in joints_m))
     clocks = tuple(Clock(FPS, start_s=(0.37 * n % 1.0) / FPS) for n in range(cameras))
     seconds = (joints_m.shape[1] - 1) / fps
-    scene = simulate(Scene(corner_rig(*HALL_M, cameras), cast, seconds, clocks=clocks), seed)
+    scene = simulate(Scene(corner_rig(*HALL_M, cameras), people, seconds, clocks=clocks), seed)
     one = followed(scene.poses, scene.rig, truth_of(scene), overrides)
     torso_m = one.truth_m[:, :, [5, 6, 11, 12], :2].mean(axis=2)
     with np.errstate(invalid="ignore"):
@@ -276,7 +276,7 @@ def composed(task: Task) -> tuple[dict[str, float], str]:
 
 def clip_person(xyz_m: np.ndarray, fps: float) -> "Person":
     """Return somebody who moves as in a clip, while there."""
-    from trecsim.lab.simulation.cast import Person
+    from trecsim.lab.simulation.people import Person
     from trecsim.lab.simulation.sampled import Sampled
 
     here = np.flatnonzero(np.isfinite(xyz_m[:, 0, 0]))

@@ -49,7 +49,7 @@ def scene() -> "Simulation":
     from trecsim.lab.simulation.detector import Detector
     from trecsim.lab.simulation.paths import through
     from trecsim.lab.simulation.room import corner_rig
-    from trecsim.lab.simulation.scene import Clock, Scene, Scripted, simulate
+    from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, simulate
 
     rng = np.random.default_rng(1000)
     paths = [through(np.array([0.0, SCENE_S]), np.array([STANDING_M, STANDING_M]))]
@@ -60,7 +60,7 @@ def scene() -> "Simulation":
         paths.append(through(enter_s + np.array([0.0, rng.uniform(4.0, 12.0)]), ends))
     clocks = tuple(Clock(FPS, start_s=n / CAMERAS / FPS) for n in range(CAMERAS))
     rig = corner_rig(7.0, 6.0, 2.7, CAMERAS)
-    made = simulate(Scene(rig, Scripted(tuple(paths)), SCENE_S, Detector(), clocks), 1000)
+    made = simulate(Scene(rig, PathWalkers(tuple(paths)), SCENE_S, Detector(), clocks), 1000)
     return replace(made, truth_xyz_m=made.truth_xyz_m[:1].copy())
 
 

@@ -75,8 +75,8 @@ def crowd(task: tuple[int, int, Mapping[str, Any]]) -> tuple[dict[str, dict[str,
     from trecsim.store.truth import Truth
 
     people, seed, overrides = task
-    cast = Wanderers(people, *FLOOR_M, CENTRE_M)
-    scene = replace(read_scene("three-people"), cast=cast, detector=PERFECT, seconds=SECONDS)
+    wanderers = Wanderers(people, *FLOOR_M, CENTRE_M)
+    scene = replace(read_scene("three-people"), people=wanderers, detector=PERFECT, seconds=SECONDS)
     made, rng = simulate(scene, seed), np.random.default_rng(seed)
     poses = [
         replace(view, xy_px=view.xy_px + rng.normal(0.0, NOISE_PX, view.xy_px.shape))

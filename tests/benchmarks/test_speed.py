@@ -47,7 +47,7 @@ def test_lenses_are_all_that_differs_between_the_two_rooms() -> None:
     plain, lensed = speed.room(4, 4), speed.room(4, 4, lensed=True)
     assert {camera.distortion_model for camera in plain.rig} == {"none"}
     assert {camera.distortion_model for camera in lensed.rig} == {"brown"}
-    assert plain.cast == lensed.cast
+    assert plain.people == lensed.people
     for one, other in zip(plain.rig, lensed.rig, strict=True):
         np.testing.assert_allclose(one.T_cam_world, other.T_cam_world)
 

@@ -101,7 +101,7 @@ def test_every_built_in_scene_is_on_the_page_with_its_line() -> None:
 def test_the_examples_of_the_page_are_right(number: int, tmp_path: Path) -> None:
     example = re.findall(r"```toml\n(.*?)```", PAGE.read_text(), re.DOTALL)[number]
     (tmp_path / "scene.toml").write_text(example)
-    assert read_scene(tmp_path / "scene.toml").cast.people > 0
+    assert read_scene(tmp_path / "scene.toml").people.count > 0
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import numpy as np
 from trecsim.lab.simulation.detector import Detector
 from trecsim.lab.simulation.paths import through
 from trecsim.lab.simulation.room import corner_rig
-from trecsim.lab.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
+from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, Simulation, simulate
 from trecsim.values import FrameSet, Snapshot
 
 NOISE = Detector(missing_person=0.02, false_people=0.0)
@@ -24,7 +24,7 @@ def made(paths, *, cameras=4, seconds=6.0, detector=NOISE, fps=25.0, seed=0, sta
         Clock(fps, start_s=(0.37 * n % 1.0) / fps if stagger else 0.0) for n in range(cameras)
     )
     rig = corner_rig(7.0, 6.0, 2.7, cameras)
-    return simulate(Scene(rig, Scripted(tuple(paths)), seconds, detector, clocks), seed)
+    return simulate(Scene(rig, PathWalkers(tuple(paths)), seconds, detector, clocks), seed)
 
 
 def frame_sets(made: Simulation, fps=25.0):

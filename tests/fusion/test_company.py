@@ -8,7 +8,7 @@ from trecsim.fusion import Tracker
 from trecsim.geometry import Rig
 from trecsim.lab.simulation.camera_placement import Make, look_at
 from trecsim.lab.simulation.room import corner_rig
-from trecsim.lab.simulation.scene import Clock, Scene, Scripted, Simulation, simulate
+from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, Simulation, simulate
 from trecsim.values import FrameSet, Poses2D
 
 
@@ -26,7 +26,7 @@ def eyes(*positions_m, at_m=(0.0, 0.0, 1.0), view_deg=90.0):
 def acted(rig, paths, seconds, seed=0, detector=NOISE):
     """Simulate people who walk along paths before the cameras."""
     clocks = tuple(Clock(25.0, start_s=0.37 * n % 1.0 / 25.0) for n in range(len(rig)))
-    return simulate(Scene(rig, Scripted(tuple(paths)), seconds, detector, clocks), seed)
+    return simulate(Scene(rig, PathWalkers(tuple(paths)), seconds, detector, clocks), seed)
 
 
 def standing(x_m, y_m, seconds=6.0):

@@ -13,7 +13,7 @@ from trecsim.errors import InputError
 from trecsim.fusion import Tracker
 from trecsim.geometry import Camera, Rig
 from trecsim.lab.simulation.detector import PERFECT
-from trecsim.lab.simulation.scene import Clock, Scene, Scripted, simulate
+from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, simulate
 from trecsim.values import FrameSet, Poses2D
 
 ACROSS, BESIDE = path((0, -2, 0), (4, 2, 0)), path((0, -2, 1.5), (4, 2, 1.5))
@@ -22,7 +22,7 @@ CORNERS = made([ACROSS], seconds=0.1).rig
 
 def seen_by(rig, paths=(ACROSS, BESIDE), seconds=3.0, seed=0):
     clocks = tuple(Clock(25.0) for _ in rig)
-    return simulate(Scene(rig, Scripted(tuple(paths)), seconds, NOISE, clocks), seed)
+    return simulate(Scene(rig, PathWalkers(tuple(paths)), seconds, NOISE, clocks), seed)
 
 
 def follow(scene, rig=None):

@@ -129,7 +129,7 @@ def _facts(scene: "Scene") -> dict[str, Any]:
         "name": scene.name,
         "about": scene.about,
         "cameras": len(scene.rig),
-        "people": scene.cast.people,
+        "people": scene.people.count,
         "seconds": scene.seconds,
     }
 

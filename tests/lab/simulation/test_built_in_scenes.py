@@ -27,9 +27,9 @@ def people(name: str) -> np.ndarray:
     """Return everybody's joints a few times a second, as the scene's own seed makes them."""
     scene = read_scene(name)
     of_people, _ = np.random.SeedSequence(scene.seed).spawn(2)
-    cast = scene.cast(scene.seconds, np.random.default_rng(of_people))
+    people = scene.people(scene.seconds, np.random.default_rng(of_people))
     t_s = np.arange(0.0, scene.seconds, SAMPLE_S)
-    return poses([person.motion for person in cast], t_s)
+    return poses([person.motion for person in people], t_s)
 
 
 def cameras_that_see(scene: Scene, xyz_m: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ def test_every_scene_can_be_simulated(name: str) -> None:
     scene = replace(read_scene(name), seconds=0.3)
     made = simulate(scene)
     assert {one.camera for one in made.poses} == set(scene.rig.names)
-    assert made.truth_xyz_m.shape == (scene.cast.people, 16, 17, 3)
+    assert made.truth_xyz_m.shape == (scene.people.count, 16, 17, 3)
 
 
 @pytest.mark.parametrize("name", ["rotating", "gate", "crowded-room"])
@@ -95,7 +95,7 @@ def test_another_seed_gives_other_bodies_and_noise(name: str) -> None:
 
 def test_the_hall_has_twelve_cameras_and_fifty_people() -> None:
     scene = read_scene("hall")
-    assert (len(scene.rig), scene.cast.people) == (12, 50)
+    assert (len(scene.rig), scene.people.count) == (12, 50)
 
 
 def test_postures_are_taken() -> None:

@@ -9,8 +9,8 @@ from trecsim.errors import InputError
 from trecsim.lab.simulation.actions import Clip, Stand, Walk
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.clips import FACE_M, Take, posed, read_clip
+from trecsim.lab.simulation.motion import motion_of
 from trecsim.lab.simulation.on_foot import on_foot
-from trecsim.lab.simulation.performance import perform
 from trecsim.lab.simulation.pose import joints
 from trecsim.lab.simulation.turns import Place
 
@@ -35,7 +35,7 @@ def length_m(xyz_m: np.ndarray, first: int, second: int) -> np.ndarray:
 
 def test_a_clip_is_done_with_the_own_limbs_from_the_own_place(tmp_path: Path) -> None:
     clip = Clip(write_walk(tmp_path / "walk.npz"))
-    motion = perform(ONE, (1.0, -2.0), np.pi / 2, [clip])
+    motion = motion_of(ONE, (1.0, -2.0), np.pi / 2, [clip])
     xyz_m = motion(np.arange(0.0, motion.leave_s, 0.013))
     for joint, field in ((11, "thigh_m"), (13, "shin_m"), (5, "upper_arm_m"), (7, "forearm_m")):
         np.testing.assert_allclose(
@@ -63,7 +63,7 @@ def test_feet_of_a_clip_that_stand_keep_standing(tmp_path: Path) -> None:
 
 def test_a_clip_is_carried_along_a_way(tmp_path: Path) -> None:
     clip = Clip(write_walk(tmp_path / "walk.npz"), along_m=((2.0, 0.0), (2.0, 9.0)), times=2)
-    motion = perform(ONE, (0.0, 0.0), 0.0, [clip])
+    motion = motion_of(ONE, (0.0, 0.0), 0.0, [clip])
     xyz_m = motion(np.arange(0.0, motion.leave_s, 0.05))
     hips_m = xyz_m[:, 11:13].mean(axis=1)[:, :2]
     way_m = np.minimum(np.abs(hips_m[:, 1]), np.abs(hips_m[:, 0] - 2.0))
@@ -75,7 +75,7 @@ def test_a_clip_is_carried_along_a_way(tmp_path: Path) -> None:
 
 def test_clips_are_joined_to_what_comes_before_and_after_without_a_jump(tmp_path: Path) -> None:
     clip = Clip(write_walk(tmp_path / "walk.npz"), from_s=2.0, to_s=3.0)
-    motion = perform(ONE, (0.0, 0.0), 0.0, [Stand(0.3), clip, Stand(0.3)])
+    motion = motion_of(ONE, (0.0, 0.0), 0.0, [Stand(0.3), clip, Stand(0.3)])
     xyz_m = motion(np.arange(0.0, motion.leave_s, 0.01))
     assert np.isfinite(xyz_m).all()
     assert np.linalg.norm(np.diff(xyz_m, axis=0), axis=-1).max() / 0.01 < 6.0
@@ -86,7 +86,7 @@ def test_clips_are_joined_to_what_comes_before_and_after_without_a_jump(tmp_path
 )
 def test_recorded_people_keep_to_the_laws(shared_data: Path, name: str) -> None:
     path = shared_data / "mocap" / f"{name}.npz"
-    motion = perform(ONE, (0.0, 0.0), 0.0, [Stand(0.2), Clip(path), Stand(0.2)])
+    motion = motion_of(ONE, (0.0, 0.0), 0.0, [Stand(0.2), Clip(path), Stand(0.2)])
     xyz_m = motion(np.arange(0.0, motion.leave_s, 0.01))
     assert xyz_m[..., 2].min() > 0.0
     np.testing.assert_allclose(length_m(xyz_m, 11, 13), ONE.thigh_m, atol=1e-3)

@@ -12,7 +12,7 @@ from trecsim.geometry import Camera, Rig
 from trecsim.lab.simulation.detector import PERFECT, Footage, detect
 from trecsim.lab.simulation.paths import through
 from trecsim.lab.simulation.room import corner_rig
-from trecsim.lab.simulation.scene import Clock, Scene, Scripted, Wanderers, room_scene, simulate
+from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, Wanderers, room_scene, simulate
 from trecsim.store.truth import write_truth
 from trecsim.values import Poses2D
 
@@ -117,7 +117,7 @@ def test_a_scripted_crossing_comes_as_close_as_it_says() -> None:
         through(t_s, np.array([[-2.0, 0.2], [2.0, 0.2]])),
         through(t_s, np.array([[2.0, -0.2], [-2.0, -0.2]])),
     )
-    made = simulate(Scene(corner_rig(8.0, 6.0, 2.7), Scripted(paths), 4.0), 0)
+    made = simulate(Scene(corner_rig(8.0, 6.0, 2.7), PathWalkers(paths), 4.0), 0)
     hips_m = made.truth_xyz_m[:, :, 11:13, :2].mean(axis=2)
     assert np.linalg.norm(hips_m[0] - hips_m[1], axis=1).min() == pytest.approx(0.4, abs=0.06)
 

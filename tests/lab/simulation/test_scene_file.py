@@ -10,8 +10,8 @@ import pytest
 from trecsim.errors import ConfigError, InputError
 from trecsim.lab.simulation import BUILT_IN, read_scene, simulate
 from trecsim.lab.simulation.actions import Stand, Turn, Walk
-from trecsim.lab.simulation.cast import Company, Players, Wanderers
 from trecsim.lab.simulation.detector import PERFECT, Detector
+from trecsim.lab.simulation.people import PeopleGroups, ScriptedPeople, Wanderers
 from trecsim.lab.simulation.scene import Scene
 from trecsim.lab.simulation.scene_file import scene_schema
 from trecsim.lab.simulation.walkers import poses
@@ -98,11 +98,11 @@ def test_a_good_file_is_read(tmp_path: Path) -> None:
 
 
 def test_people_are_read_with_what_they_do(tmp_path: Path) -> None:
-    cast = read(tmp_path, GOOD).cast
-    assert isinstance(cast, Company)
-    assert cast.people == 5
-    players, wanderers = cast.casts
-    assert isinstance(players, Players)
+    people = read(tmp_path, GOOD).people
+    assert isinstance(people, PeopleGroups)
+    assert people.count == 5
+    players, wanderers = people.groups
+    assert isinstance(players, ScriptedPeople)
     assert wanderers == Wanderers(2, 3.0, 3.0, (8.0, 0.0))
     first, second, third = players.roles
     walk, turn = first.visits[0].actions
@@ -135,7 +135,7 @@ def test_who_leaves_is_gone_and_may_come_again(tmp_path: Path) -> None:
         "[[people.again]]\nstart_m = [0, 1]\nenter_s = 3.5\n"
     )
     scene = read(tmp_path, GOOD.partition("[[people]]")[0] + again)
-    (person,) = scene.cast(scene.seconds, np.random.default_rng(0))
+    (person,) = scene.people(scene.seconds, np.random.default_rng(0))
     t_s = np.array([0.5, 3.0, 4.0, 4.9])
     xyz_m = poses([person.motion], t_s)[0]
     assert np.isnan(xyz_m[:, 0, 0]).tolist() == [False, True, False, False]

@@ -2,7 +2,7 @@
 
 These are also the tables of a scene file, which is why angles are in degrees. Transitions (turning
 towards the first way point, getting up before walking, sitting down before lying) are added by
-:func:`trecsim.lab.simulation.performance.perform`.
+:func:`trecsim.lab.simulation.motion.motion_of`.
 """
 
 from typing import Annotated, Any, Literal, Self

@@ -49,7 +49,7 @@ def floor_plan(scene: Scene, columns: int = COLUMNS, rows: int = ROWS) -> str:
 def ways(scene: Scene) -> Float64[np.ndarray, "person time 2"]:
     """Return where everybody is over the floor, a few times a second; NaN while absent [m]."""
     of_people, _ = np.random.SeedSequence(scene.seed).spawn(2)
-    people = scene.cast(scene.seconds, np.random.default_rng(of_people))
+    people = scene.people(scene.seconds, np.random.default_rng(of_people))
     t_s = np.arange(int(scene.seconds * SAMPLE_HZ) + 1) / SAMPLE_HZ
     xyz_m = poses([person.motion for person in people], t_s)
     xy_m: Float64[np.ndarray, "person time 2"] = xyz_m[:, :, 11:13, :2].mean(axis=2)

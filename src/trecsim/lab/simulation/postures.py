@@ -150,7 +150,7 @@ def transition(start: Name, goal: Name) -> tuple[Name, ...]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Being:
+class Actor:
     """Somebody: a body with small idle motions of its own.
 
     Attributes
@@ -291,7 +291,7 @@ class Transition:
 
     Attributes
     ----------
-    being
+    actor
         Who.
     start, goal
         Postures and their places.
@@ -303,7 +303,7 @@ class Transition:
         Whether it gets faster until it ends.
     """
 
-    being: Being
+    actor: Actor
     start: tuple[Posture, Place]
     goal: tuple[Posture, Place]
     via: Pose | None
@@ -313,12 +313,12 @@ class Transition:
 
     def __call__(self, t_s: Times) -> Pose:
         """Return the poses at these times."""
-        first, last = self.being.held(*self.start, t_s), self.being.held(*self.goal, t_s)
+        first, last = self.actor.held(*self.start, t_s), self.actor.held(*self.goal, t_s)
         share = (falling if self.is_fall else even)((t_s - self.start_s) / self.seconds)
         if self.via is None:
             pose = blend(first, last, share)
         else:
-            via = self.being.alive(self.via, t_s)
+            via = self.actor.alive(self.via, t_s)
             pose = blend(blend(first, via, share), blend(via, last, share), share)
         return pose if self.is_fall else stepping_over(pose, first, last, share)
 

@@ -22,7 +22,7 @@ from trecsim.lab.simulation.actions import (
     Walk,
 )
 from trecsim.lab.simulation.body_shape import Body
-from trecsim.lab.simulation.performance import perform
+from trecsim.lab.simulation.motion import motion_of
 from trecsim.lab.simulation.walkers import Motion
 
 SHORTEST_M, TALLEST_M = 0.8, 2.3
@@ -68,7 +68,7 @@ class Visit:
         facing_rad = self._ahead_rad() if self.facing_rad is None else self.facing_rad
         left_s = max(seconds - self.enter_s, 0.0) + AFTER_S
         actions = tuple(_in_time(self.actions, self.start_m, left_s))
-        return perform(
+        return motion_of(
             body,
             self.start_m,
             facing_rad,

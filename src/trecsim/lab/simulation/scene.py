@@ -11,20 +11,20 @@ from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
 from trecsim.lab.simulation.camera_clocks import Clock
-from trecsim.lab.simulation.cast import Cast, Person, Scripted, Wanderers
 from trecsim.lab.simulation.detector import Detector, Footage, detect
 from trecsim.lab.simulation.failures import Knock, Outage
 from trecsim.lab.simulation.occlusion import Obstacle
+from trecsim.lab.simulation.people import PathWalkers, People, Person, Wanderers
 from trecsim.lab.simulation.room import corner_rig
 from trecsim.lab.simulation.walkers import poses
 from trecsim.values import Poses2D
 
 __all__ = [
-    "Cast",
     "Clock",
+    "PathWalkers",
+    "People",
     "Person",
     "Scene",
-    "Scripted",
     "Simulation",
     "Wanderers",
     "room_scene",
@@ -47,7 +47,7 @@ class Scene:
     ----------
     rig
         The cameras, as the system will know them.
-    cast
+    people
         Who is there and what they do.
     seconds
         How long [s].
@@ -68,7 +68,7 @@ class Scene:
     """
 
     rig: Rig
-    cast: Cast
+    people: People
     seconds: float
     detector: Detector = field(default_factory=Detector)
     clocks: tuple[Clock, ...] = (Clock(),)
@@ -150,7 +150,7 @@ def simulate(scene: Scene, seed: int | None = None, progress: Progress | None = 
     common_seed = int(of_habits.generate_state(1, np.uint64)[0])
     clocks = scene.clocks if len(scene.clocks) > 1 else scene.clocks * len(scene.rig)
     _check_size(scene, clocks)
-    people = scene.cast(scene.seconds, np.random.default_rng(of_people))
+    people = scene.people(scene.seconds, np.random.default_rng(of_people))
     images: list[tuple[float, int, Poses2D]] = []
     seeds = of_cameras.spawn(len(scene.rig))
     for number, (camera, clock, own) in enumerate(zip(scene.rig, clocks, seeds, strict=True)):
@@ -165,7 +165,7 @@ def simulate(scene: Scene, seed: int | None = None, progress: Progress | None = 
 
 
 def _check_size(scene: Scene, clocks: tuple[Clock, ...]) -> None:
-    people = scene.cast.people
+    people = scene.people.count
     images = sum(max(scene.seconds - clock.start_s, 0.0) * clock.fps for clock in clocks)
     sights = max(images, scene.seconds * TRUTH_HZ) * (people + 1)
     if sights > MOST_SIGHTS:
@@ -240,5 +240,5 @@ def room_scene(
     """
     rig = corner_rig(width_m, depth_m, height_m, cameras)
     clocks = tuple(Clock(fps, start_s=(0.37 * number % 1.0) / fps) for number in range(cameras))
-    cast = Wanderers(people, 0.8 * width_m, 0.8 * depth_m)
-    return Scene(rig, cast, seconds, clocks=clocks)
+    wanderers = Wanderers(people, 0.8 * width_m, 0.8 * depth_m)
+    return Scene(rig, wanderers, seconds, clocks=clocks)

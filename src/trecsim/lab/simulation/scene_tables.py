@@ -22,9 +22,9 @@ from trecsim.lab.simulation.camera_tables import (
     RigTable,
     possible,
 )
-from trecsim.lab.simulation.cast import Company, Players, Wanderers
 from trecsim.lab.simulation.detector import ANNOTATED, PERFECT, REAL, Detector
 from trecsim.lab.simulation.occlusion import Obstacle
+from trecsim.lab.simulation.people import PeopleGroups, ScriptedPeople, Wanderers
 from trecsim.lab.simulation.roles import SHORTEST_M, TALLEST_M, Role, Visit
 from trecsim.lab.simulation.scene import LONGEST_S, Scene
 from trecsim.toml_models import Table
@@ -143,7 +143,7 @@ class WanderersTable(Table):
     centre_m: Point = (0.0, 0.0)
     """Middle of that floor, x and y [m]."""
 
-    def cast(self) -> Wanderers:
+    def wanderers(self) -> Wanderers:
         """Return them."""
         return Wanderers(self.people, self.width_m, self.depth_m, self.centre_m)
 
@@ -198,7 +198,7 @@ class SceneTable(Table):
         named = list(zip(rig.names, tables, strict=True))
         scene = Scene(
             rig=rig,
-            cast=self._cast(),
+            people=self._people(),
             seconds=self.seconds,
             detector=self.detector,
             clocks=tuple(
@@ -232,7 +232,7 @@ class SceneTable(Table):
             faults.append((("cameras",), told))
         return Rig(tuple(cameras.values())) if len(faults) == before else None
 
-    def _cast(self) -> Company:
+    def _people(self) -> PeopleGroups:
         roles = tuple(role for table in self.people for role in table.roles())
-        players = (Players(roles),) if roles else ()
-        return Company((*players, *(table.cast() for table in self.wanderers)))
+        players = (ScriptedPeople(roles),) if roles else ()
+        return PeopleGroups((*players, *(table.wanderers() for table in self.wanderers)))

@@ -13,7 +13,7 @@ from typing import Any
 from trecsim.calibration import read_rig
 from trecsim.errors import ConfigError, Error, InputError
 from trecsim.geometry import Rig
-from trecsim.lab.simulation.cast import clips_of
+from trecsim.lab.simulation.people import clips_of
 from trecsim.lab.simulation.scene import Scene, room_scene, simulate
 from trecsim.lab.simulation.scene_file import BUILT_IN, built_in_text, read_scene
 from trecsim.lab.staging import write_simulation
@@ -113,7 +113,7 @@ def _scene_digest(source: str) -> str:
     if not text and (path := Path(source)).suffix:
         text = read_text(path, "scene file")
     digest = hashlib.sha256(text.encode())
-    for clip in clips_of(read_scene(source).cast):
+    for clip in clips_of(read_scene(source).people):
         digest.update(_file_digest(clip))
     return digest.hexdigest()[:16]
 

@@ -1,4 +1,4 @@
-"""Who is in a scene: people with a script, people who wander about, or both."""
+"""The people of a scene: with a script, wandering about, or both."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,14 +18,14 @@ from trecsim.lab.simulation.wandering import wander
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Person:
-    """Somebody in a scene.
+    """One person of a scene.
 
     Attributes
     ----------
     stature_m
         Height standing upright [m].
     motion
-        Joints at any time.
+        Joints as a function of time.
     """
 
     stature_m: float
@@ -33,16 +33,16 @@ class Person:
 
 
 @runtime_checkable
-class Cast(Protocol):
-    """Decides who is in a scene."""
+class People(Protocol):
+    """Makes the people of a scene."""
 
     @property
-    def people(self) -> int:
-        """How many."""
+    def count(self) -> int:
+        """Number of people."""
         ...
 
     def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody for a scene of this length [s]."""
+        """Return all people for a scene of this length [s]."""
         ...
 
 
@@ -55,32 +55,32 @@ class Wanderers:
     people
         How many.
     width_m, depth_m
-        Floor they use, along x and y [m].
+        Size of their floor, along x and y [m].
     centre_m
         Its middle, x and y [m].
     """
 
-    people: int
+    count: int
     width_m: float
     depth_m: float
     centre_m: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
-        if self.people < 0 or not min(self.width_m, self.depth_m) > 0:
+        if self.count < 0 or not min(self.width_m, self.depth_m) > 0:
             raise InputError(
                 "wanderers need a number of people from 0 and a floor with positive sides, got "
-                f"{self.people} on {self.width_m:g} m x {self.depth_m:g} m"
+                f"{self.count} on {self.width_m:g} m x {self.depth_m:g} m"
             )
 
     def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody for a scene of this length [s]."""
-        paths = wander(self.people, self.width_m, self.depth_m, seconds, rng)
+        """Return all people for a scene of this length [s]."""
+        paths = wander(self.count, self.width_m, self.depth_m, seconds, rng)
         moved = tuple(replace(path, xy_m=path.xy_m + self.centre_m) for path in paths)
-        return _walking(bodies(self.people, rng), moved, rng)
+        return _walking(bodies(self.count, rng), moved, rng)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scripted:
+class PathWalkers:
     """People who walk along given paths.
 
     Attributes
@@ -92,17 +92,17 @@ class Scripted:
     paths: tuple[FloorPath, ...]
 
     @property
-    def people(self) -> int:
-        """How many."""
+    def count(self) -> int:
+        """Number of people."""
         return len(self.paths)
 
     def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody; the paths say when each is there."""
+        """Return all people; their paths say when each is present."""
         return _walking(bodies(len(self.paths), rng), self.paths, rng)
 
 
 @dataclass(frozen=True, slots=True)
-class Players:
+class ScriptedPeople:
     """People with scripts.
 
     Attributes
@@ -114,12 +114,12 @@ class Players:
     roles: tuple[Role, ...]
 
     @property
-    def people(self) -> int:
-        """How many."""
+    def count(self) -> int:
+        """Number of people."""
         return len(self.roles)
 
     def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody for a scene of this length [s]."""
+        """Return all people for a scene of this length [s]."""
         return tuple(
             _player(role, any_body, seconds, rng)
             for role, any_body in zip(self.roles, bodies(len(self.roles), rng), strict=True)
@@ -127,45 +127,45 @@ class Players:
 
 
 @dataclass(frozen=True, slots=True)
-class Company:
-    """Several casts in one scene.
+class PeopleGroups:
+    """Several groups of people in one scene.
 
     Attributes
     ----------
-    casts
-        Who comes first in the truth is first here.
+    groups
+        In the order of the ground truth.
     """
 
-    casts: tuple[Cast, ...]
+    groups: tuple[People, ...]
 
     @property
-    def people(self) -> int:
-        """How many."""
-        return sum(cast.people for cast in self.casts)
+    def count(self) -> int:
+        """Number of people."""
+        return sum(group.count for group in self.groups)
 
     def __call__(self, seconds: float, rng: np.random.Generator) -> tuple[Person, ...]:
-        """Return everybody for a scene of this length [s]; one cast does not change another."""
-        sources = rng.spawn(len(self.casts))
+        """Return all people for a scene of this length [s]; groups do not affect each other."""
+        sources = rng.spawn(len(self.groups))
         return tuple(
             person
-            for cast, own in zip(self.casts, sources, strict=True)
-            for person in cast(seconds, own)
+            for group, own in zip(self.groups, sources, strict=True)
+            for person in group(seconds, own)
         )
 
 
-def clips_of(cast: Cast) -> tuple[Path, ...]:
-    """Return the files of recorded motion that people of a cast play, each once, in order.
+def clips_of(group: People) -> tuple[Path, ...]:
+    """Return the files of recorded motion that a group plays, each once, in order.
 
     Parameters
     ----------
-    cast
-        Any; what is not known here plays none.
+    group
+        Any; other kinds of people play none.
     """
-    if isinstance(cast, Company):
-        return tuple(dict.fromkeys(path for one in cast.casts for path in clips_of(one)))
-    if not isinstance(cast, Players):
+    if isinstance(group, PeopleGroups):
+        return tuple(dict.fromkeys(path for one in group.groups for path in clips_of(one)))
+    if not isinstance(group, ScriptedPeople):
         return ()
-    actions = (action for role in cast.roles for visit in role.visits for action in visit.actions)
+    actions = (action for role in group.roles for visit in role.visits for action in visit.actions)
     return tuple(dict.fromkeys(action.path for action in actions if isinstance(action, Clip)))
 
 

@@ -22,7 +22,7 @@ from trecsim.lab.simulation.actions import (
     Walk,
 )
 from trecsim.lab.simulation.body_shape import Body, body
-from trecsim.lab.simulation.performance import perform
+from trecsim.lab.simulation.motion import motion_of
 from trecsim.lab.simulation.sampled import Sampled
 
 STEP_S = 0.01
@@ -60,7 +60,7 @@ FASTEST_MPS = 9.0  # the foot of a runner
 def done(name: str, tall: bool = True) -> Sampled:
     """Return an action between two moments of standing."""
     who = TALL if tall else SHORT
-    return perform(who, (0.0, 0.0), 0.0, [Stand(0.2), ACTIONS[name], Stand(0.2)], style=1.0)
+    return motion_of(who, (0.0, 0.0), 0.0, [Stand(0.2), ACTIONS[name], Stand(0.2)], style=1.0)
 
 
 def moments(motion: Sampled) -> np.ndarray:
@@ -149,7 +149,7 @@ def test_a_foot_that_stands_does_not_skate(name: str) -> None:
 
 def test_runners_are_fast_and_fly_and_walkers_are_not_and_do_not() -> None:
     walking, running = (
-        moments(perform(TALL, (0.0, 0.0), 0.0, [go], style=1.0))
+        moments(motion_of(TALL, (0.0, 0.0), 0.0, [go], style=1.0))
         for go in (Walk(((6.0, 0.0),), 1.4), Run(((12.0, 0.0),), 3.5))
     )
     for xyz_m, speed_mps in ((walking, 1.4), (running, 3.5)):
@@ -161,7 +161,7 @@ def test_runners_are_fast_and_fly_and_walkers_are_not_and_do_not() -> None:
 
 
 def test_the_hips_of_a_runner_do_not_fall_faster_than_things_fall() -> None:
-    xyz_m = moments(perform(TALL, (0.0, 0.0), 0.0, [Run(((12.0, 0.0),), 3.5)], style=1.0))
+    xyz_m = moments(motion_of(TALL, (0.0, 0.0), 0.0, [Run(((12.0, 0.0),), 3.5)], style=1.0))
     hips_m = xyz_m[:, 11:13, 2].mean(axis=1)
     assert (np.diff(hips_m, 2) / STEP_S**2).min() > -10.0
     assert np.ptp(hips_m) > 0.015  # up and down with each step
@@ -172,7 +172,7 @@ def test_the_hips_of_a_runner_do_not_fall_faster_than_things_fall() -> None:
 def test_a_fall_takes_about_a_second_and_is_no_faster_than_a_free_fall(
     to: str, fall_s: float
 ) -> None:
-    motion = perform(TALL, (0.0, 0.0), 0.0, [Stand(0.5), Fall(1.0, to, fall_s)], until_s=4.0)
+    motion = motion_of(TALL, (0.0, 0.0), 0.0, [Stand(0.5), Fall(1.0, to, fall_s)], until_s=4.0)
     xyz_m = moments(motion)
     hips_m = xyz_m[:, 11:13, 2].mean(axis=1)
     falling = np.flatnonzero((hips_m < 0.97 * hips_m[0]) & (hips_m > 0.25))
@@ -198,7 +198,7 @@ def test_a_fall_takes_about_a_second_and_is_no_faster_than_a_free_fall(
     ],
 )
 def test_one_lies_on_the_side_that_was_asked_for(action: Action, up: tuple[float, float]) -> None:
-    motion = perform(TALL, (0.0, 0.0), 0.0, [action], until_s=12.0)
+    motion = motion_of(TALL, (0.0, 0.0), 0.0, [action], until_s=12.0)
     xyz_m = motion(np.array([11.0]))[0]
     left = (xyz_m[5] - xyz_m[6]) / TALL.shoulders_m
     spine = (xyz_m[5:7].mean(axis=0) - xyz_m[11:13].mean(axis=0)) / TALL.trunk_m
@@ -214,7 +214,7 @@ def test_a_faller_falls_where_he_was_told_to() -> None:
         ("left", (0, 1)),
         ("right", (0, -1)),
     ):
-        motion = perform(TALL, (2.0, 1.0), 0.0, [Fall(2.0, to)], until_s=2.0)
+        motion = motion_of(TALL, (2.0, 1.0), 0.0, [Fall(2.0, to)], until_s=2.0)
         head_m = motion(np.array([1.9]))[0, 0, :2] - [2.0, 1.0]
         assert head_m @ direction > 1.0, to
 
@@ -238,7 +238,7 @@ def test_crawlers_go_on_hands_and_knees_that_stay_where_they_rest() -> None:
 
 def test_one_gets_where_one_wants_and_faces_what_one_wants() -> None:
     actions = [Stand(0.1), Walk(((2.0, 1.0), (3.0, 3.0))), Turn(to_deg=180.0), Stand(0.5)]
-    motion = perform(TALL, (0.0, 0.0), 0.5, actions)
+    motion = motion_of(TALL, (0.0, 0.0), 0.5, actions)
     last_m = motion(np.array([motion.leave_s]))[0]
     np.testing.assert_allclose(last_m[15:, :2].mean(axis=0), [3.0, 3.0], atol=0.01)
     left = last_m[11] - last_m[12]
@@ -247,14 +247,16 @@ def test_one_gets_where_one_wants_and_faces_what_one_wants() -> None:
 
 def test_arms_go_up_as_asked() -> None:
     for arms, raised in (("both", (9, 10)), ("left", (9,)), ("right", (10,))):
-        motion = perform(TALL, (0.0, 0.0), 0.0, [RaiseArms(2.0, arms)], until_s=2.0)
+        motion = motion_of(TALL, (0.0, 0.0), 0.0, [RaiseArms(2.0, arms)], until_s=2.0)
         xyz_m = motion(np.array([1.5]))[0]
         assert [joint for joint in (9, 10) if xyz_m[joint, 2] > xyz_m[0, 2] + 0.2] == list(raised)
 
 
 def test_one_sits_on_the_seat_with_bent_knees() -> None:
     for seat_m in (0.35, 0.55):
-        xyz_m = perform(TALL, (0.0, 0.0), 0.0, [Sit(3.0, seat_m)], until_s=3.0)(np.array([2.5]))[0]
+        xyz_m = motion_of(TALL, (0.0, 0.0), 0.0, [Sit(3.0, seat_m)], until_s=3.0)(np.array([2.5]))[
+            0
+        ]
         assert seat_m < xyz_m[11, 2] < seat_m + 0.15
         thigh, shin = xyz_m[13] - xyz_m[11], xyz_m[15] - xyz_m[13]
         assert abs(thigh @ shin) < 0.4 * TALL.thigh_m * TALL.shin_m
@@ -262,7 +264,7 @@ def test_one_sits_on_the_seat_with_bent_knees() -> None:
 
 
 def test_who_walks_first_comes_in_at_speed_and_who_walks_last_leaves_at_speed() -> None:
-    motion = perform(TALL, (0.0, 0.0), 2.0, [Walk(((5.0, 0.0),), 1.3)], enter_s=3.0)
+    motion = motion_of(TALL, (0.0, 0.0), 2.0, [Walk(((5.0, 0.0),), 1.3)], enter_s=3.0)
     xyz_m = motion(np.array([2.99, 3.0, 3.02, motion.leave_s - 0.02, motion.leave_s]))
     assert np.isnan(xyz_m[0]).all()
     hips_m = xyz_m[:, 11:13].mean(axis=1)[:, 0]
@@ -272,26 +274,26 @@ def test_who_walks_first_comes_in_at_speed_and_who_walks_last_leaves_at_speed() 
 
 
 def test_who_shall_stay_stays_as_the_last_action_ends_and_no_longer() -> None:
-    motion = perform(TALL, (0.0, 0.0), 0.0, [Walk(((2.0, 0.0),))], until_s=9.0)
+    motion = motion_of(TALL, (0.0, 0.0), 0.0, [Walk(((2.0, 0.0),))], until_s=9.0)
     xyz_m = motion(np.array([7.0, 9.0, 9.01]))
     np.testing.assert_allclose(xyz_m[:2, 15:, :2].mean(axis=1), [[2.0, 0.0]] * 2, atol=0.01)
     assert np.isnan(xyz_m[2]).all()
-    cut = perform(TALL, (0.0, 0.0), 0.0, [Lie(60.0)], until_s=9.0)
+    cut = motion_of(TALL, (0.0, 0.0), 0.0, [Lie(60.0)], until_s=9.0)
     assert cut.leave_s == pytest.approx(9.0)
 
 
 def test_the_same_people_move_the_same_and_others_do_not() -> None:
     script = [Stand(0.3), Sit(0.5), Walk(((1.0, 1.0),))]
     first, again, other = (
-        perform(SHORT, (0.0, 0.0), 0.0, script, style=style).xyz_m for style in (1.0, 1.0, 2.0)
+        motion_of(SHORT, (0.0, 0.0), 0.0, script, style=style).xyz_m for style in (1.0, 1.0, 2.0)
     )
     np.testing.assert_array_equal(first, again)
     assert np.abs(first - other).max() > 0.01
 
 
 def test_a_whole_motion_turns_and_shifts_with_its_start() -> None:
-    plain = perform(SHORT, (0.0, 0.0), 0.0, [Fall(0.2, "left"), Stand(0.2)]).xyz_m
-    turned = perform(SHORT, (3.0, -1.0), np.pi / 2, [Fall(0.2, "left"), Stand(0.2)]).xyz_m
+    plain = motion_of(SHORT, (0.0, 0.0), 0.0, [Fall(0.2, "left"), Stand(0.2)]).xyz_m
+    turned = motion_of(SHORT, (3.0, -1.0), np.pi / 2, [Fall(0.2, "left"), Stand(0.2)]).xyz_m
     back = np.stack((turned[..., 1] + 1.0, 3.0 - turned[..., 0], turned[..., 2]), axis=-1)
     np.testing.assert_allclose(back, plain, atol=1e-5)
 
@@ -299,7 +301,7 @@ def test_a_whole_motion_turns_and_shifts_with_its_start() -> None:
 @settings(max_examples=8)
 @given(names=st.lists(st.sampled_from(sorted(ACTIONS)), min_size=2, max_size=4))
 def test_any_order_of_actions_keeps_the_laws(names: list[str]) -> None:
-    motion = perform(SHORT, (0.0, 0.0), 0.0, [ACTIONS[name] for name in names])
+    motion = motion_of(SHORT, (0.0, 0.0), 0.0, [ACTIONS[name] for name in names])
     xyz_m = moments(motion)
     lengths_hold(xyz_m, SHORT)
     assert xyz_m[..., 2].min() > 0.015
@@ -307,11 +309,11 @@ def test_any_order_of_actions_keeps_the_laws(names: list[str]) -> None:
 
 
 def test_who_does_nothing_is_there_for_a_moment() -> None:
-    motion = perform(SHORT, (1.0, 2.0), 0.0, [], enter_s=1.0)
+    motion = motion_of(SHORT, (1.0, 2.0), 0.0, [], enter_s=1.0)
     assert np.isfinite(motion(np.array([1.1]))).all()
     assert motion.leave_s > 1.1
 
 
 def test_nobody_is_busy_for_longer_than_memory_lasts() -> None:
     with pytest.raises(InputError, match="no more than"):
-        perform(SHORT, (0.0, 0.0), 0.0, [Walk(((9000.0, 0.0), (0.0, 0.0)), 0.2)])
+        motion_of(SHORT, (0.0, 0.0), 0.0, [Walk(((9000.0, 0.0), (0.0, 0.0)), 0.2)])

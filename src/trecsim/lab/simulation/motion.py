@@ -32,7 +32,7 @@ from trecsim.lab.simulation.locomotion import AHEAD_RAD, shortest
 from trecsim.lab.simulation.on_foot import OnFoot, on_foot
 from trecsim.lab.simulation.paths import STEP_S
 from trecsim.lab.simulation.pose import Pose, at, blend, joined
-from trecsim.lab.simulation.postures import LYING, STAND, Being, Posture, stepping_over, transition
+from trecsim.lab.simulation.postures import LYING, STAND, Actor, Posture, stepping_over, transition
 from trecsim.lab.simulation.sampled import Sampled
 from trecsim.lab.simulation.turns import Place
 
@@ -41,7 +41,7 @@ CRAWLER_TURNS_RADPS = 1.5  # before going down
 BRIDGE_S = 0.6  # from a posture into a clip and out of it
 
 
-def perform(
+def motion_of(
     body: Body,
     start_m: Point,
     facing_rad: float,
@@ -84,13 +84,13 @@ def perform(
     Examples
     --------
     >>> from trecsim.lab.simulation.body_shape import body
-    >>> motion = perform(body(1.8), (0.0, 0.0), 0.0, [Fall(seconds=2.0)], until_s=10.0)
+    >>> motion = motion_of(body(1.8), (0.0, 0.0), 0.0, [Fall(seconds=2.0)], until_s=10.0)
     >>> heads_m = motion(np.array([0.0, 5.0, 11.0]))[:, 0, 2]
     >>> bool(heads_m[0] > 1.5), bool(heads_m[1] < 0.35), bool(np.isnan(heads_m[2]))
     (True, True, True)
     """
     script = _Script(
-        Being(body, style), Place(float(start_m[0]), float(start_m[1]), facing_rad), enter_s
+        Actor(body, style), Place(float(start_m[0]), float(start_m[1]), facing_rad), enter_s
     )
     stays = until_s is not None
     todo = list(actions) or [Stand(0.5)]
@@ -118,7 +118,7 @@ def _next(todo: list[Action]) -> list[Action]:
 class _Script:
     """What has been done so far, and the state it ended in."""
 
-    being: Being
+    actor: Actor
     place: Place
     enter_s: float
     posture: Posture = STAND
@@ -147,7 +147,7 @@ class _Script:
     def settle(self) -> None:
         """Put the poses since somebody last was on foot onto the floor."""
         if self.low:
-            xyz_m = on_the_floor(joined(self.low), self.being.body)
+            xyz_m = on_the_floor(joined(self.low), self.actor.body)
             self.parts.append(xyz_m.astype(np.float32))
             self.low = []
 
@@ -176,7 +176,7 @@ class _Script:
 
     def stay(self, seconds: float) -> None:
         if seconds >= STEP_S:
-            self.show(self.being.held(self.posture, self.place, self.times_s(seconds)))
+            self.show(self.actor.held(self.posture, self.place, self.times_s(seconds)))
 
     def become(self, goal: Posture) -> None:
         """Get into a posture."""
@@ -186,7 +186,7 @@ class _Script:
             self.become(STAND)
         for name in transition(self.posture.name, goal.name):
             there = goal if name == goal.name else Posture(name)
-            change, after = self.being.change(self.posture, there, self.place, self.now_s)
+            change, after = self.actor.change(self.posture, there, self.place, self.now_s)
             self.show(change(self.times_s(change.seconds)))
             self.place, self.posture = after, there
 
@@ -197,11 +197,11 @@ class _Script:
         comes = self.steps == 0 and isinstance(actions[0], Walk | Run)
         goes = leaves and isinstance(actions[-1], Walk | Run)
         stretch = on_foot(
-            self.being.body,
+            self.actor.body,
             self.place,
             actions,
             self.now_s,
-            self.being.style,
+            self.actor.style,
             comes=comes,
             goes=goes,
         )
@@ -216,7 +216,7 @@ class _Script:
         if self.posture.name in (*LYING, "fours"):
             self.become(Posture(action.to))
         else:
-            fall, after = self.being.fall(
+            fall, after = self.actor.fall(
                 self.posture, action.to, self.place, self.now_s, action.fall_s
             )
             self.show(fall(self.times_s(action.fall_s)))
@@ -235,12 +235,12 @@ class _Script:
                 )
         self.become(Posture("fours"))
         self.times_s(_least_s(self.place, [Walk(action.to_m, 1.0)]) / action.speed_mps)
-        pose, self.place = crawl(self.being.body, self.place, action.to_m, action.speed_mps)
-        self.show(self.being.on_hands(pose, self.times_s(len(pose.root_m) * STEP_S)))
+        pose, self.place = crawl(self.actor.body, self.place, action.to_m, action.speed_mps)
+        self.show(self.actor.on_hands(pose, self.times_s(len(pose.root_m) * STEP_S)))
 
     def play(self, action: Clip, leaves: bool) -> None:
         """Play a clip of real motion, coming from a posture and ending in one."""
-        body = self.being.body
+        body = self.actor.body
         take = read_clip(action.path).cut(action.from_s, action.to_s)
         self.times_s(action.times * len(take.xyz_m) / take.fps)
         pose = looped(posed(take, body), action.times, body)
@@ -250,11 +250,11 @@ class _Script:
             self.become(first)
         pose = carried(pose, self.place, action.along_m, body)
         if not comes:
-            self._bridge(self.being.held(first, self.place, self.times_s(STEP_S)), at(pose, 0))
+            self._bridge(self.actor.held(first, self.place, self.times_s(STEP_S)), at(pose, 0))
         self.show(pose)
         self.posture, self.place = last, place_of(pose, -1, body)
         if not leaves:
-            rest = self.being.held(last, self.place, self.times_s(STEP_S) + BRIDGE_S)
+            rest = self.actor.held(last, self.place, self.times_s(STEP_S) + BRIDGE_S)
             self._bridge(at(pose, -1), rest)
 
     def _bridge(self, first: Pose, last: Pose) -> None:
