@@ -100,7 +100,10 @@ def test_all_wrong_videos_of_a_site_are_told_at_once(trecsim: Command, folder: P
     assert (code, out) == (2, "")
     assert re.search(r"line 5: sources\.cam0\.video: .*cam0\.mp4", err), err
     assert re.search(r"line 7: sources\.cam1\.video: .*cam1\.mp4.*(no image|no video)", err), err
-    assert re.search(r"line 8: sources\.cam3: .*did you mean 'cam", err), err
+    assert re.search(
+        r"line 8: sources\.cam3: .* is not in the rig; known: cam0, cam1, cam2", err
+    ), err
+    assert re.search(r"line 9: sources\.cam3\.video: .*gone\.mp4: no such file", err), err
     assert "expected images of 1920 x 1080 px" in err
     assert not (folder / "recordings").exists()
 

@@ -11,7 +11,7 @@ from made_videos import numbered, write_video
 from trecsim.calibration import write_rig
 from trecsim.errors import ConfigError
 from trecsim.geometry import Rig
-from trecsim.sites.check import check_site, load_estimator
+from trecsim.sites.check import check_site
 
 
 @pytest.fixture
@@ -66,14 +66,65 @@ def test_a_video_that_lacks_a_few_columns_is_taken_as_cut(site: Path) -> None:
 
 def test_an_estimator_that_is_not_installed_is_told_with_the_nearest(site: Path) -> None:
     told = faults_of(site, "[sources.cam1]", '[estimator]\nname = "movnet"\n[sources.cam1]')
-    assert "line 7: estimator.name: 'movnet' is not installed" in told
+    assert "line 7: estimator.name: no estimator called 'movnet' is installed" in told
     assert "did you mean 'movenet'?" in told
 
 
 def test_a_wrong_setting_of_the_estimator_is_told_with_its_line(site: Path) -> None:
     site.write_text(site.read_text() + '[estimator]\nname = "movenet"\nlong_sied = 300\n')
     with pytest.raises(ConfigError, match=r"site\.toml: line 8: .*did you mean 'long_side'"):
-        load_estimator(check_site(site).file)
+        check_site(site)
+
+
+def test_the_faults_of_all_stages_are_told_at_once(site: Path) -> None:
+    (site.parent / "cam1.mp4").unlink()
+    text = site.read_text().replace('"small"', '"back yard"').replace("cam0]", "cam7]")
+    site.write_text(
+        text
+        + '[sources.cam2]\nvideo = "rtsp://me:pw@10.0.0.12/1"\n[estimator]\nlong_side = 1\n'
+        + "[fusion]\nmin_joints = 18\n[output]\nlag = 0.2\n[[zones]]\n"
+    )
+    told = faults_of(site, "small" if "small" in text else "back", "back")
+    expected = [
+        "line 2: name: expected 1 to 64 letters",
+        "line 4: sources.cam7: camera 'cam7' is not in the rig; known: cam0, cam1, cam2",
+        "line 7: sources.cam1.video: cannot read video",
+        "line 9: sources.cam2.video: expected a file, found rtsp://***@10.0.0.12/1: live streams",
+        "line 10: estimator: settings of the estimator 'movenet': long_side",
+        "line 12: fusion: min_joints = 18 leaves nobody",
+        "line 15: output.lag: unknown key; did you mean 'lag_s'?",
+        "line 16: zones: zones are not in this version of trecsim",
+    ]
+    lines = [line.strip() for line in told.splitlines()[1:]]
+    assert len(lines) == len(expected)
+    for line, start in zip(lines, expected, strict=True):
+        assert line.startswith(start), line
+
+
+def test_videos_are_looked_at_though_the_rig_cannot_be_read(site: Path) -> None:
+    (site.parent / "cam1.mp4").unlink()
+    told = faults_of(site, '"rig.toml"', '"gone.toml"')
+    assert "line 3: rig: cannot read the rig" in told
+    assert "line 7: sources.cam1.video: cannot read video" in told
+
+
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [
+        ("url = 'rtsp://cam/1'", "sources.cam2.url: live streams are not in this version"),
+        ("device = '/dev/video0'", "sources.cam2.device: live streams are not in this version"),
+        ("video = '/dev/video0'", "sources.cam2.video: expected a file, found /dev/video0: live"),
+    ],
+)
+def test_live_sources_are_told_to_be_not_supported_yet(site: Path, key: str, told: str) -> None:
+    assert told in faults_of(site, "[sources.cam1]", f"[sources.cam2]\n{key}\n[sources.cam1]")
+
+
+@pytest.mark.parametrize("key", ["zones", "lines", "edges", "rules", "outputs", "alerts", "page"])
+def test_what_is_to_come_is_not_taken_for_a_slip(site: Path, key: str) -> None:
+    told = faults_of(site, "[sources.cam1]", f"[{key}.x]\n[sources.cam1]")
+    assert "not in this version of trecsim" in told
+    assert "did you mean" not in told
 
 
 def test_poses_of_a_camera_that_the_rig_lacks_are_told(tmp_path: Path) -> None:

@@ -2,11 +2,13 @@
 
 An estimator is anything that is called with a frame and returns the people in it. A package adds
 one by an entry point in the group ``trecsim.estimators``: a function
-``load(argument: str, **settings) -> Estimator2D``.
+``load(argument: str, **settings) -> Estimator2D``. Its module may have a function
+``check(argument: str, **settings)``: it raises `ConfigError` if they are wrong and loads nothing.
 """
 
 from difflib import get_close_matches
-from importlib.metadata import entry_points
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
 from typing import Protocol, runtime_checkable
 
 from trecsim.errors import ConfigError, SetupError
@@ -61,6 +63,31 @@ def names() -> list[str]:
     return sorted({point.name for point in entry_points(group=GROUP)})
 
 
+def check(spec: str, **settings: object) -> None:
+    """Check an estimator's name and settings without loading its model, as far as it offers that.
+
+    Parameters
+    ----------
+    spec
+        As for `load`.
+    settings
+        The estimator's own.
+
+    Raises
+    ------
+    ConfigError
+        When no estimator has that name, or a setting is wrong.
+    """
+    name, _, argument = spec.partition(":")
+    try:
+        module = import_module(_found(name).module)
+    except ImportError:  # `load` says what is missing
+        return
+    checks = getattr(module, "check", None)
+    if callable(checks):
+        checks(argument, **settings)
+
+
 def load(spec: str, **settings: object) -> Estimator2D:
     """Return the estimator that `spec` names, ready to work.
 
@@ -79,19 +106,24 @@ def load(spec: str, **settings: object) -> Estimator2D:
         When something it needs is not installed or not here.
     """
     name, _, argument = spec.partition(":")
+    found = _found(name)
+    try:
+        factory = found.load()
+    except (ImportError, AttributeError) as error:
+        raise SetupError(
+            f"estimator {name!r} ({found.value}) is installed but does not load: {error}"
+        ) from error
+    return _checked(spec, factory(argument, **settings))
+
+
+def _found(name: str) -> EntryPoint:
     found = {point.name: point for point in entry_points(group=GROUP)}
     if name not in found:
         near = get_close_matches(name, found, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
         known = ", ".join(sorted(found)) or "none"
         raise ConfigError(f"no estimator called {name!r} is installed; known: {known}{hint}")
-    try:
-        factory = found[name].load()
-    except (ImportError, AttributeError) as error:
-        raise SetupError(
-            f"estimator {name!r} ({found[name].value}) is installed but does not load: {error}"
-        ) from error
-    return _checked(spec, factory(argument, **settings))
+    return found[name]
 
 
 def _checked(spec: str, estimator: object) -> Estimator2D:

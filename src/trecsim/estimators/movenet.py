@@ -135,13 +135,24 @@ def load(argument: str = "", **settings: object) -> MoveNet:
     SetupError
         When OpenVINO or the model is missing.
     """
+    chosen = check(argument, **settings)
+    return MoveNet(store.pull("movenet"), chosen)
+
+
+def check(argument: str = "", **settings: object) -> MoveNetSettings:
+    """Return the settings for `load`, without loading anything.
+
+    Raises
+    ------
+    ConfigError
+        When a setting is wrong.
+    """
     if argument:
         raise ConfigError(
             f"estimator 'movenet' takes nothing after a colon, got {argument!r}; "
             "for a model of your own: onnx:FILE"
         )
-    chosen = checked(MoveNetSettings, settings, "movenet")
-    return MoveNet(store.pull("movenet"), chosen)
+    return checked(MoveNetSettings, settings, "movenet")
 
 
 def _compile(path: Path, settings: MoveNetSettings, threads: int) -> "ov.CompiledModel":

@@ -165,13 +165,25 @@ def load(argument: str = "", **settings: object) -> OnnxEstimator:
     SetupError
         When ONNX Runtime is missing.
     """
+    chosen = check(argument, **settings)
+    return OnnxEstimator(Path(argument).expanduser(), chosen)
+
+
+def check(argument: str = "", **settings: object) -> OnnxSettings:
+    """Return the settings for `load`, without loading anything.
+
+    Raises
+    ------
+    InputError
+        When the file or a setting is wrong.
+    """
     if not argument:
         raise ConfigError("estimator 'onnx' needs a file: onnx:FILE")
     chosen = checked(OnnxSettings, settings, "onnx")
     path = Path(argument).expanduser()
     if not path.is_file():
         raise InputError(f"estimator 'onnx': there is no file {path}")
-    return OnnxEstimator(path, chosen)
+    return chosen
 
 
 def _open(path: Path, device: str, threads: int) -> "ort.InferenceSession":

@@ -97,14 +97,9 @@ def load(argument: str = "", **settings: object) -> OnnxEstimator | RtmPose:
     SetupError
         When rtmlib is missing, or the weights are and cannot be fetched.
     """
-    name = argument or _DEFAULT
-    if name not in {**_RTMO, **_RTMPOSE}:
-        known = ", ".join([*_RTMO, *_RTMPOSE])
-        raise ConfigError(f"estimator 'rtmlib' knows no model {name!r}; known: {known}")
-    if name in _RTMO:
-        rtmo = checked(OnnxSettings, settings, f"rtmlib:{name}")
-        return OnnxEstimator(_weights(_rtmlib().Body.RTMO_MODE[_RTMO[name]]["pose"]), rtmo)
-    rtmpose = checked(RtmPoseSettings, settings, f"rtmlib:{name}")
+    name, chosen = argument or _DEFAULT, check(argument, **settings)
+    if isinstance(chosen, OnnxSettings):
+        return OnnxEstimator(_weights(_rtmlib().Body.RTMO_MODE[_RTMO[name]]["pose"]), chosen)
     files = _rtmlib().Body.MODE[_RTMPOSE[name]]
     detector, pose = _weights(files["det"]), _weights(files["pose"])
     with redirect_stdout(sys.stderr):  # rtmlib prints; stdout belongs to results
@@ -114,9 +109,26 @@ def load(argument: str = "", **settings: object) -> OnnxEstimator | RtmPose:
             pose=str(pose),
             pose_input_size=files["pose_input_size"],
             backend="onnxruntime",
-            device=rtmpose.device,
+            device=chosen.device,
         )
-    return RtmPose(body, rtmpose)
+    return RtmPose(body, chosen)
+
+
+def check(argument: str = "", **settings: object) -> OnnxSettings | RtmPoseSettings:
+    """Return the settings for `load`, without loading anything.
+
+    Raises
+    ------
+    ConfigError
+        When there is no such model, or a setting is wrong.
+    """
+    name = argument or _DEFAULT
+    if name in _RTMO:
+        return checked(OnnxSettings, settings, f"rtmlib:{name}")
+    if name in _RTMPOSE:
+        return checked(RtmPoseSettings, settings, f"rtmlib:{name}")
+    known = ", ".join([*_RTMO, *_RTMPOSE])
+    raise ConfigError(f"estimator 'rtmlib' knows no model {name!r}; known: {known}")
 
 
 def _rtmlib() -> ModuleType:

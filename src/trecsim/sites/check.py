@@ -2,21 +2,28 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 
 from trecsim import estimators
-from trecsim.errors import ConfigError, InputError
+from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
-from trecsim.sites.site_file import Site, fusion_settings
-from trecsim.sites.site_reading import SiteFile, read_site
+from trecsim.sites.site_file import (
+    EstimatorTable,
+    FusionTable,
+    OutputTable,
+    PosesPlace,
+    RigPlace,
+    Site,
+    SourceTable,
+    fusion_settings,
+)
+from trecsim.sites.site_reading import Draft, SiteFile, read_draft
 from trecsim.skeleton import COCO17
 from trecsim.sources import VideoInfo, probe, read_poses
+from trecsim.sources.faults import unknown_camera
 from trecsim.toml_models import file_faults
-from trecsim.toml_models.lines import KeyPath
-
-Fault = tuple[KeyPath, str]
+from trecsim.toml_models.toml_reading import Fault
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +49,7 @@ class CheckedSite:
 
 
 def check_site(path: Path | str) -> CheckedSite:
-    """Read a site file and look at everything that it names.
+    """Read a site file and look at everything that it names; all faults are found at once.
 
     Parameters
     ----------
@@ -56,40 +63,62 @@ def check_site(path: Path | str) -> CheckedSite:
     SetupError
         When something that is needed to look is not installed.
     """
-    path = Path(path)
-    file = read_site(path)
+    draft = read_draft(Path(path))
     remarks: list[str] = []
-    faults: list[Fault] = []
-    try:
-        rig = file.site.rig.read(remarks.append)
-    except InputError as error:
-        raise file_faults(path, file.text, [(("rig",), str(error))]) from None
+    faults = list(draft.faults)
     videos: dict[str, VideoInfo] = {}
-    faults += _source_faults(file.site, rig, videos)
-    faults += _poses_faults(file.site, rig)
-    faults += _estimator_faults(file.site)
-    faults += _fusion_faults(file.site, rig)
+    rig = _rig(draft, remarks, faults)
+    lacking = None
+    try:
+        faults += _source_faults(draft, rig, videos)
+    except SetupError as error:
+        lacking = error
+    faults += _poses_faults(draft, rig)
+    faults += _estimator_faults(draft)
+    faults += _fusion_faults(draft, rig)
     if faults:
-        raise file_faults(path, file.text, faults)
-    remarks += _remarks(file.site, rig, videos)
-    remarks += [f"fusion: {text}" for text in fusion_settings(file.site.fusion).remarks()]
-    return CheckedSite(file, rig, videos, tuple(remarks))
+        raise file_faults(draft.path, draft.text, faults)
+    if lacking is not None:
+        raise lacking
+    assert draft.site is not None
+    assert rig is not None
+    site = draft.site
+    remarks += _remarks(site, rig, videos)
+    remarks += [f"fusion: {text}" for text in fusion_settings(site.fusion).remarks()]
+    return CheckedSite(SiteFile(draft.path, draft.text, site), rig, videos, tuple(remarks))
 
 
-def _source_faults(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[Fault]:
-    for camera, source in site.sources.items():
+def _rig(draft: Draft, remarks: list[str], faults: list[Fault]) -> Rig | None:
+    table = draft.part(("rig",), RigPlace)
+    if table is None:
+        return None
+    try:
+        rig: Rig = table.read(remarks.append)
+    except InputError as error:
+        faults.append((("rig",), str(error)))
+        return None
+    return rig
+
+
+def _source_faults(draft: Draft, rig: Rig | None, videos: dict[str, VideoInfo]) -> Iterator[Fault]:
+    """Yield what is wrong with the videos, also where there is no rig to compare them with."""
+    cameras = draft.data.get("sources")
+    for camera in cameras if isinstance(cameras, dict) else ():
         key = ("sources", camera)
-        if camera not in rig.names:
-            near = get_close_matches(camera, rig.names, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(rig.names)}"
-            yield key, f"there is no such camera in the rig; {hint}"
+        if rig is not None and camera not in rig.names:
+            yield key, unknown_camera(camera, rig.names, "in the site file")
+        source = draft.part(key, SourceTable)
+        if source is None:
             continue
         try:
-            videos[camera] = probe(source.video)
+            video = probe(source.video)
         except InputError as error:
             yield (*key, "video"), str(error)
             continue
-        found, expected = videos[camera].size_px, rig[camera].size_px
+        if rig is None or camera not in rig.names:
+            continue
+        videos[camera] = video
+        found, expected = video.size_px, rig[camera].size_px
         if found != expected and not _is_cut(found, expected):
             yield (*key, "video"), _sizes(found, expected)
 
@@ -106,30 +135,41 @@ def _sizes(found: tuple[int, int], expected: tuple[int, int]) -> str:
     )
 
 
-def _poses_faults(site: Site, rig: Rig) -> Iterator[Fault]:
-    if site.poses is None:
+def _poses_faults(draft: Draft, rig: Rig | None) -> Iterator[Fault]:
+    table = draft.part(("poses",), PosesPlace)
+    if table is None:
         return
+    names = rig.names if rig is not None else None
     try:
-        poses = read_poses(site.poses.file, rig_cameras=rig.names, fps=site.poses.fps)
-        next(poses, None)
+        next(read_poses(table.file, rig_cameras=names, fps=table.fps), None)
     except InputError as error:
         yield ("poses",), str(error)
 
 
-def _estimator_faults(site: Site) -> Iterator[Fault]:
-    name = site.estimator.name.partition(":")[0]
-    if site.sources and name not in estimators.names():
-        near = get_close_matches(name, estimators.names(), n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        known = ", ".join(estimators.names())
-        yield ("estimator", "name"), f"{name!r} is not installed; known: {known}{hint}"
-
-
-def _fusion_faults(site: Site, rig: Rig) -> Iterator[Fault]:
+def _estimator_faults(draft: Draft) -> Iterator[Fault]:
+    table = draft.part(("estimator",), EstimatorTable)
+    if table is None:
+        return
     try:
-        check_arguments(rig, fusion_settings(site.fusion), COCO17, site.output.lag_s)
+        estimators.check(table.name, **table.settings())
+    except InputError as error:
+        unknown = table.name.partition(":")[0] not in estimators.names()
+        yield ("estimator", *(["name"] if unknown else [])), str(error)
+
+
+def _fusion_faults(draft: Draft, rig: Rig | None) -> Iterator[Fault]:
+    fusion, output = (draft.part((key,), kind) for key, kind in _SETTINGS)
+    if rig is None:
+        return
+    settings = fusion_settings(fusion) if fusion is not None else None
+    lag_s = output.lag_s if output is not None else 0.0
+    try:
+        check_arguments(rig, settings, COCO17, lag_s)
     except ConfigError as error:
         yield ("fusion",), str(error).removeprefix("fusion settings: ")
+
+
+_SETTINGS = (("fusion", FusionTable), ("output", OutputTable))
 
 
 def _remarks(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[str]:

@@ -22,6 +22,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.fusion.settings import BELOW_ONE
 from trecsim.geometry import Rig
+from trecsim.sources.poses_files import FPS_RANGE
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
 from trecsim.toml_models.described import fields_of
 
@@ -37,7 +38,7 @@ class FloorTable(Table):
     translation_m: Vector = (0.0, 0.0, 0.0)
     """Shift after the rotation [m]."""
     up: Literal["z", "y", "-y", "-z"] | None = None
-    """Axis that points up after both; without it, the one about which cameras stand upright."""
+    """Axis that points up after both; without it z, unless the cameras clearly show another."""
 
     def floor(self) -> Floor:
         """Return the floor as the readers of rigs take it."""
@@ -51,7 +52,7 @@ class RigTable(Table):
     """File or directory in any format that `trecsim rig show` reads."""
     format: str | None = Field(default=None, json_schema_extra={"enum": [f.name for f in FORMATS]})
     """Name of the format; without it the content tells."""
-    unit_m: float | None = Field(default=None, gt=0)
+    unit_m: float | None = Field(default=None, ge=1e-6, le=1e3)
     """Length of the file's unit [m]; without it the format tells, or it is guessed."""
     size_px: SizePx | None = None
     """Image width and height of all cameras [px], for formats that do not tell it."""
@@ -93,7 +94,7 @@ class PosesTable(Table):
 
     file: FilePath
     """A `*.poses.jsonl` file, or what OpenPose or COCO tools wrote: see `trecsim track`."""
-    fps: float | None = Field(default=None, gt=0)
+    fps: float | None = Field(default=None, ge=FPS_RANGE[0], le=FPS_RANGE[1])
     """Frames per second, for files that number their frames and tell no time."""
 
 
@@ -165,21 +166,38 @@ def _file_table(given: Any) -> Any:
     return {"file": given} if isinstance(given, str) else given
 
 
+RigPlace = Annotated[RigTable, BeforeValidator(_file_table, json_schema_input_type=str | RigTable)]
+PosesPlace = Annotated[
+    PosesTable, BeforeValidator(_file_table, json_schema_input_type=str | PosesTable)
+]
+
+LATER = "not in this version of trecsim"
+NOT_YET = {
+    **dict.fromkeys(
+        ("url", "device", "credentials", "transport", "secrets", "reconnect_s"),
+        f"live streams are {LATER}; give a recording: video",
+    ),
+    **{key: f"{key} are {LATER}" for key in ("zones", "lines", "edges", "rules", "outputs")},
+    **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
+    "page": f"the live page is {LATER}",
+    "timezone": f"a time zone is {LATER}",
+}
+
+
 class Site(Table):
     """One site: its cameras, how people are found and followed, and what is kept."""
+
+    not_yet = NOT_YET
 
     format: Literal["trecsim.site/1"]
     """Always this."""
     name: Name
     """What the site is called: letters, digits, `-` and `_`."""
-    rig: Annotated[RigTable, BeforeValidator(_file_table, json_schema_input_type=str | RigTable)]
+    rig: RigPlace
     """The calibration of the cameras: its file, or a table."""
     sources: dict[str, SourceTable] = Field(default_factory=dict)
     """What each camera delivers, by the name the camera has in the rig."""
-    poses: Annotated[
-        PosesTable | None,
-        BeforeValidator(_file_table, json_schema_input_type=str | PosesTable | None),
-    ] = None
+    poses: PosesPlace | None = None
     """2D poses of all cameras in place of `sources`: their file, or a table."""
     estimator: EstimatorTable = EstimatorTable()
     """How people are found in images."""

@@ -9,6 +9,7 @@ from trecsim.errors import InputError
 
 MAX_FAULTS = 10
 LOOK_ON = 1000  # parts after the first faulty one
+RENAMED = "where the poses come from"
 
 Part = TypeVar("Part")
 Value = TypeVar("Value")
@@ -56,10 +57,19 @@ class Faults:
             raise InputError("\n  ".join([f"{self._subject}:", *self._found]))
 
 
-def unknown_camera(name: str, known: Collection[str]) -> str:
+def unknown_camera(name: str, known: Collection[str], elsewhere: str = RENAMED) -> str:
     """Say that the rig has no camera called `name`, and which one may be meant.
 
     Nothing is guessed where numbers tell cameras apart: taking one for another ruins everything.
+
+    Parameters
+    ----------
+    name
+        The camera.
+    known
+        Those of the rig.
+    elsewhere
+        Where the name could be changed but in the rig.
 
     Examples
     --------
@@ -71,7 +81,7 @@ def unknown_camera(name: str, known: Collection[str]) -> str:
     near = [] if numbered else difflib.get_close_matches(name, sorted(known), n=1)
     if near:
         return f"{text}; did you mean {near[0]!r}?"
-    return f"{text}; rename it in the rig or where the poses come from"
+    return f"{text}; rename it in the rig or {elsewhere}"
 
 
 def sound(

@@ -1,7 +1,14 @@
 """Files of tables that people write, in TOML: read by a model, faults told by line."""
 
 from trecsim.toml_models.table import TABLE_VALUE, FilePath, Number, SizePx, Table, Vector
-from trecsim.toml_models.toml_reading import file_faults, parsed, read_text, schema_of, validated
+from trecsim.toml_models.toml_reading import (
+    examined,
+    file_faults,
+    parsed,
+    read_text,
+    schema_of,
+    validated,
+)
 
 __all__ = [
     "TABLE_VALUE",
@@ -10,6 +17,7 @@ __all__ = [
     "SizePx",
     "Table",
     "Vector",
+    "examined",
     "file_faults",
     "parsed",
     "read_text",

@@ -1,13 +1,22 @@
 """What every table of a file is."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+
+from trecsim.redaction import is_address, redacted
 
 
 class Table(BaseModel):
-    """A table of a file: no key that is not known, no value of another type."""
+    """A table of a file: no key that is not known, no value of another type.
+
+    Attributes
+    ----------
+    not_yet
+        What to say of keys that are unknown, but that people have reason to expect.
+    """
 
     model_config = ConfigDict(
         extra="forbid",
@@ -16,6 +25,8 @@ class Table(BaseModel):
         allow_inf_nan=False,
         use_attribute_docstrings=True,
     )
+
+    not_yet: ClassVar[Mapping[str, str]] = {}
 
 
 TABLE_VALUE = ConfigDict(extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True)
@@ -39,7 +50,19 @@ def beside_the_file(path: Path, info: Any) -> Path:
     return folder / path.expanduser()
 
 
-FilePath = Annotated[Path, Field(strict=False), AfterValidator(beside_the_file)]
+def _no_address(given: Any) -> Any:
+    """Refuse addresses and devices, which as a path would lose a slash and be looked for."""
+    if isinstance(given, str) and is_address(given) and not Path(given).is_file():
+        raise ValueError(
+            f"expected a file, found {redacted(given)}: live streams are not supported yet in this "
+            "version; give a recording"
+        )
+    return given
+
+
+FilePath = Annotated[
+    Path, Field(strict=False), BeforeValidator(_no_address), AfterValidator(beside_the_file)
+]
 """A path relative to the file in which it stands; its folder is in the context of validation."""
 
 Vector = Annotated[tuple[float, float, float], Field(strict=False)]

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from trecsim.errors import ConfigError
+from trecsim.redaction import redacted
 from trecsim.toml_models import bounded_toml
 from trecsim.toml_models.lines import KeyPath, key_lines, line_of
 from trecsim.toml_models.table import Table
@@ -15,6 +16,7 @@ from trecsim.toml_models.table import Table
 Model = TypeVar("Model", bound=Table)
 Fault = tuple[KeyPath, str]
 
+ALIKE = 0.7  # share of letters; below this, a known name is another word
 _LARGEST_BYTES = 1 << 20
 _MOST_FAULTS = 20
 _EXPECTED = {
@@ -101,13 +103,31 @@ def validated(
     ConfigError
         When anything in it is wrong; the text lists all faults.
     """
-    data = parsed(path, text, kind)
+    value, faults = examined(model, parsed(path, text, kind), context)
+    if value is None:
+        raise file_faults(path, text, faults)
+    return value
+
+
+def examined(
+    model: type[Model], data: Mapping[str, Any], context: Mapping[str, Any] | None = None
+) -> tuple[Model | None, list[Fault]]:
+    """Return what parsed TOML says, as its model takes it; or None, and all that is wrong.
+
+    Parameters
+    ----------
+    model
+        The outermost table.
+    data
+        The parsed text.
+    context
+        Handed to the validators of the model.
+    """
     try:
-        return model.model_validate(data, context=dict(context or {}))
+        return model.model_validate(data, context=dict(context or {})), []
     except ValidationError as error:
         schema = schema_of(model)
-        faults = [_plain_fault(fault, schema) for fault in error.errors()]
-        raise file_faults(path, text, faults) from None
+        return None, [_plain_fault(fault, schema, model.not_yet) for fault in error.errors()]
 
 
 def schema_of(model: type[Table]) -> dict[str, Any]:
@@ -142,11 +162,13 @@ def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
     return ConfigError("\n  ".join([f"{path}: {len(faults)} faults", *told]))
 
 
-def _plain_fault(fault: Any, schema: Mapping[str, Any]) -> Fault:
+def _plain_fault(fault: Any, schema: Mapping[str, Any], not_yet: Mapping[str, str]) -> Fault:
     key, beside = _followed(fault["loc"], schema)
     match fault["type"]:
         case "extra_forbidden" | "unexpected_keyword_argument":
-            return key, f"unknown key; {nearest(str(key[-1]), beside)}"
+            return key, not_yet.get(str(key[-1])) or (
+                f"unknown key; {nearest(str(key[-1]), beside)}"
+            )
         case "missing" | "union_tag_not_found":
             tag = fault.get("ctx", {}).get("discriminator", "").strip("'")
             return ((*key, tag) if tag else key), "is missing"
@@ -155,19 +177,19 @@ def _plain_fault(fault: Any, schema: Mapping[str, Any]) -> Fault:
             known = context["expected_tags"].replace("'", "").split(", ")
             tag = str(context["tag"])
             return (*key, context["discriminator"].strip("'")), (
-                f"there is no {tag[:40]!r}; {nearest(tag, known)}"
+                f"there is no {redacted(tag)[:40]!r}; {nearest(tag, known)}"
             )
         case "value_error":
             return key, str(fault["msg"]).removeprefix("Value error, ")
         case kind:
             expected = _EXPECTED.get(kind) or fault["msg"].removeprefix("Input should be ")
-            return key, f"expected {expected}, found {fault['input']!r:.60}"
+            return key, f"expected {expected}, found {redacted(repr(fault['input'])):.60}"
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return a hint for a name that is not among the known ones."""
     known = sorted(known)
-    near = get_close_matches(name, known, n=1)
+    near = get_close_matches(name, known, n=1, cutoff=ALIKE)
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
 
 

@@ -10,6 +10,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import CalibrationError
+from trecsim.redaction import redacted
+from trecsim.toml_models.toml_reading import ALIKE
 
 MOST_NUMBERS = 100  # in one field
 MOST_FAULTS = 20  # in one message
@@ -148,7 +150,7 @@ class Entry:
 def nearest(name: str, known: Iterable[str]) -> str | None:
     """Return the known name that was most likely meant, capitals aside."""
     by_letters = {entry.lower(): entry for entry in known}
-    near = get_close_matches(name.lower()[:100], by_letters, n=1)
+    near = get_close_matches(name.lower()[:100], by_letters, n=1, cutoff=ALIKE)
     return by_letters[near[0]] if near else None
 
 
@@ -179,7 +181,8 @@ def _from_text(value: str) -> Float64[np.ndarray, ""] | None:
 
 def short(value: object) -> str:
     """Return how a value reads in a message, cut where it gets long or deep."""
-    text = " ".join(_BRIEF.repr(value.tolist() if isinstance(value, np.ndarray) else value).split())
+    plain = redacted(value) if isinstance(value, str) else value
+    text = " ".join(_BRIEF.repr(plain.tolist() if isinstance(plain, np.ndarray) else plain).split())
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
 
 
