@@ -104,7 +104,7 @@ def _two_cameras(people: Any, *_: Any) -> Any:
 
 
 def _confirmed_by_time(people: Any, model: Model, _t_s: float) -> None:
-    people.confirmed |= people.together_s >= model.settings.confirm_s - 1e-9
+    people.confirmed |= people.two_view_duration_s >= model.settings.confirm_s - 1e-9
 
 
 def _nobody_is_lonely(tracker: Any, images: Images, association: Association) -> Any:
@@ -158,7 +158,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("both readings of left and right", "no detection is ever read exchanged",
              {"flip_share": 1e-300}),
         Part("mirrored people turned round", "who began mirrored stays mirrored",
-             changes={"lifecycle.mend_mirrored": _nothing}),
+             changes={"evidence.unmirror": _nothing}),
         Part("soft responsibilities of people", "a detection is wholly the person's it goes to",
              changes={"association.associate": _hard}),
         Part("tempered responsibilities", "17 key points are worth 17 independent ones",

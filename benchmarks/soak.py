@@ -37,8 +37,8 @@ EVERY_S, LONGEST_S = 45.0, 30.0  # a camera's troubles: how often, and for how l
 AT_ONCE = 1
 LOST, FALSE = 0.02, 0.05  # shares of images
 KEPT = {
-    "people": "_people", "leftover detections": "_leftover", "lost people": "_lost",
-    "close pairs": "_close_since",
+    "people": "tracks", "leftover detections": "unassigned", "lost people": "dead",
+    "close pairs": "close_pairs",
 }  # fmt: skip
 
 
@@ -216,7 +216,7 @@ class Seen:
         self.count += 1
         self.missed += error_m != error_m
         for name, attribute in KEPT.items():
-            self.most[name] = max(self.most[name], len(getattr(tracker, attribute)))
+            self.most[name] = max(self.most[name], getattr(tracker.held, attribute))
         finite = np.isfinite(snapshot.xyz_m).all() and np.isfinite(snapshot.cov_m2).all()
         self.not_finite += not finite
 

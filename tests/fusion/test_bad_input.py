@@ -23,12 +23,11 @@ def undisturbed():
 
 
 def run(sets, rig=SCENE.rig):
-    """Follow `sets`; return the snapshots and the largest sizes of what the tracker remembers."""
+    """Follow `sets`; return the snapshots and the most that the tracker held of each kind."""
     tracker, snapshots, most = Tracker(rig), [], {}
     for one in sets:
         snapshots.append(tracker.step(one))
-        for name in ("_people", "_leftover", "_lost", "_departed", "_close_since"):
-            most[name] = max(most.get(name, 0), len(getattr(tracker, name)))
+        most = {name: max(most.get(name, 0), n) for name, n in tracker.held._asdict().items()}
     return snapshots, most
 
 
@@ -55,14 +54,14 @@ def assert_tracked_on(snapshots, most, undisturbed, *, worse=2.0, tracks=6):
     assert_bounded(snapshots, most, tracks)
 
 
-def assert_bounded(snapshots, most, tracks, leftover=20):
+def assert_bounded(snapshots, most, tracks, unassigned=20):
     assert all(np.isfinite(s.xyz_m).all() and np.isfinite(s.cov_m2).all() for s in snapshots)
     assert all((np.linalg.eigvalsh(s.cov_m2) > 0.0).all() for s in snapshots)
-    assert most["_people"] <= tracks
-    assert most["_leftover"] <= leftover
-    assert most["_lost"] <= tracks
-    assert most["_close_since"] <= tracks**2
-    assert most["_departed"] == 0
+    assert most["tracks"] <= tracks
+    assert most["unassigned"] <= unassigned
+    assert most["dead"] <= tracks
+    assert most["close_pairs"] <= tracks**2
+    assert most["ended"] == 0
 
 
 class Frozen:
@@ -155,7 +154,7 @@ def test_images_that_come_in_any_order_within_a_second_do_no_harm(undisturbed):
     result = errors(snapshots[120:])
     assert result.ids == {0, 1}
     assert np.nanmedian(result.error_m) < 0.1
-    assert_bounded(snapshots, most, 6, leftover=30)
+    assert_bounded(snapshots, most, 6, unassigned=30)
 
 
 def turned(rig, axis, degrees):
@@ -232,7 +231,7 @@ def test_hundreds_of_shapeless_false_people_in_every_image_are_nobody(undisturbe
     crowd = with_false_people(200, np.random.default_rng(0), like_people=False)
     snapshots, most = run(changed(crowd, camera=None))
     assert errors(snapshots).ids == {0, 1}
-    assert_bounded(snapshots, most, 3, leftover=4 * 202)
+    assert_bounded(snapshots, most, 3, unassigned=4 * 202)
     assert np.nanmean(errors(snapshots).error_m[SETTLED:]) < 1.1 * np.nanmean(
         undisturbed.error_m[SETTLED:]
     )
@@ -246,7 +245,7 @@ def test_hundreds_of_false_people_of_human_shape_take_nobodys_place(count, undis
     assert result.switches == 0
     assert not np.isnan(result.error_m[SETTLED:]).any()
     assert np.nanmean(result.error_m[SETTLED:]) < 1.2 * np.nanmean(undisturbed.error_m[SETTLED:])
-    assert_bounded(snapshots, most, 300, leftover=4 * (count + 2))
+    assert_bounded(snapshots, most, 300, unassigned=4 * (count + 2))
 
 
 ODD = [np.nan, np.inf, 1e300, -1e154, 1e20, -1e9, 0.0]
@@ -288,7 +287,7 @@ def test_impossible_key_points_behind_any_lens_make_nothing_infinite(lens, value
         return replace(view, xy_px=xy_px)
 
     snapshots, most = run(changed(some, camera=None)[:45], rig)
-    assert_bounded(snapshots, most, 40, leftover=30)
+    assert_bounded(snapshots, most, 40, unassigned=30)
 
 
 @pytest.mark.parametrize("score", [np.nan, 0.0, -np.inf])

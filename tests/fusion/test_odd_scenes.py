@@ -122,7 +122,7 @@ def test_somebody_who_stands_still_for_minutes_stays_the_same_and_as_certain():
     error_m = outcome(scene, [replace(s, t_s=s.t_s % 12.0) for s in snapshots]).error_m
     assert sigma_m[-1] == pytest.approx(sigma_m[1], rel=0.02)
     assert error_m[-120:].mean() < 1.05 * error_m[120:240].mean()
-    assert max(map(len, (tracker._people, tracker._leftover, tracker._lost))) <= 1
+    assert max(tracker.held) <= 1
 
 
 finite_px = st.floats(-1e4, 1e4, allow_nan=False)
@@ -157,8 +157,8 @@ def test_no_garbage_between_good_images_raises_or_makes_anybody_infinite(data):
         views = (*s.views, *rubbish) if data.draw(st.booleans()) else s.views
         for frame_set in (FrameSet(s.t_s, views), FrameSet(s.t_s, rubbish)):
             assert_finite([tracker.step(frame_set)])
-    assert len(tracker._people) < 20
-    assert len(tracker._leftover) < 100
+    assert tracker.held.tracks < 20
+    assert tracker.held.unassigned < 100
 
 
 @settings(max_examples=30, deadline=None)

@@ -8,6 +8,7 @@ from trecsim.errors import CalibrationError, ConfigError, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.geometry import Camera, Rig
 from trecsim.lab.simulation.detector import PERFECT, Detector
+from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet, Poses2D
 
 ACROSS = path((0, -2, 0), (6, 2, 0))
@@ -202,7 +203,7 @@ def test_a_shift_of_all_clocks_changes_nothing_but_the_times():
 
 def test_somebody_read_mirrored_from_the_start_is_turned_round():
     scene = made([ACROSS], detector=PERFECT, seconds=3.0)
-    mirror = np.array(Tracker(scene.rig)._model.noise.mirror)
+    mirror = np.array(COCO17.mirror)
     sets = [
         FrameSet(
             s.t_s,

@@ -1,6 +1,6 @@
-"""Where everybody should be, and where the images say they are.
+"""Prediction of the tracks, fit to their key points, and constraints of the body.
 
-Three steps, each a call of a kernel or two: prediction, fit to the key points, the body's say.
+Each is a call of a kernel or two.
 """
 
 from collections.abc import Sequence
@@ -9,23 +9,24 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.fusion import kernels, lifecycle
+from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
 from trecsim.fusion.images import Images
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.support import support
 from trecsim.fusion.tuning import LEAST_INDEPENDENCE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Prediction:
-    """Where everybody should be in each image of a frame set, and how sure that is by now.
+    """Predicted joints of all tracks in each image of a frame set.
 
     Attributes
     ----------
     place, now
-        Times of the images and of the frame set, in knots.
+        Times of the images and of the frame set [knots].
     xyz_m
         Joints at each image's own time.
     cov_m2
@@ -38,13 +39,16 @@ class Prediction:
     cov_m2: Float64[np.ndarray, "track joint 3 3"]
 
 
-def news(since_s: float, model: Model) -> float:
-    """Return how much is new, 0 to 1, in what is seen so long after the last image."""
+def independence_weight(since_s: float, model: Model) -> float:
+    """Return the weight, 0 to 1, of an image taken `since_s` after its camera's last one.
+
+    Errors of a detector that are closer in time than `error_memory_s` are correlated.
+    """
     return min(max(since_s / model.settings.error_memory_s, LEAST_INDEPENDENCE), 1.0)
 
 
 def predict(people: Population, images: Images, grid: KnotGrid, t_s: float) -> Prediction:
-    """Return where everybody should be in `images`, the newest of which was taken at `t_s`."""
+    """Predict the tracks at the times of `images`, and their covariance at `t_s`, the newest."""
     n_track, n_joint = people.z.shape[:2]
     place = grid.places(images.t_s)
     xyz_m = np.empty((len(images), n_track, n_joint, 3))
@@ -68,36 +72,38 @@ def fit(
     Parameters
     ----------
     people, images, association, prediction, model
-        Who is fitted to what.
+        Tracks, the images of a frame set, which detection is whose, and constants of the run.
     since_s
         How long before each image its camera took the last one [s].
     """
     inlier = np.empty((len(people), len(images), people.z.shape[1]))
-    worth = association.responsibility * np.array([news(since, model) for since in since_s])
+    independence = np.array([independence_weight(since, model) for since in since_s])
+    observation_weight = association.responsibility * independence
     kernels.fit_all(
         people.R, people.z, people.c, prediction.xyz_m, prediction.cov_m2, images.cam, model.P,
         model.focal_px, prediction.place, images.xy_px, images.factor, association.match,
-        association.flip, worth, model.noise, prediction.now, inlier, people.x_m, people.cov_m2,
+        association.flip, observation_weight, model.noise, prediction.now, inlier,
+        people.xyz_m, people.cov_m2,
     )  # fmt: skip
     return inlier
 
 
 def constrain(people: Population, now: float, model: Model, t_s: float, elapsed_s: float) -> None:
-    """Learn limb lengths, and hold by them what too few cameras see, in place.
+    """Learn limb lengths, and constrain joints by them that too few cameras see, in place.
 
     Parameters
     ----------
     people
-        Who has just been fitted.
+        Tracks, just fitted.
     now, t_s
-        Time of the frame set, in knots and in seconds.
+        Time of the frame set [knots] and [s].
     model
         Constants of the run.
     elapsed_s
         Time since the last frame set [s].
     """
     kernels.constrain_all(
-        people.R, people.z, people.c, people.x_m, people.cov_m2, lifecycle.support(people, t_s),
-        model.limbs, people.limb_m, people.limb_m2, people.level,
+        people.R, people.z, people.c, people.xyz_m, people.cov_m2, support(people, t_s),
+        model.limbs, people.limb_m, people.limb_m2, people.ground_level,
         model.noise.quick, now, elapsed_s,
     )  # fmt: skip

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.fusion import kernels, lifecycle
+from trecsim.fusion import kernels
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.support import support
 from trecsim.fusion.tuning import SAME_S
 from trecsim.values import Snapshot
 
@@ -50,7 +51,7 @@ def _joined(parts: Sequence[Snapshot]) -> Snapshot:
 
 def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model) -> Snapshot:
     who = (people.confirmed & (people.born_s <= t_s + SAME_S)).nonzero()[0]
-    xyz_m, cov_m2 = people.x_m, people.cov_m2
+    xyz_m, cov_m2 = people.xyz_m, people.cov_m2
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
         kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
@@ -59,12 +60,12 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
     xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
     velocity_cov_m2ps2 = velocity_cov_m2ps2.take(who, axis=0)
     kernels.state_all(
-        model.P, model.focal_px, model.noise, people.joint_s.take(who, axis=0), t_s,
+        model.P, model.focal_px, model.noise, people.joint_last_seen_s.take(who, axis=0), t_s,
         model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
         xyz_m, cov_m2, velocity_cov_m2ps2,
     )  # fmt: skip
     return Snapshot(
-        t_s, people.id.take(who), xyz_m, cov_m2, lifecycle.support(people, t_s).take(who, axis=0),
+        t_s, people.id.take(who), xyz_m, cov_m2, support(people, t_s).take(who, axis=0),
         velocity_mps=velocity_mps.take(who, axis=0), velocity_cov_m2ps2=velocity_cov_m2ps2,
     )  # fmt: skip
 
@@ -73,7 +74,7 @@ def velocity(
     people: Population, grid: KnotGrid, t_s: float
 ) -> tuple[Float64[np.ndarray, "track joint 3"], Float64[np.ndarray, "track joint 3 3"]]:
     """Return the joints' velocities at one time [m/s], and their covariances [m^2/s^2]."""
-    velocity_mps, cov_m2ps2 = np.empty(people.x_m.shape), np.empty(people.cov_m2.shape)
+    velocity_mps, cov_m2ps2 = np.empty(people.xyz_m.shape), np.empty(people.cov_m2.shape)
     kernels.velocity_all(people.R, people.c, grid.place(t_s), grid.knot_s, velocity_mps, cov_m2ps2)
     return velocity_mps, cov_m2ps2
 

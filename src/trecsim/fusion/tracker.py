@@ -1,23 +1,26 @@
-"""The one object with state: frame sets in, people in 3D out."""
+"""The tracker, the only object with state: frame sets in, people in 3D out."""
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.fusion import birth, fitting, kernels, lifecycle, memory
+from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association, associate
+from trecsim.fusion.duplicates import duplicate_pairs, is_duplicate
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.kernels.presence import SUPPORT_S
-from trecsim.fusion.memory import Lost
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
+from trecsim.fusion.reidentification import DeadTrack, dead_tracks, reidentify, within
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
+from trecsim.fusion.support import support, update_support
 from trecsim.fusion.tuning import CHECK_S, DUPLICATE_S, SAME_S, UNASSIGNED_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
@@ -25,8 +28,32 @@ from trecsim.sync.clocks import JUMP_S, Clocks
 from trecsim.values import FrameSet, Poses2D, Snapshot
 
 
+class Held(NamedTuple):
+    """How much a tracker keeps in memory: small numbers, however long it runs.
+
+    Attributes
+    ----------
+    tracks
+        Tracks, provisional ones included.
+    unassigned
+        Detections that wait for one of another camera to start a track with.
+    dead
+        Dead tracks whose people may still be re-identified.
+    close_pairs
+        Pairs of tracks that may be duplicates.
+    ended
+        Groups of dead tracks that the lag has not passed yet.
+    """
+
+    tracks: int
+    unassigned: int
+    dead: int
+    close_pairs: int
+    ended: int
+
+
 class Tracker:
-    """Follow any number of people with any number of cameras.
+    """Track any number of people with any number of cameras.
 
     Parameters
     ----------
@@ -89,10 +116,18 @@ class Tracker:
         self._advance(self._t_s)
         images = prepare(views, self._model)
         association = self._update(images, min(elapsed_s, JUMP_S))
-        replaced = self._begin(images, association)
+        replaced = self._start_tracks(images, association)
         lifecycle.confirm(self._people, self._model, self._t_s)
-        self._end(association, replaced)
+        self._end_tracks(association, replaced)
         return self._snapshot(self._t_s)
+
+    @property
+    def held(self) -> Held:
+        """How much the tracker keeps in memory."""
+        return Held(
+            len(self._people), len(self._unassigned), len(self._dead),
+            len(self._duplicate_since_s), len(self._ended),
+        )  # fmt: skip
 
     @property
     def _t_s(self) -> float:
@@ -105,19 +140,19 @@ class Tracker:
         return self._grid
 
     def _restart(self) -> None:
-        """Forget everybody, as nobody can be followed over a jump in time; identities go on."""
+        """Delete all tracks, as none can be followed over a jump in time; identities go on."""
         m = self._model
         n_joint = len(m.skeleton.joints)
-        self._people = Population.nobody(n_joint, self._live, len(m.rig), len(m.body.joints))
-        self._leftover = Detections.nothing(n_joint)
-        self._compared_s = -math.inf
+        self._people = Population.empty(n_joint, self._live, len(m.rig), len(m.body.joints))
+        self._unassigned = Detections.nothing(n_joint)
+        self._checked_s = -math.inf
         self._grid: KnotGrid | None = None
-        self._lost: list[Lost] = []
-        self._departed: list[tuple[float, KnotGrid, Population]] = []
-        self._close_since: dict[tuple[int, int], float] = {}
+        self._dead: list[DeadTrack] = []
+        self._ended: list[tuple[float, KnotGrid, Population]] = []
+        self._duplicate_since_s: dict[tuple[int, int], float] = {}
 
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
-        """Return the views that bring something new, are not too late and whose time is right."""
+        """Return the views that are new, not too late and plausible in time."""
         views = frame_set.views
         t_s = [float(view.t_s) for view in views]
         if views:
@@ -132,7 +167,7 @@ class Tracker:
         ]
 
     def _advance(self, t_s: float) -> None:
-        """Move the knot grid on to `t_s`; every joint gets new control points as needed."""
+        """Move the knot grid on to `t_s`; append control points to all trajectories as needed."""
         s = self._model.settings
         if self._grid is None:
             self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
@@ -141,7 +176,7 @@ class Tracker:
             return
         self._grid = self._grid.moved_to(t_s)
         people = self._people
-        seen = lifecycle.support(people, t_s - s.knot_s)
+        seen = support(people, t_s - s.knot_s)
         for _ in range(steps):
             kernels.extend_all(
                 people.R, people.z, people.c, seen, self._model.torso, self._model.stiffness,
@@ -149,35 +184,36 @@ class Tracker:
             )  # fmt: skip
 
     def _update(self, images: Images, elapsed_s: float) -> Association:
-        """Associate and fit everybody who is already there."""
+        """Associate detections with the existing tracks, and fit these to them."""
         people, m, t_s = self._people, self._model, self._t_s
         cam, taken_s = images.cam.tolist(), images.t_s.tolist()
         since_s = self._clocks.since_s(cam, taken_s)
         prediction = fitting.predict(people, images, self._knots, t_s)
         association = associate(m, images, prediction.xyz_m, prediction.cov_m2)
         inlier = fitting.fit(people, images, association, prediction, m, since_s)
-        lifecycle.note_support(people, images, association, inlier, t_s, elapsed_s)
-        if t_s - self._compared_s >= CHECK_S:
-            self._compared_s = t_s
-            lifecycle.doubt(people, images, association, prediction.xyz_m, m)
+        update_support(people, images, association, inlier, t_s, elapsed_s)
+        if t_s - self._checked_s >= CHECK_S:
+            self._checked_s = t_s
+            evidence.check_matches(people, images, association, prediction.xyz_m, m)
         fitting.constrain(people, prediction.now, m, t_s, elapsed_s)
-        lifecycle.mend_mirrored(people, m)
+        evidence.unmirror(people, m)
         self._clocks.note(cam, taken_s)
         return association
 
-    def _begin(self, images: Images, association: Association) -> set[int]:
-        """Let people begin where detections of two or more cameras meet; return who is replaced.
+    def _start_tracks(self, images: Images, association: Association) -> set[int]:
+        """Start tracks where unassigned detections of two or more cameras meet.
 
-        Whom one camera alone sees now may have drifted, and whom two see may be two people:
-        those detections are looked at again, together with what the other cameras cannot explain.
+        Return the existing tracks that new ones replace. A track that only one camera supports may
+        have drifted, and the detections of one may be of two people: such detections count as
+        unassigned, too.
         """
         replaced: set[int] = set()
         owner, n_open = self._owners(images, association)
-        old = self._leftover
+        old = self._unassigned
         if len(old):
             old = old.still_open(images.cam, self._t_s - UNASSIGNED_S)
         if not len(old) and not n_open:
-            self._leftover = old
+            self._unassigned = old
             return replaced
         open_ = owner != kernels.TAKEN
         pool = old.joined(images.detections(open_))
@@ -189,12 +225,12 @@ class Tracker:
         for candidate, xyz_m in zip(candidates, completed(candidates, self._model), strict=True):
             owners = {o for o in owner[candidate.member].tolist() if o >= 0}
             unnamed = [o for o in sorted(owners) if int(self._people.id[o]) not in named]
-            if owners and not unnamed:  # each identity is given once
+            if owners and not unnamed:  # each identity is given only once
                 continue
             free[candidate.member] = False
-            eyes = np.isin(images.cam, pool.cam[candidate.member])
-            if not owners and lifecycle.is_known(
-                self._people, xyz_m[self._model.torso], eyes, association, self._model
+            own_views = np.isin(images.cam, pool.cam[candidate.member])
+            if not owners and is_duplicate(
+                self._people, xyz_m[self._model.torso], own_views, association, self._model
             ):
                 continue
             identity, known = self._identify(xyz_m, unnamed)
@@ -202,16 +238,19 @@ class Tracker:
             named.add(identity)
             replaced |= owners
         self._add(births, pool)
-        self._leftover = pool.take(free)
+        self._unassigned = pool.take(free)
         return replaced
 
     def _owners(
         self, images: Images, association: Association
     ) -> tuple[Int64[np.ndarray, " person"], int]:
-        """Return for each detection its doubted track, FREE or TAKEN; how many are not taken."""
+        """Return whose each detection is, and how many may start a track.
+
+        That is the index of a track that may be replaced, `FREE` or `TAKEN`.
+        """
         owner = np.empty(len(images.xy_px), np.int64)
-        two_s = lifecycle.trusted_s(self._people)
-        n_open = kernels.owners(association.match, two_s, self._t_s, SUPPORT_S, owner)
+        two_view_s = evidence.trusted_two_view_s(self._people)
+        n_open = kernels.owners(association.match, two_view_s, self._t_s, SUPPORT_S, owner)
         return owner, n_open
 
     def _add(self, births: Sequence[Birth], pool: Detections) -> None:
@@ -225,7 +264,7 @@ class Tracker:
         # already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
         inlier = fitting.fit(people, images, association, prediction, self._model, since_s)
-        lifecycle.note_support(people, images, association, inlier, self._t_s, 0.0)
+        update_support(people, images, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(people)
 
     def _identify(
@@ -240,19 +279,19 @@ class Tracker:
             oldest = min(owners, key=lambda o: int(self._people.id[o]))
             return int(self._people.id[oldest]), bool(self._people.confirmed[oldest])
         torso_m = xyz_m[self._model.torso].mean(axis=0)
-        back = memory.recall(self._lost, torso_m, self._t_s, self._model.settings.recall_s)
+        back = reidentify(self._dead, torso_m, self._t_s, self._model.settings.recall_s)
         if back is not None:
-            self._lost.remove(back)
+            self._dead.remove(back)
             return back.id, True
         self._next_id += 1
         return self._next_id - 1, False
 
-    def _end(self, association: Association, replaced: set[int]) -> None:
-        """Drop duplicates and those whom nobody sees any more."""
+    def _end_tracks(self, association: Association, replaced: set[int]) -> None:
+        """Delete tracks that are dead, duplicates or replaced."""
         people = self._people
-        pairs = lifecycle.close_pairs(people, self._model, association)
+        pairs = duplicate_pairs(people, self._model, association)
         close = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
-        self._close_since = {p: self._close_since.get(p, self._t_s) for p in close}
+        self._duplicate_since_s = {p: self._duplicate_since_s.get(p, self._t_s) for p in close}
         expected = lifecycle.expected_cameras(
             people, self._model, self._clocks.looking(), self._t_s
         )
@@ -262,28 +301,26 @@ class Tracker:
         alive = np.ones(len(people), bool)
         alive[list(replaced)] = False
         for pair, younger in close.items():
-            if self._t_s - self._close_since[pair] >= DUPLICATE_S:
+            if self._t_s - self._duplicate_since_s[pair] >= DUPLICATE_S:
                 alive[younger] = False
-        left = ~stays & alive
-        gone = memory.remembered(
-            people, left & people.confirmed, self._knots, self._model, self._t_s
-        )
+        died = ~stays & alive
+        gone = dead_tracks(people, died & people.confirmed, self._knots, self._model, self._t_s)
         recall_s = self._model.settings.recall_s
-        self._lost = memory.still_near(self._lost, self._t_s, recall_s) + gone
-        left[list(replaced)] = True
-        self._depart(people.keep(left & people.confirmed))
+        self._dead = within(self._dead, self._t_s, recall_s) + gone
+        died[list(replaced)] = True
+        self._keep_for_lag(people.keep(died & people.confirmed))
         self._people = people.keep(alive & stays)
 
-    def _depart(self, people: Population) -> None:
-        """Keep people who are gone until the lag has reached their end."""
+    def _keep_for_lag(self, people: Population) -> None:
+        """Keep dead tracks until the lag has reached their end."""
         if self._lag_s > 0.0 and len(people) and self._grid is not None:
-            self._departed.append((self._t_s, self._grid, people))
+            self._ended.append((self._t_s, self._grid, people))
 
     def _snapshot(self, now_s: float) -> Snapshot:
-        """Return everybody who was there at `now_s` minus the lag, gone since or not."""
+        """Return the tracks that were alive at `now_s` minus the lag, dead since or not."""
         t_s = now_s - self._lag_s
-        self._departed = [one for one in self._departed if one[0] > t_s + SAME_S]
-        there = [(one[1], one[2]) for one in self._departed]
+        self._ended = [one for one in self._ended if one[0] > t_s + SAME_S]
+        there = [(one[1], one[2]) for one in self._ended]
         if self._grid is not None:
             there.append((self._grid, self._people))
         return snapshot_of(there, t_s, self._t_s, self._model)

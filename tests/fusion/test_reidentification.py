@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from fusion.somebody import MODEL, somebody
-from trecsim.fusion import lifecycle
 from trecsim.fusion.association import Association
-from trecsim.fusion.memory import Lost, recall, still_near
+from trecsim.fusion.duplicates import is_duplicate
 from trecsim.fusion.population import Population
+from trecsim.fusion.reidentification import DeadTrack, reidentify, within
 
-WALKING = Lost(7, 10.0, np.array([1.0, 0.0, 0.9]), np.array([2.0, 0.0, 0.0]))
+WALKING = DeadTrack(7, 10.0, np.array([1.0, 0.0, 0.9]), np.array([2.0, 0.0, 0.0]))
 
 
 @pytest.mark.parametrize(
@@ -27,17 +27,17 @@ def test_somebody_may_have_stopped_or_gone_on(x_m, away_m):
 
 
 def test_who_appears_where_somebody_was_lost_is_that_person_for_a_while_only():
-    other = Lost(8, 10.0, np.array([5.0, 0.0, 0.9]), np.zeros(3))
+    other = DeadTrack(8, 10.0, np.array([5.0, 0.0, 0.9]), np.zeros(3))
     here = np.array([1.5, 0.3, 0.9])
-    assert recall([other, WALKING], here, 11.0, 1.5) is WALKING
-    assert recall([other, WALKING], here, 11.6, 1.5) is None
-    assert recall([other], here, 11.0, 1.5) is None
-    assert still_near([other, WALKING], 11.6, 1.5) == []
+    assert reidentify([other, WALKING], here, 11.0, 1.5) is WALKING
+    assert reidentify([other, WALKING], here, 11.6, 1.5) is None
+    assert reidentify([other], here, 11.0, 1.5) is None
+    assert within([other, WALKING], 11.6, 1.5) == []
 
 
 def population(xyz):
-    people = Population.nobody(17, 9, 4, 0)
-    people.x_m = xyz
+    people = Population.empty(17, 9, 4, 0)
+    people.xyz_m = xyz
     return people
 
 
@@ -55,5 +55,5 @@ def test_nobody_is_new_who_is_only_not_recognised_by_some_cameras(match, eyes, k
     association = Association(match, np.zeros_like(match), np.ones(match.shape))
     torso = xyz[MODEL.torso]
     people = population(xyz[None])
-    assert lifecycle.is_known(people, torso + 0.05, np.array(eyes), association, MODEL) == known
-    assert not lifecycle.is_known(people, torso + 0.5, np.array(eyes), association, MODEL)
+    assert is_duplicate(people, torso + 0.05, np.array(eyes), association, MODEL) == known
+    assert not is_duplicate(people, torso + 0.5, np.array(eyes), association, MODEL)

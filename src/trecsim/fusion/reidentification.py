@@ -1,0 +1,89 @@
+"""Re-identification: a person who comes back soon after death gets the old identity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64
+
+from trecsim.fusion.model import Model
+from trecsim.fusion.population import Population
+from trecsim.fusion.snapshots import evaluated, velocity
+from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.tuning import EXTRAPOLATE_S, REIDENTIFY_M, REIDENTIFY_MPS
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DeadTrack:
+    """A track that has died, and whose person may come back.
+
+    Attributes
+    ----------
+    id
+        The identity.
+    t_s
+        When a camera last supported it [s].
+    xyz_m, velocity_mps
+        Position and velocity of the torso then.
+    """
+
+    id: int
+    t_s: float
+    xyz_m: Float64[np.ndarray, "3"]
+    velocity_mps: Float64[np.ndarray, "3"]
+
+    def distance_m(self, xyz_m: Float64[np.ndarray, "3"], t_s: float) -> float:
+        """Return the distance of `xyz_m` from where the person may be at `t_s`.
+
+        That is the line from the last position, had the person stopped at once, to the position
+        extrapolated for up to `EXTRAPOLATE_S`.
+        """
+        way_m = self.velocity_mps * min(t_s - self.t_s, EXTRAPOLATE_S)
+        length_m2 = float(way_m @ way_m)
+        share = float((xyz_m - self.xyz_m) @ way_m) / length_m2 if length_m2 > 0.0 else 0.0
+        return float(np.linalg.norm(xyz_m - self.xyz_m - min(max(share, 0.0), 1.0) * way_m))
+
+
+def reidentify(
+    dead: list[DeadTrack], xyz_m: Float64[np.ndarray, "3"], t_s: float, recall_s: float
+) -> DeadTrack | None:
+    """Return the dead track nearest to a new one whose torso is at `xyz_m`; None if none is near.
+
+    Parameters
+    ----------
+    dead
+        Candidates.
+    xyz_m, t_s
+        Position of the new track's torso, and the time [s].
+    recall_s
+        Tracks that have been dead for longer do not count [s].
+    """
+    near = [
+        (one.distance_m(xyz_m, t_s), one)
+        for one in within(dead, t_s, recall_s)
+        if one.distance_m(xyz_m, t_s) < REIDENTIFY_M + REIDENTIFY_MPS * (t_s - one.t_s)
+    ]
+    return min(near, key=lambda pair: pair[0])[1] if near else None
+
+
+def within(dead: list[DeadTrack], t_s: float, recall_s: float) -> list[DeadTrack]:
+    """Return the tracks that have been dead for no longer than `recall_s` at `t_s`."""
+    return [one for one in dead if t_s - one.t_s <= recall_s]
+
+
+def dead_tracks(
+    people: Population,
+    which: Bool[np.ndarray, " track"],
+    grid: KnotGrid,
+    model: Model,
+    t_s: float,
+) -> list[DeadTrack]:
+    """Return what re-identification needs of the tracks `which`, which die at `t_s`."""
+    seen_s = people.last_seen_s.max(axis=1, initial=-np.inf)
+    dead = []
+    for k in np.flatnonzero(which):
+        then_s = max(float(seen_s[k]), t_s - model.settings.window_s)
+        one = people.keep(np.arange(len(people)) == k)
+        xyz_m = evaluated(one.c, grid, [then_s])[0, 0, model.torso].mean(axis=0)
+        velocity_mps = velocity(one, grid, then_s)[0][0, model.torso].mean(axis=0)
+        dead.append(DeadTrack(int(people.id[k]), then_s, xyz_m, velocity_mps))
+    return dead
