@@ -10,9 +10,9 @@ HEADER = '{"format": "trecsim.poses2d/1", "skeleton": "coco17"}\n'
 @pytest.mark.parametrize(
     ("poses", "options", "said"),
     [
-        ("other-resolution/double.poses.jsonl", (), "rig and key points"),
+        ("other-resolution/double.poses.jsonl", (), "images twice the size"),
         ("other-resolution/normalised.poses.jsonl", (), "given in 0 to 1"),
-        ("other-resolution/half.poses.jsonl", (), "0 people, although"),
+        ("other-resolution/half.poses.jsonl", (), "images half the size"),
         ("clocks-apart/walk.poses.jsonl", (), "'cam2' from 5000 to 5005 s"),
         ("coco-running-ids/results", ("--fps", 25), "'cam4' from 15 to 20 s"),
     ],

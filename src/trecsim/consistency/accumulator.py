@@ -1,19 +1,29 @@
 """The one object that watches whether poses and rig fit, and tells it in remarks."""
 
 import math
-from dataclasses import dataclass, field
+from collections import deque
+from dataclasses import dataclass, field, replace
 
-from trecsim.consistency import nobody, pixels, spans
+from trecsim.consistency import judge, nobody, pixels, spans, told
+from trecsim.consistency.evidence import Evidence, weighed
+from trecsim.consistency.sights import Moment, moment
 from trecsim.consistency.thresholds import Thresholds
+from trecsim.consistency.verdict import Verdict
 from trecsim.geometry import Rig
 from trecsim.values import FrameSet, Poses2D, Snapshot
 
 _GOLDEN = 0.618033988749895  # varies the spacing, lest a slower camera be missed every time
+_LONGEST_LAG_S = 11.0  # a sampled frame set waits no longer for the snapshot of its time
+_MOST_WAITING = 256
+_MOST_REMEMBERED = 128  # batches
+_LONGEST_REST = 32  # batches
 
 
 @dataclass(slots=True)
 class Consistency:
     """Watch a run; tell once per cause what cannot be right.
+
+    Frame sets are sampled, and sampled ever more rarely; a batch of them is examined at a time.
 
     Attributes
     ----------
@@ -36,43 +46,73 @@ class Consistency:
 
     rig: Rig
     limit: Thresholds = field(default_factory=Thresholds)
-    _spans: dict[str, spans.Span] = field(init=False)
-    _extents: dict[str, pixels.Extent] = field(init=False)
+    _place: dict[str, int] = field(init=False)
+    _spans: tuple[spans.Span, ...] = field(init=False)
+    _extents: tuple[pixels.Extent, ...] = field(init=False)
     _views: list[Poses2D] = field(default_factory=list, init=False)
+    _waiting: deque[FrameSet] = field(default_factory=deque, init=False)
+    _recent: deque[Moment] = field(init=False)
+    _new: int = field(default=0, init=False)
+    _history: deque[Evidence] = field(init=False)
+    _before: Snapshot | None = field(default=None, init=False)
     _samples: int = field(default=0, init=False)
     _sampled_s: float = field(default=-math.inf, init=False)
     _frame_sets: int = field(default=0, init=False)
     _together: int = field(default=0, init=False)
     _anybody: bool = field(default=False, init=False)
+    _rest: int = field(default=0, init=False)
+    _rests: int = field(default=1, init=False)
     _said: set[str] = field(default_factory=set, init=False)
+    _wrong: set[int] = field(default_factory=set, init=False)
+    _odd: set[int] = field(default_factory=set, init=False)
 
     def __post_init__(self) -> None:
-        self._spans = {name: spans.Span() for name in self.rig.names}
-        self._extents = {name: pixels.Extent() for name in self.rig.names}
+        self._place = {name: number for number, name in enumerate(self.rig.names)}
+        self._spans = tuple(spans.Span() for _ in self.rig)
+        self._extents = tuple(pixels.Extent() for _ in self.rig)
+        self._recent = deque(maxlen=self.limit.recent)
+        self._history = deque(maxlen=_MOST_REMEMBERED)
 
     def observe(self, frame_set: FrameSet, snapshot: Snapshot) -> list[str]:
         """Take in a frame set and the people after it; return what is to be said by now."""
         with_people = 0
         for view in frame_set.views:
             count = len(view.xy_px)
-            self._spans[view.camera].add(view.t_s, count)
+            self._spans[self._place[view.camera]].add(view.t_s, count)
             with_people += count > 0
         self._frame_sets += 1
         self._together += with_people > 1
         self._anybody = self._anybody or len(snapshot.id) > 0
-        if not self._due(frame_set.t_s):
-            return []
-        self._views.extend(frame_set.views)
-        return self._examine() if self._samples % self.limit.batch == 0 else []
+        if self._due(frame_set.t_s):
+            self._views.extend(frame_set.views)
+            if with_people > 1:
+                self._waiting.append(frame_set)
+        if self._waiting:
+            self._keep(snapshot)
+        self._before = snapshot
+        if self._new >= self.limit.batch or len(self._views) >= self.limit.most_views:
+            return self._examine(final=False)
+        return []
 
     def end(self) -> list[str]:
         """Return what remains to be said at the end of a run."""
-        found = self._examine()
-        delivered = {name: span for name, span in self._spans.items() if span.images}
-        found += self._new("apart", spans.apart(delivered, self.limit.fewest_images))
-        if not self._anybody and not self._said:
+        found = self._examine(final=True)
+        delivered = {
+            name: span
+            for name, span in zip(self.rig.names, self._spans, strict=True)
+            if span.images
+        }
+        found += self._clocks()
+        text = spans.apart(delivered, self.limit.fewest_images)
+        found += [] if text is None else [text]
+        if not self._anybody and not self._said and text is None:
             found.append(nobody.why(delivered, self.rig, self._frame_sets, self._together))
         return found
+
+    def _clocks(self) -> list[str]:
+        """Return what is odd about the times of cameras that did not agree with the others."""
+        hints = {c: told.clock_hint(c, self._spans) for c in sorted(self._odd)}
+        return [told.clock(self.rig.names[c], hint) for c, hint in hints.items() if hint]
 
     def _due(self, t_s: float) -> bool:
         """Tell whether a frame set is to be sampled, and count it."""
@@ -85,16 +125,84 @@ class Consistency:
         self._sampled_s = t_s
         return True
 
-    def _examine(self) -> list[str]:
+    def _keep(self, snapshot: Snapshot) -> None:
+        """Keep the frame sets whose time the snapshots have reached."""
+        while self._waiting:
+            ahead_s = self._waiting[0].t_s - snapshot.t_s
+            if 0.0 < ahead_s <= _LONGEST_LAG_S and len(self._waiting) < _MOST_WAITING:
+                return
+            frame_set = self._waiting.popleft()
+            if ahead_s <= 0.0:
+                views = tuple(
+                    v for v in frame_set.views if self._place[v.camera] not in self._wrong
+                )
+                if len(views) > 1:
+                    before = self._before or snapshot
+                    one = moment(
+                        replace(frame_set, views=views), self._place, before, snapshot, self.limit
+                    )
+                    self._recent.append(one)
+                    self._new += 1
+
+    def _examine(self, final: bool) -> list[str]:
         """Examine what has been sampled since the last time."""
         pixels.measure(self._extents, self._views, self.rig, self.limit)
         self._views.clear()
-        said = pixels.no_pixels(self._extents, self.rig, self.limit)
-        return [text for cause, one in said.items() for text in self._new(cause, one)]
+        unfit = pixels.no_pixels(self._extents, self.rig, self.limit)
+        found = [text for one in unfit if one.sure for text in self._tell(one)]
+        if self._new >= (self.limit.least_moments if final else self.limit.batch):
+            self._history.append(weighed(list(self._recent)[-self._new :], self.rig, self.limit))
+            self._new = 0
+            found += self._judge(final)
+        elif final:
+            found += self._judge(final)
+        if final or len(self._history) > self.limit.window:  # a better reason may be found first
+            found += [text for one in unfit if not one.sure for text in self._tell(one)]
+        return found
 
-    def _new(self, cause: str, text: str | None) -> list[str]:
-        """Return a remark, if there is one and its cause has not been told."""
-        if text is None or cause in self._said:
+    def _judge(self, final: bool) -> list[str]:
+        """Return what is to be said of cameras that do not agree with the others."""
+        if not final and len(self._history) < self.limit.window:
             return []
-        self._said.add(cause)
-        return [text]
+        found: list[str] = []
+        while len(self._history) and (verdict := self._verdict(final)) is not None:
+            found += self._tell(verdict)
+        return found
+
+    def _verdict(self, final: bool) -> Verdict | None:
+        records = judge.Records(
+            self.rig, self.limit, tuple(self._history), tuple(self._recent), self._spans, final
+        )
+        left = [c for c in range(len(self.rig)) if c not in self._wrong]
+        suspects = judge.suspicious(records.history, self.limit)
+        self._rest = max(0, self._rest - 1)
+        if suspects and self._rest and not final:
+            suspects = []
+        verdict = judge.judged(records, suspects, left)
+        if suspects and verdict is None:
+            self._rest = self._rests = min(2 * self._rests, _LONGEST_REST)
+        return verdict
+
+    def _leave_out(self, wrong: tuple[int, ...]) -> None:
+        """Look at the other cameras only from now on, as if these had not been there."""
+        self._wrong.update(wrong)
+        kept = [
+            replace(one, looks=tuple(look for look in one.looks if look.cam not in self._wrong))
+            for one in self._recent
+        ]
+        self._recent.clear()
+        self._recent.extend(one for one in kept if len(one.looks) > 1)
+        self._history.clear()
+        self._new = min(self._new, len(self._recent))
+        old, size = list(self._recent)[: len(self._recent) - self._new], self.limit.batch
+        for start in range(len(old) % size, len(old), size):
+            self._history.append(weighed(old[start : start + size], self.rig, self.limit))
+
+    def _tell(self, verdict: Verdict) -> list[str]:
+        """Return a remark, unless all that it says has been said."""
+        if verdict.cause in self._said or self._wrong.issuperset(verdict.cameras):
+            return []
+        self._said.add(verdict.cause)
+        self._odd.update(verdict.cameras if verdict.clock else ())
+        self._leave_out(verdict.cameras)
+        return [verdict.text]

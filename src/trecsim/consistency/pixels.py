@@ -1,12 +1,13 @@
 """Where key points lie relative to the image that the rig states."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float64
 
 from trecsim.consistency.thresholds import Thresholds
+from trecsim.consistency.verdict import Verdict
 from trecsim.consistency.wording import cameras
 from trecsim.geometry import Rig
 from trecsim.values import Poses2D
@@ -46,7 +47,7 @@ class Extent:
 
 
 def measure(
-    extents: Mapping[str, Extent], views: Iterable[Poses2D], rig: Rig, limit: Thresholds
+    extents: Sequence[Extent], views: Iterable[Poses2D], rig: Rig, limit: Thresholds
 ) -> None:
     """Add the key points of images to the extents of their cameras."""
     by_camera: dict[str, list[Float64[np.ndarray, "point 2"]]] = {}
@@ -54,33 +55,35 @@ def measure(
         if len(view.xy_px):
             by_camera.setdefault(view.camera, []).append(view.xy_px.reshape(-1, 2))
     for name, points in by_camera.items():
-        extents[name].add(np.concatenate(points), rig[name].size_px, limit)
+        extents[rig.index(name)].add(np.concatenate(points), rig[name].size_px, limit)
 
 
-def no_pixels(extents: Mapping[str, Extent], rig: Rig, limit: Thresholds) -> dict[str, str]:
-    """Return what to say of cameras whose key points cannot be pixels of their image, by cause."""
-    known = {name: e for name, e in extents.items() if e.points >= limit.fewest_points}
-    corner = [name for name, e in known.items() if e.corner >= limit.corner_share * e.points]
-    outside = [name for name, e in known.items() if e.outside >= limit.outside_share * e.points]
-    said = {}
+def no_pixels(extents: Sequence[Extent], rig: Rig, limit: Thresholds) -> list[Verdict]:
+    """Return what to say of cameras whose key points cannot be pixels of their image."""
+    known = {c: e for c, e in enumerate(extents) if e.points >= limit.fewest_points}
+    corner = [c for c, e in known.items() if e.corner >= limit.corner_share * e.points]
+    outside = [c for c, e in known.items() if e.outside >= limit.outside_share * e.points]
+    said = []
     if corner:
-        said["corner"] = (
-            f"the key points of {cameras(corner, len(rig))} all lie within {limit.corner_px:g} px "
-            "of the image's corner: they seem to be given in 0 to 1; multiply them by the width "
-            "and height of the image"
+        text = (
+            f"the key points of {cameras([rig.names[c] for c in corner], len(rig))} all lie within "
+            f"{limit.corner_px:g} px of the image's corner: they seem to be given in 0 to 1; "
+            "multiply them by the width and height of the image"
         )
+        said.append(Verdict("corner", text, tuple(corner)))
     if outside:
-        said["outside"] = _outside(outside, known, rig)
+        said.append(Verdict("outside", _outside(outside, known, rig), tuple(outside), sure=False))
     return said
 
 
-def _outside(names: list[str], extents: Mapping[str, Extent], rig: Rig) -> str:
-    worst = max(names, key=lambda name: extents[name].outside / extents[name].points)
-    found, (width, height) = extents[worst], rig[worst].size_px
+def _outside(which: list[int], extents: Mapping[int, Extent], rig: Rig) -> str:
+    worst = max(which, key=lambda c: extents[c].outside / extents[c].points)
+    found, (width, height) = extents[worst], rig.cameras[worst].size_px
     x, y = found.reach_px
+    names = [rig.names[c] for c in which]
     return (
-        f"{found.outside / found.points:.0%} of the key points of camera {worst!r} lie outside of "
-        f"its image of {width} x {height} pixels, as far as ({x:.0f}, {y:.0f})"
+        f"{found.outside / found.points:.0%} of the key points of camera {rig.names[worst]!r} lie "
+        f"outside of its image of {width} x {height} pixels, as far as ({x:.0f}, {y:.0f})"
         + (f", and so it is with {cameras(names, len(rig))}" if len(names) > 1 else "")
         + ": rig and key points seem to be of different image sizes; use the rig calibrated for "
         "the images in which people were found, or scale the key points"
