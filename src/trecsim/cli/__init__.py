@@ -42,8 +42,9 @@ GROUPS = {
         },
     ),
     "site": (
-        "Check site files, and print their schema.",
+        "Write and check site files, and print their schema.",
         {
+            "new": "Write a site file for videos, or for 2D poses.",
             "check": "Check a site file and everything it names.",
             "schema": "Print the JSON schema of site files.",
         },

@@ -1,15 +1,75 @@
-"""The commands `trecsim site check` and `trecsim site schema`."""
+"""The commands `trecsim site new`, `trecsim site check` and `trecsim site schema`."""
 
 from pathlib import Path
 
 from trecsim.cli.terminal import finish, note
+from trecsim.errors import InputError
+
+
+def new(
+    *inputs: str,
+    rig: Path,
+    out: Path = Path("site.toml"),
+    name: str | None = None,
+    fps: float | None = None,
+    json: bool = False,
+) -> None:
+    """Write a site file for videos, or for 2D poses.
+
+    The file is checked afterwards; what is wrong is said, and the file kept.
+
+    Parameters
+    ----------
+    inputs
+        Videos, one per camera, or directories of videos; or one file or directory of 2D poses. A
+        video belongs to the camera of the rig whose name is in its file name, or to NAME in
+        NAME=VIDEO.
+    rig
+        The calibration of the cameras, in any format that is read.
+    out
+        The site file to write; it is never overwritten.
+    name
+        Name of the site (default: that of the folder).
+    fps
+        Frames per second of 2D poses that number their frames.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.cli.estimate_command import cameras_of
+    from trecsim.sites.check import check_site
+    from trecsim.sites.new_site import write_site
+
+    if not inputs:
+        raise InputError("no video is given; expected: trecsim site new VIDEO... --rig RIG")
+    poses = Path(inputs[0]).expanduser() if len(inputs) == 1 and _is_poses(inputs[0]) else None
+    videos = None if poses else cameras_of(inputs)
+    matched = write_site(out, rig, videos=videos, poses=poses, fps=fps, name=name, remark=note)
+    faults = None
+    try:
+        for remark in check_site(out).remarks:
+            note(remark)
+    except InputError as error:
+        faults = str(error)
+        note(f"the file is written, but: {faults}")
+    summary = {"out": out, "sources": matched, "poses": poses, "faults": faults}
+    finish(summary, json, f"{out}: {', '.join(matched) or poses}")
+
+
+def _is_poses(given: str) -> bool:
+    """Tell whether an input is 2D poses rather than a video or a directory of videos."""
+    from trecsim.cli.estimate_command import _VIDEOS
+
+    path = Path(given).expanduser()
+    if path.is_dir():
+        return not any(file.suffix.lower() in _VIDEOS for file in path.iterdir())
+    return path.suffix.lower() in (".jsonl", ".json", ".partial")
 
 
 def check(site: Path, /, *, json: bool = False) -> None:
     """Check a site file and everything it names.
 
-    Looks whether the rig can be read, each video opened and belongs to a camera of the rig, and
-    the estimator is installed. All that is wrong is told at once, by line.
+    Checks the keys, that the rig can be read, that each video opens and belongs to a camera of the
+    rig, and the settings of estimator and fusion. All faults are listed at once, by line.
 
     Parameters
     ----------

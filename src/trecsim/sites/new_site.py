@@ -1,0 +1,162 @@
+"""Write a site file for videos or 2D poses and the rig that they were taken with."""
+
+import os
+import re
+from collections.abc import Callable, Collection, Mapping
+from json import dumps
+from pathlib import Path
+
+from trecsim.calibration import read_rig
+from trecsim.errors import InputError
+from trecsim.sources import read_poses
+from trecsim.store.atomic import atomic_write
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+_WORD = re.compile(r"[A-Za-z]+|[0-9]+")
+
+
+def write_site(
+    out: Path,
+    rig: Path,
+    *,
+    videos: Mapping[str, Path] | None = None,
+    poses: Path | None = None,
+    fps: float | None = None,
+    name: str | None = None,
+    remark: Callable[[str], None],
+) -> dict[str, Path]:
+    """Write a site file with comments on what can be set.
+
+    Parameters
+    ----------
+    out
+        The file; its folder must be there, and it must not.
+    rig
+        The calibration, in any format that is read.
+    videos
+        The videos by the name of their camera; a name that the rig lacks is matched to the only
+        camera whose name is a word of it.
+    poses
+        2D poses, in place of videos.
+    fps
+        Frames per second of poses that number their frames.
+    name
+        Of the site; by default that of its folder.
+    remark
+        Is called with what was matched, and what is doubtful about the rig.
+
+    Returns
+    -------
+    The videos by the camera of the rig.
+
+    Raises
+    ------
+    InputError
+        When something is not there, or a video belongs to no camera of the rig; all in one message.
+    """
+    if out.exists():
+        raise InputError(f"{out} is there already and is not overwritten; give another --out")
+    cameras = read_rig(rig, remark=remark).names
+    matched = matched_cameras(videos or {}, cameras, remark)
+    if poses is not None:
+        next(read_poses(poses, rig_cameras=cameras, fps=fps), None)
+    folder = out.absolute().parent
+    lines = _head(name or folder.name, _seen_from(folder, rig))
+    if poses is not None:
+        lines += _poses(_seen_from(folder, poses), fps)
+    else:
+        lines += _sources({camera: _seen_from(folder, path) for camera, path in matched.items()})
+    with atomic_write(out) as file:
+        file.write("\n".join([*lines, *_OUTPUT]) + "\n")
+    return matched
+
+
+def matched_cameras(
+    videos: Mapping[str, Path], cameras: Collection[str], remark: Callable[[str], None]
+) -> dict[str, Path]:
+    """Return the videos by the camera of the rig, in the order of the rig.
+
+    Raises
+    ------
+    InputError
+        When a video belongs to no camera, or two to one.
+    """
+    faults: list[str] = []
+    found: dict[str, str] = {}
+    for name, path in videos.items():
+        near = [name] if name in cameras else [c for c in cameras if _is_word_of(c, name)]
+        if len(near) != 1:
+            which = (
+                f"could be of {' or '.join(near)}" if near else "belongs to no camera of the rig"
+            )
+            faults.append(f"{path} {which} (it has {', '.join(cameras)}); say which: NAME={path}")
+        elif near[0] in found:
+            other = videos[found[near[0]]]
+            faults.append(
+                f"{other} and {path} are both of the camera {near[0]!r}; give one of them"
+            )
+        else:
+            found[near[0]] = name
+            if near[0] != name:
+                remark(f"{path} is taken for the camera {near[0]!r}; if that is wrong: NAME={path}")
+    if faults:
+        raise InputError("\n".join(faults))
+    return {camera: videos[found[camera]] for camera in cameras if camera in found}
+
+
+def _is_word_of(camera: str, name: str) -> bool:
+    """Tell whether a camera's name stands in a file's, capitals aside and not within a word.
+
+    Examples
+    --------
+    >>> _is_word_of("cam1", "2024-01-31_Cam1_walk"), _is_word_of("cam1", "cam12")
+    (True, False)
+    """
+    words, whole = _WORD.findall(camera.lower()), _WORD.findall(name.lower())
+    count = len(words)
+    return count > 0 and any(whole[i : i + count] == words for i in range(len(whole) - count + 1))
+
+
+def _seen_from(folder: Path, path: Path) -> str:
+    """Return a path as it should stand in a file of a folder."""
+    absolute = path.expanduser().absolute()
+    inside = absolute.is_relative_to(folder)
+    return Path(os.path.relpath(absolute, folder) if inside else absolute).as_posix()
+
+
+def _head(name: str, rig: str) -> list[str]:
+    plain = re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")[:64] or "site"
+    return [
+        "# What is installed where, and how it runs. Paths are relative to this file.",
+        "# Check it with: trecsim site check FILE; run it with: trecsim run FILE",
+        'format = "trecsim.site/1"',
+        f"name = {_text(plain)}  # letters, digits, - and _",
+        f"rig = {_text(rig)}  # the calibration of the cameras",
+    ]
+
+
+def _sources(videos: Mapping[str, str]) -> list[str]:
+    lines = ["", "# One table per camera, by its name in the rig."]
+    for camera, video in videos.items():
+        key = camera if _BARE.fullmatch(camera) else _text(camera)
+        lines += [f"[sources.{key}]", f"video = {_text(video)}"]
+    return [*lines, "", "[estimator]", 'name = "movenet"  # or "onnx:FILE", "rtmlib:rtmo-m"']
+
+
+def _poses(poses: str, fps: float | None) -> list[str]:
+    if fps is None:
+        return [f"poses = {_text(poses)}  # 2D poses, so no video is read"]
+    return [f"poses = {{ file = {_text(poses)}, fps = {fps!r} }}  # 2D poses, so no video is read"]
+
+
+_OUTPUT = (
+    "",
+    "[output]",
+    '# directory = "recordings"  # gets one folder per run',
+    "lag_s = 0.0  # wait for later images [s]: smoother tracks",
+    "poses = false  # keep the 2D poses too",
+)
+
+
+def _text(value: str) -> str:
+    return dumps(value, ensure_ascii=False)
