@@ -13,7 +13,7 @@ from trecsim.lab.study.quick import scenes_table, settings_table
 from trecsim.lab.study.settings_file_table import StudyTable, read_study_table, toml_of
 
 GOOD = """
-format = "trecsim.lab.study/1"
+format = "trecsim.study/1"
 design = "grid"
 lag_s = 0.2
 seeds = "100-102,110"
@@ -79,7 +79,7 @@ def test_a_study_written_down_is_the_same_study(tmp_path: Path) -> None:
 
 def test_the_command_line_says_the_same_as_a_file(tmp_path: Path) -> None:
     given = StudyTable.model_validate({
-        "format": "trecsim.lab.study/1",
+        "format": "trecsim.study/1",
         "lag_s": 0.2,
         "seeds": "100-102,110",
         "settings": settings_table(

@@ -29,7 +29,7 @@ SETTINGS = ("knot_s=0.08,0.1,0.15", "joint_sigma_m=0.01,0.02,0.04", "min_joints=
 
 def study_of(design: str = "grid", points: int | None = None, seeds: str = "1-8") -> Study:
     data = {
-        "format": "trecsim.lab.study/1", "design": design, "points": points, "seeds": seeds,
+        "format": "trecsim.study/1", "design": design, "points": points, "seeds": seeds,
         "settings": settings_table(SETTINGS), "scenes": scenes_table(["room:people=1,seconds=1"]),
     }  # fmt: skip
     return planned(StudyTable.model_validate(data), "the study")

@@ -27,7 +27,7 @@ def study_of(
     *settings: str, scene: tuple[str, ...] = (TINY,), seeds: str = "1-2", lag_s: float = 0.0
 ) -> Study:
     data = {
-        "format": "trecsim.lab.study/1", "seeds": seeds, "lag_s": lag_s,
+        "format": "trecsim.study/1", "seeds": seeds, "lag_s": lag_s,
         "settings": settings_table(settings or ("knot_s=0.08,0.1,0.15",)),
         "scenes": scenes_table(scene),
     }  # fmt: skip

@@ -13,7 +13,7 @@ from trecsim.lab.simulation.scene_tables import FEWEST_CAMERAS, MOST_PEOPLE
 from trecsim.toml_models import FilePath, Table, read_text, validated
 from trecsim.toml_models.table import beside_the_file
 
-FORMAT = "trecsim.lab.study/1"
+FORMAT = "trecsim.study/1"
 KIND = "study file"
 MOST_LEVELS = 100
 MOST_POINTS = 5_000
@@ -111,7 +111,7 @@ def _seed_text(given: Any) -> Any:
 class StudyTable(Table):
     """A study: settings, scenes, seeds and how they are combined."""
 
-    format: Literal["trecsim.lab.study/1"]
+    format: Literal["trecsim.study/1"]
     """Always this."""
     design: Literal["grid", "one-at-a-time", "random"] = "grid"
     """All combinations of the values, the default with one of them changed, or points at random."""
