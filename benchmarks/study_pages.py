@@ -10,20 +10,14 @@ from pathlib import Path
 
 from harness import pages
 from harness.machine import ROOT
+from study_results import default_rank_markdown, markdown, read_results
 from trecsim.lab.report.style import PALETTE
 from trecsim.lab.study.analysis import findings
 from trecsim.lab.study.charts import effects_svg
 from trecsim.lab.study.folder import STUDY
 from trecsim.lab.study.ledger import NAME, read_runs
 from trecsim.lab.study.plan import planned
-from trecsim.lab.study.results import (
-    DEFAULT,
-    PAIRS,
-    RESULTS,
-    markdown,
-    read_results,
-    standing_markdown,
-)
+from trecsim.lab.study.results import DEFAULT, PAIRS, RESULTS
 from trecsim.lab.study.settings_file_table import read_study_table
 
 KEPT = ROOT / "benchmarks" / "results" / "study_three"
@@ -31,7 +25,7 @@ PAGE = ROOT / "docs" / "parameter-study.md"
 PICTURE = ROOT / "docs" / "pictures" / "study-three.svg"
 TABLES = {
     "study-three": lambda: markdown(read_results(KEPT / RESULTS)),
-    "study-three-default": lambda: standing_markdown(read_results(KEPT / DEFAULT)),
+    "study-three-default": lambda: default_rank_markdown(read_results(KEPT / DEFAULT)),
 }
 
 

@@ -128,7 +128,7 @@ def test_few_seeds_are_warned_of_in_terminal_and_report(
     assert code == 0
     assert "rank of the default" in said.splitlines()[0]
     for text in (said, (tmp_path / "report.html").read_text()):
-        assert ("two seeds tell little: take five or more" in text) == warned
+        assert ("only 2 seeds: use at least 5" in text) == warned
 
 
 def test_ctrl_c_says_how_to_go_on(

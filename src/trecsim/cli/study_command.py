@@ -101,7 +101,7 @@ def _plan(
     if settings:
         if file is not None:
             raise ConfigError(f"give either a study file or {', '.join(said)}, not both")
-        return planned(_quick_table(settings, scenes, options), "the study")
+        return planned(_cli_table(settings, scenes, options), "the study")
     path = file or out / STUDY
     if said:
         raise ConfigError(
@@ -116,12 +116,12 @@ def _plan(
     return planned(read_study_table(path), str(path))
 
 
-def _quick_table(
+def _cli_table(
     settings: Sequence[str], scenes: Sequence[str], options: dict[str, Any]
 ) -> "StudyTable":
     from pydantic import ValidationError
 
-    from trecsim.lab.study.quick import scenes_table, settings_table
+    from trecsim.lab.study.cli_table import scenes_table, settings_table
     from trecsim.lab.study.settings_file_table import FORMAT, StudyTable
 
     data = {
@@ -175,16 +175,20 @@ def _summary(plan: "Study", found: "Findings", out: Path) -> dict[str, Any]:
         "reporting": plan.seeds[0] >= FIRST_REPORTING_SEED,
         "code": found.code,
         "matter": settings_that_matter(found),
-        "default": {f.measure.name: f.standing for f in found.findings if f.standing is not None},
+        "default": {
+            f.measure.name: f.default_rank.row()
+            for f in found.findings
+            if f.default_rank is not None
+        },
         "remarks": found.remarks,
     }
 
 
 def _told(plan: "Study", found: "Findings", out: Path) -> str:
     from trecsim.lab.study.analysis import few_seeds
+    from trecsim.lab.study.formatting import figure_text
     from trecsim.lab.study.results import settings_that_matter
     from trecsim.lab.study.study_report import REPORT
-    from trecsim.lab.study.words import figure_text
 
     matter = settings_that_matter(found)
     lines = [
@@ -192,7 +196,7 @@ def _told(plan: "Study", found: "Findings", out: Path) -> str:
     ]
     for finding in found.findings:
         names = ", ".join(matter[finding.measure.name]) or "no significant effect"
-        stands = finding.standing
+        stands = finding.default_rank
         rank = ""
         if stands is not None:
             default = figure_text(finding.measure, stands.default)

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from study_results import default_rank_markdown, markdown, read_results
 from trecsim.lab.study.plan import check_seeds, planned
-from trecsim.lab.study.results import DEFAULT, RESULTS, markdown, read_results, standing_markdown
+from trecsim.lab.study.results import DEFAULT, RESULTS
 from trecsim.lab.study.settings_file_table import read_study_table
 
 ROOT = Path(__file__).parents[3]
@@ -21,7 +22,7 @@ def between(name: str) -> str:
 
 @pytest.mark.parametrize(
     ("name", "file", "made"),
-    [("study-three", RESULTS, markdown), ("study-three-default", DEFAULT, standing_markdown)],
+    [("study-three", RESULTS, markdown), ("study-three-default", DEFAULT, default_rank_markdown)],
 )
 def test_the_tables_of_the_documentation_are_those_of_the_results(name, file, made) -> None:
     assert between(name) == made(read_results(KEPT / file)).strip()

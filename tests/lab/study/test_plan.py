@@ -8,8 +8,8 @@ import pytest
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
 from trecsim.lab.simulation.scene_file import built_in_text
+from trecsim.lab.study.cli_table import scenes_table, settings_table
 from trecsim.lab.study.plan import Study, check_seeds, parse_seeds, planned, settings_of
-from trecsim.lab.study.quick import scenes_table, settings_table
 from trecsim.lab.study.settings_file_table import StudyTable, read_study_table, toml_of
 
 GOOD = """

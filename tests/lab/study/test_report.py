@@ -7,19 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from study_results import markdown, read_results
 from trecsim.errors import InputError
 from trecsim.lab.study.analysis import findings
+from trecsim.lab.study.cli_table import scenes_table, settings_table
 from trecsim.lab.study.code_digest import code_digest
 from trecsim.lab.study.ledger import NAME, Run, opened
 from trecsim.lab.study.plan import Study, planned
-from trecsim.lab.study.quick import scenes_table, settings_table
-from trecsim.lab.study.results import (
-    RESULTS,
-    markdown,
-    read_results,
-    settings_that_matter,
-    write_results,
-)  # fmt: skip
+from trecsim.lab.study.results import RESULTS, settings_that_matter, write_results  # fmt: skip
 from trecsim.lab.study.running import jobs_of
 from trecsim.lab.study.settings_file_table import StudyTable
 from trecsim.lab.study.study_report import REPORT, report_study
@@ -68,13 +63,13 @@ def test_the_report_says_what_was_planted(tmp_path: Path) -> None:
     matter = settings_that_matter(found)
     assert matter["error_cm"] == ["joint_sigma_m", "knot_s"]
     assert matter["recall_percent"] == []
-    stands = found.findings[0].standing
+    stands = found.findings[0].default_rank
     assert stands is not None
     assert stands.rank <= 2  # min_joints changes nothing
     assert found.remarks == ()
     text = (tmp_path / REPORT).read_text()
     assert "joint_sigma_m, knot_s matter, strongest first" in text
-    assert "No pair of settings does more together" in text
+    assert "No pair of settings has a significant interaction" in text
     assert "The same at every point: 95.00 %" in text
     assert "for tuning" in text
     assert "://" not in text
@@ -99,7 +94,7 @@ def test_other_designs_find_the_strongest_setting_too(
     study = study_of(design, points)
     found = report_study(study, written(study, tmp_path, made_runs(study, tmp_path)))
     assert settings_that_matter(found)["error_cm"][0] == "joint_sigma_m"
-    assert ("cannot show how they work together" in (tmp_path / REPORT).read_text()) == (
+    assert ("settings show no interactions" in (tmp_path / REPORT).read_text()) == (
         design == "one-at-a-time"
     )
 
@@ -134,14 +129,14 @@ def test_incomplete_and_failed_runs_are_told_and_left_out(tmp_path: Path) -> Non
     told = "\n".join(found.remarks)
     assert "20 of 144 runs are not done yet" in told
     assert "1 of 8 scenes and seeds are incomplete" in told
-    assert "points are left out, as a run failed" in told
+    assert "points are excluded because a run failed" in told
     assert math.isfinite(found.findings[0].analysis.effects[0].spread)
 
 
 def test_few_seeds_are_warned_of(tmp_path: Path) -> None:
     study = study_of(seeds="1-2")
     found = findings(study, made_runs(study, tmp_path), code_digest())
-    assert found.remarks[0] == "two seeds tell little: take five or more"
+    assert found.remarks[0] == "only 2 seeds: use at least 5"
 
 
 def test_runs_of_a_former_study_are_not_counted(tmp_path: Path) -> None:

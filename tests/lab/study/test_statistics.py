@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from trecsim.lab.study.default_rank import default_rank
 from trecsim.lab.study.inference import Analysis, analyse
 from trecsim.lab.study.resampling import blocks_of
-from trecsim.lab.study.standing import standing
 
 FIRST = np.array([0.0, 1.0, 3.0])
 SECOND = np.array([0.5, 0.0, 0.0, -0.5])
@@ -96,7 +96,7 @@ def test_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
 
 def test_one_seed_says_nothing_about_chance() -> None:
     found = analysed(made(np.random.default_rng(6), seeds=1))
-    assert all(np.isnan(effect.chance) and not effect.matters for effect in found.effects)
+    assert all(np.isnan(effect.noise_spread) and not effect.matters for effect in found.effects)
     assert np.isnan(found.effects[0].low).all()
 
 
@@ -152,16 +152,18 @@ def test_few_seeds_widen_the_deviations_as_students_t_does() -> None:
 @pytest.mark.parametrize("better", [False, True])
 def test_the_default_is_ranked_among_all_points(better: bool) -> None:
     outcome = np.array([[3.0, 1.0, 2.0, 4.0]]) + np.array([[0.0], [10.0], [20.0]])
-    found = standing(outcome, [1, 2, 3], blocks_of(np.zeros(3, np.int64)), 0, more_is_better=better)
+    found = default_rank(
+        outcome, [1, 2, 3], blocks_of(np.zeros(3, np.int64)), 0, more_is_better=better
+    )
     assert (found.rank, found.points) == ((2, 4) if better else (3, 4))
     assert found.best_point == (3 if better else 1)
     assert found.gain == pytest.approx(1.0 if better else 2.0)
     assert found.default == pytest.approx(13.0)
-    assert found.honest == pytest.approx(found.gain)
+    assert found.gain_on_other_seeds == pytest.approx(found.gain)
 
 
 def test_a_default_that_nothing_beats_gains_nothing() -> None:
-    found = standing(
+    found = default_rank(
         np.ones((4, 5)), [1, 2, 3, 4], blocks_of(np.zeros(4, np.int64)), 0, more_is_better=False
     )
     assert (found.rank, found.best_point, found.gain) == (1, 0, 0.0)
@@ -171,9 +173,9 @@ def test_luck_of_the_best_does_not_pass_for_a_gain() -> None:
     rng = np.random.default_rng(8)
     blocks, seeds = blocks_of(np.zeros(6, np.int64)), list(range(6))
     found = [
-        standing(rng.standard_normal((6, 50)), seeds, blocks, 0, more_is_better=False)
+        default_rank(rng.standard_normal((6, 50)), seeds, blocks, 0, more_is_better=False)
         for _ in range(60)
     ]
     assert np.mean([one.gain for one in found]) > 0.5
-    assert abs(np.mean([one.honest for one in found])) < 0.2
-    assert np.mean([one.honest_low > 0 for one in found]) < 0.1
+    assert abs(np.mean([one.gain_on_other_seeds for one in found])) < 0.2
+    assert np.mean([one.gain_on_other_seeds_low > 0 for one in found]) < 0.1

@@ -1,4 +1,4 @@
-"""From the finished runs of a study to what they say about each measure."""
+"""Analysis of the finished runs of a study, measure by measure."""
 
 import math
 from collections import Counter
@@ -11,28 +11,28 @@ from jaxtyping import Bool, Float64
 
 from trecsim.errors import InputError
 from trecsim.lab.study.code_digest import code_digest
+from trecsim.lab.study.default_rank import DefaultRank, default_rank
 from trecsim.lab.study.design import Design, Factor, Point, Value, levels_of, value_text
 from trecsim.lab.study.inference import Analysis, analyse
 from trecsim.lab.study.ledger import Run
 from trecsim.lab.study.plan import Study
 from trecsim.lab.study.resampling import Blocks, blocks_of
 from trecsim.lab.study.running import jobs_of
-from trecsim.lab.study.standing import Standing, standing
 
 FEW_SEEDS = 5
-_ENOUGH = 0.5  # a scene and seed with fewer of its points was not yet got to
+_ENOUGH = 0.5  # share of finished points from which a scene and seed counts
 
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One figure by which settings are judged.
+    """One figure by which settings are compared.
 
     Attributes
     ----------
     name
         As in tables.
     title, short
-        As a person reads it, and in a few letters.
+        For people, long and short.
     unit
         Of its values.
     digits
@@ -81,7 +81,7 @@ MEASURES = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
-    """What a study says about one measure.
+    """Findings about one measure.
 
     Attributes
     ----------
@@ -91,10 +91,10 @@ class Finding:
         Of each setting: the values, or means of the parts where values were drawn.
     analysis
         Effects of settings and pairs.
-    standing
-        Where the default stands; None if it has no complete results.
+    default_rank
+        Rank of the default; None if it has no complete results.
     points
-        Those that `standing` numbers.
+        Points that `default_rank` numbers.
     mean
         Their outcomes, all scenes and seeds together.
     """
@@ -102,14 +102,14 @@ class Finding:
     measure: Measure
     levels: tuple[tuple[Value, ...], ...]
     analysis: Analysis
-    standing: Standing | None
+    default_rank: DefaultRank | None
     points: tuple[Point, ...]
     mean: Float64[np.ndarray, " point"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Findings:
-    """What a study says.
+    """Findings of a study.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class Findings:
     failed
         Reasons why runs failed, with how many.
     remarks
-        What the reader must know to judge the figures.
+        Remarks on the validity of the figures.
     """
 
     factors: tuple[Factor, ...]
@@ -137,7 +137,7 @@ class Findings:
 
 
 def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
-    """Return what finished runs say.
+    """Analyse finished runs.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
     Raises
     ------
     InputError
-        There are too few runs to say anything.
+        There are too few runs.
     """
     names = [factor.name for factor in study.design.factors]
     blocks = {(scene.name, seed): n for n, (scene, seed) in enumerate(study.blocks)}
@@ -177,8 +177,7 @@ def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
         remarks.append(few)
     if not all(scene.is_simulated for scene in study.scenes):
         remarks.append(
-            "Scenes that were not simulated exist once: what chance does in them is not in the "
-            "intervals."
+            "Scenes that were not simulated have no seeds: their noise is not in the intervals."
         )
     told = tuple(dict.fromkeys(remarks))
     return Findings(study.design.factors, found, code, count, wanted, dict(failed), told)
@@ -194,12 +193,11 @@ def _of_this_study(study: Study, runs: Sequence[Run], code: str) -> list[Run]:
 
 
 def few_seeds(study: Study) -> str:
-    """Return a warning if a study has too few seeds to tell much; else an empty text."""
+    """Return a warning if a study has too few seeds; else an empty text."""
     count = len(study.seeds)
     if count >= FEW_SEEDS or not any(scene.is_simulated for scene in study.scenes):
         return ""
-    told = f"{('one', 'two', 'three', 'four')[count - 1]} seed{'s tell' if count > 1 else ' tells'}"
-    return f"{told} little: take five or more"
+    return f"only {count} seed{'s' if count > 1 else ''}: use at least {FEW_SEEDS}"
 
 
 def _finding(
@@ -213,17 +211,17 @@ def _finding(
     own = np.array(design.own) & point
     if block.sum() < 1 or own.sum() < 2:
         raise InputError(
-            f"there are too few finished runs to say anything about the {measure.title}: no two "
-            "points are complete on the same scene and seed; let the study run on"
+            f"too few finished runs for the {measure.title}: no two points are complete on the "
+            "same scene and seed; let the study continue"
         )
     if not block.all():
         remarks.append(
-            f"{int((~block).sum())} of {len(block)} scenes and seeds are incomplete and left out."
+            f"{int((~block).sum())} of {len(block)} scenes and seeds are incomplete and excluded."
         )
     if not point.all():
         remarks.append(
-            f"{measure.title}: {int((~point).sum())} of {len(point)} points are left out, as a run "
-            "failed or found nobody: "
+            f"{measure.title}: {int((~point).sum())} of {len(point)} points are excluded because a "
+            "run failed or had no match: "
             + "; ".join(named(design.factors, p) for p in _those(design.points, ~point)[:3])
         )
     scene_names = [scene.name for scene, _ in study.blocks]
@@ -234,7 +232,7 @@ def _finding(
     if point[0]:
         kept_seeds = [seed for seed, there in zip(seeds, block, strict=True) if there]
         better = measure.more_is_better
-        stands = standing(full, kept_seeds, weights, 0, more_is_better=better)
+        stands = default_rank(full, kept_seeds, weights, 0, more_is_better=better)
     levels, analysis = _analysis(outcome[np.ix_(block, own)], own, design, weights)
     return Finding(
         measure, levels, analysis, stands, _those(design.points, point), weights.weight @ full
@@ -250,7 +248,9 @@ def _analysis(
     points = _those(design.points, own)
     single = design.kind == "one-at-a-time"
     if single and design.points[0] not in points:
-        raise InputError("a run of the default failed: one at a time nothing can be compared to it")
+        raise InputError(
+            "a run of the default failed, so the one-at-a-time design has no reference"
+        )
     level, levels = levels_of(design, points)
     return levels, analyse(
         outcome,

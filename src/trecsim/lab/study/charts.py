@@ -9,8 +9,8 @@ import numpy as np
 from trecsim.lab.report.style import ACCENT, FAINT, INK, LINE, SOFT, WARN, as_svg, figure, quiet
 from trecsim.lab.study.analysis import Finding, Findings, Measure
 from trecsim.lab.study.design import Factor, Value, value_text
+from trecsim.lab.study.formatting import figure_text, strength_text
 from trecsim.lab.study.inference import Effect
-from trecsim.lab.study.words import figure_text, strength_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -73,7 +73,7 @@ def _effect(axes: "Axes", factor: Factor, values: Sequence[Value], effect: Effec
             own = effect.mean[list(values).index(factor.default)]
             axes.plot([at], [own], "o", markersize=8, markerfacecolor="none", color=WARN)
     verdict = strength_text(effect.strength) if effect.matters else "within noise"
-    if not np.isfinite(effect.chance):
+    if not np.isfinite(effect.noise_spread):
         verdict = "noise unknown"
     axes.set_title(factor.name, fontweight="bold", pad=16)
     axes.text(
@@ -115,7 +115,7 @@ def _place_of_default(
 
 
 def strengths_svg(findings: Findings) -> str:
-    """Return how much each setting moves each measure, in multiples of chance."""
+    """Return the effect of each setting on each measure as a multiple of the noise."""
     names = [factor.name for factor in findings.factors]
     strengths = np.array(
         [[effect.strength for effect in finding.analysis.effects] for finding in findings.findings]
@@ -176,7 +176,7 @@ def _heat_map(axes: "Axes", findings: Findings, finding: Finding, pair: tuple[in
     shades = _SHADES[::-1] if finding.measure.more_is_better else _SHADES
     colours = LinearSegmentedColormap.from_list("shades", shades)
     axes.pcolormesh(cells, cmap=colours, edgecolors="none")
-    axes.set_title(f"{strength_text(effect.strength)} chance", color=SOFT)
+    axes.set_title(f"{strength_text(effect.strength)} noise", color=SOFT)
     axes.set_xticks(np.arange(shape[0]) + 0.5, [value_text(v) for v in finding.levels[pair[0]]])
     axes.set_yticks(np.arange(shape[1]) + 0.5, [value_text(v) for v in finding.levels[pair[1]]])
     axes.set_xlabel(first.name)
@@ -213,16 +213,16 @@ def _mark_default(
         axes.add_patch(Rectangle((x, y), 1, 1, fill=False, edgecolor=WARN, linewidth=2))
 
 
-def standing_svg(findings: Findings) -> str:
+def default_rank_svg(findings: Findings) -> str:
     """Return for each measure all points from the best to the worst, the default marked."""
     with figure(2.3) as drawn:
         grid = drawn.subplots(1, len(findings.findings), squeeze=False)[0]
         for axes, finding in zip(grid, findings.findings, strict=True):
-            _standing(axes, finding)
+            _default_rank(axes, finding)
         return as_svg(drawn, "standing")
 
 
-def _standing(axes: "Axes", finding: Finding) -> None:
+def _default_rank(axes: "Axes", finding: Finding) -> None:
     quiet(axes)
     sign = -1.0 if finding.measure.more_is_better else 1.0
     order = np.argsort(sign * finding.mean, kind="stable")
@@ -230,7 +230,7 @@ def _standing(axes: "Axes", finding: Finding) -> None:
     unit = f" [{finding.measure.unit}]" if finding.measure.unit else ""
     axes.set_title(f"{finding.measure.short}{unit}")
     axes.set_xlabel("rank")
-    stands = finding.standing
+    stands = finding.default_rank
     if stands is not None:
         axes.plot([stands.rank], [stands.default], "o", color=WARN, markersize=7)
         right = stands.rank > 0.6 * len(order)

@@ -1,11 +1,11 @@
-"""What a designed experiment tells: effects of settings, of pairs, and how sure they are.
+"""Analysis of a designed experiment: main effects, interactions, and their significance.
 
-Everything is paired: an outcome is compared only with other points on the same scene and seed (a
-*block*). Pure functions of arrays.
+All comparisons are paired: an outcome is compared only with other points on the same scene and seed
+(a *block*). Pure functions of arrays.
 
-How sure: blocks are drawn anew with replacement, seed by seed within each scene, and the deviations
-widened as Student's t is wider than a Gaussian, since few seeds know little of their own spread. A
-random design adds to this what the model does not explain: its points do not balance each other.
+Significance: a bootstrap draws the seeds of each scene anew; deviations are widened by the ratio of
+Student's t to a Gaussian, since few seeds estimate their own spread badly. In a random design the
+residual of the model counts as noise too, since its points are not balanced.
 """
 
 from collections.abc import Sequence
@@ -15,28 +15,28 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from trecsim.lab.study.default_rank import DUST, Outcomes
 from trecsim.lab.study.resampling import CONFIDENCE, DRAWS, Blocks, interval
-from trecsim.lab.study.standing import DUST, Outcomes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Effect:
-    """What one setting, or a pair of them beyond the two alone, does to one measure.
+    """Effect of one setting, or interaction of a pair, on one measure.
 
     Attributes
     ----------
     mean
         Outcome per level; for a pair per cell, in the order of the first setting's levels.
     difference
-        What changes, against the reference; for a pair, beyond what the two alone do.
+        Change from the reference; for a pair, beyond the sum of both effects.
     low, high
-        Interval of `difference`; NaN where one seed only says nothing about chance.
+        Interval of `difference`; NaN with one seed, where the noise is unknown.
     spread
         Largest minus smallest difference.
-    chance
-        Spread that seeds alone bring about, and exceed in one of twenty cases.
+    noise_spread
+        Spread that differences between seeds alone exceed in 1 of 20 cases.
     share
-        Part of the variance between the points.
+        Share of the variance between the points.
     """
 
     mean: Float64[np.ndarray, " level"]
@@ -44,20 +44,20 @@ class Effect:
     low: Float64[np.ndarray, " level"]
     high: Float64[np.ndarray, " level"]
     spread: float
-    chance: float
+    noise_spread: float
     share: float
 
     @property
     def strength(self) -> float:
-        """Spread in multiples of what chance brings about."""
-        if self.spread == 0 or np.isnan(self.chance):
+        """Spread as a multiple of `noise_spread`."""
+        if self.spread == 0 or np.isnan(self.noise_spread):
             return 0.0 if self.spread == 0 else np.nan
-        return self.spread / self.chance if self.chance > 0 else np.inf
+        return self.spread / self.noise_spread if self.noise_spread > 0 else np.inf
 
     @property
     def matters(self) -> bool:
-        """Whether it is more than chance brings about."""
-        return bool(self.spread > self.chance and self.spread > 0)
+        """Whether the spread exceeds `noise_spread`."""
+        return bool(self.spread > self.noise_spread and self.spread > 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,9 +69,9 @@ class Analysis:
     effects
         One per setting.
     pairs
-        By the numbers of the two settings; empty if the design cannot tell.
+        By the numbers of the two settings; empty if the design cannot estimate them.
     explained
-        Part of the variance between points that the settings explain one by one.
+        Share of the variance between points that the main effects explain.
     """
 
     effects: tuple[Effect, ...]
@@ -96,19 +96,18 @@ def analyse(
     outcome
         Of every point on every scene and seed, without gaps.
     level
-        Which level of each setting a point has, from 0 without gaps.
+        Level of each setting at each point, from 0 without gaps.
     blocks
         See :func:`blocks_of`.
     reference
-        What the levels of each setting are compared with, as weights of the levels that sum to
-        one: a single one, or a place between two.
+        Reference of each setting as weights of its levels that sum to one: one level, or a value
+        between two.
     balanced
-        Whether the design is a full grid; else its own imbalance counts as noise.
+        Whether the design is balanced; else the residual of the model counts as noise.
     anchor
-        Point that has the outcome said of it when all others stay as they are there; None
-        gives means over all points.
+        Point at which effects are evaluated; None gives means over all points.
     interactions
-        Whether points suffice to tell what pairs do.
+        Whether the points suffice for interactions.
     """
     X, columns = _contrasts(level)
     solve = np.linalg.pinv(X)
@@ -120,11 +119,11 @@ def analyse(
     for f, own in enumerate(columns):
         code = _coding(int(level[:, f].max()) + 1)
         per_block = coefficient[:, own] @ code.T
-        chance = _deviations(blocks, per_block) + unexplained @ solve[own].T @ code.T
+        deviation = _deviations(blocks, per_block) + unexplained @ solve[own].T @ code.T
         base = _base(X, coefficient, own, blocks, level, f, anchor)
         effects.append(
             _effect(
-                blocks.weight @ per_block, chance, base, reference[f], total, level[:, f], blocks
+                blocks.weight @ per_block, deviation, base, reference[f], total, level[:, f], blocks
             )
         )
     pairs = _pairs(outcome, residual, level, blocks, unexplained, total) if interactions else {}
@@ -133,7 +132,7 @@ def analyse(
 
 
 def _coding(levels: int) -> Float64[np.ndarray, "level column"]:
-    """Return effect coding: the effects of all levels sum to zero."""
+    """Return effect coding, in which the effects of all levels sum to zero."""
     return np.vstack([np.eye(levels - 1), -np.ones(levels - 1)])
 
 
@@ -155,7 +154,7 @@ def _unexplained(
     *,
     balanced: bool,
 ) -> Float64[np.ndarray, "draw point"]:
-    """Return what the model leaves unexplained, dealt to the points anew; nothing in a grid."""
+    """Return random permutations of the residual; zero for a balanced design."""
     if balanced:
         return np.zeros((DRAWS, len(residual)))
     rng = np.random.default_rng(1)
@@ -181,7 +180,7 @@ def _base(
     f: int,
     anchor: int | None,
 ) -> float:
-    """Return the outcome to which a setting's effects are added."""
+    """Return the outcome to which the effects of a setting are added."""
     row = X.mean(axis=0) if anchor is None else X[anchor].copy()
     row[own] = 0.0
     return float(blocks.weight @ coefficient @ row)
@@ -189,7 +188,7 @@ def _base(
 
 def _effect(
     effect: Float64[np.ndarray, " level"],
-    chance: Float64[np.ndarray, "draw level"],
+    deviation: Float64[np.ndarray, "draw level"],
     base: float,
     reference: Float64[np.ndarray, " level"],
     total: float,
@@ -199,20 +198,22 @@ def _effect(
     dust = DUST * (abs(base) + DUST)
     effect = np.where(np.abs(effect) > dust, effect, 0.0)
     difference = effect - reference @ effect
-    low, high = interval(difference, chance - (chance @ reference)[:, None], blocks)
+    low, high = interval(difference, deviation - (deviation @ reference)[:, None], blocks)
     return Effect(
         mean=base + effect,
         difference=difference,
         low=low,
         high=high,
         spread=float(np.ptp(effect)),
-        chance=_spread_by_chance(chance, blocks),
+        noise_spread=_noise_spread(deviation, blocks),
         share=float(np.var(effect[level])) / total if total > 0 else np.nan,
     )
 
 
-def _spread_by_chance(chance: Float64[np.ndarray, "draw level"], blocks: Blocks) -> float:
-    return float(np.quantile(np.ptp(chance, axis=1), CONFIDENCE)) if blocks.tell_chance else np.nan
+def _noise_spread(deviation: Float64[np.ndarray, "draw level"], blocks: Blocks) -> float:
+    return (
+        float(np.quantile(np.ptp(deviation, axis=1), CONFIDENCE)) if blocks.have_seeds else np.nan
+    )
 
 
 def _pairs(
@@ -223,7 +224,7 @@ def _pairs(
     unexplained: Float64[np.ndarray, "draw point"],
     total: float,
 ) -> dict[tuple[int, int], Effect]:
-    """Return for each pair how its cells depart from what the settings do one by one."""
+    """Return for each pair the deviations of its cells from the main effects."""
     pairs = {}
     for f, g in combinations(range(level.shape[1]), 2):
         count = level[:, [f, g]].max(axis=0) + 1
@@ -240,7 +241,7 @@ def _pairs(
         shown = (blocks.weight @ outcome) @ mean.T
         shown[empty] = np.nan
         pairs[f, g] = Effect(
-            shown, effect.difference, effect.low, effect.high, effect.spread, effect.chance,
+            shown, effect.difference, effect.low, effect.high, effect.spread, effect.noise_spread,
             effect.share,
         )  # fmt: skip
     return pairs

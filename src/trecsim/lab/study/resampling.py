@@ -1,4 +1,4 @@
-"""How sure a mean over seeds is: seeds drawn anew, scene by scene."""
+"""Bootstrap of means over seeds, stratified by scene."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,21 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
-    """The blocks, and how they stand for the seeds that were not tried.
+    """Weights of the blocks, and their bootstrap draws.
 
     Attributes
     ----------
     weight
-        Of each block in a mean: every scene counts the same.
+        Weight of each block in a mean; all scenes count the same.
     drawn
-        Deviations of the weights when seeds are drawn anew, (draw, block).
+        Deviation of the weights in each bootstrap draw.
     """
 
     weight: Float64[np.ndarray, " block"]
     drawn: Float64[np.ndarray, "draw block"]
 
     @property
-    def tell_chance(self) -> bool:
+    def have_seeds(self) -> bool:
         """Whether any scene has more than one seed."""
         return bool(self.drawn.any())
 
@@ -36,9 +36,9 @@ def blocks_of(scene: Int64[np.ndarray, " block"], seed: int = 0) -> Blocks:
     Parameters
     ----------
     scene
-        Which scene each block is of.
+        Scene of each block.
     seed
-        Of the drawing.
+        Seed of the bootstrap.
 
     Examples
     --------
@@ -57,7 +57,7 @@ def blocks_of(scene: Int64[np.ndarray, " block"], seed: int = 0) -> Blocks:
 
 
 def _widening(n: int) -> float:
-    """Return by how much the deviations of a mean of n draws are too small."""
+    """Return the factor by which the bootstrap of a mean of n underestimates its deviation."""
     from scipy.special import ndtri, stdtrit
 
     tail = (1 + CONFIDENCE) / 2
@@ -65,21 +65,23 @@ def _widening(n: int) -> float:
 
 
 def interval(
-    value: Float64[np.ndarray, " level"], chance: Float64[np.ndarray, "draw level"], blocks: Blocks
+    value: Float64[np.ndarray, " level"],
+    deviation: Float64[np.ndarray, "draw level"],
+    blocks: Blocks,
 ) -> tuple[Float64[np.ndarray, " level"], Float64[np.ndarray, " level"]]:
-    """Return the ends of intervals around values.
+    """Return bootstrap confidence intervals.
 
     Parameters
     ----------
     value
         Means over the blocks.
-    chance
-        What they become when seeds are drawn anew, less the values.
+    deviation
+        Deviation of the means in each bootstrap draw.
     blocks
-        See :func:`blocks_of`; if no scene has two seeds, the ends are NaN.
+        See :func:`blocks_of`; without a scene with two seeds the ends are NaN.
     """
-    if not blocks.tell_chance:
+    if not blocks.have_seeds:
         return np.full_like(value, np.nan), np.full_like(value, np.nan)
     tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]
-    below, above = np.quantile(chance, tails, axis=0)
+    below, above = np.quantile(deviation, tails, axis=0)
     return value - above, value - below

@@ -1,23 +1,14 @@
-"""The findings of a study as CSV, and the table that documents show of them."""
+"""The findings of a study as CSV."""
 
 import csv
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 
-from trecsim.errors import InputError
-from trecsim.lab.study.analysis import MEASURES, Finding, Findings, named
-from trecsim.lab.study.words import figure_text, interval_text, strength_text
-from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.lab.study.analysis import Finding, Findings, named
+from trecsim.store.atomic import atomic_write
 
 RESULTS, PAIRS, DEFAULT = "results.csv", "pairs.csv", "default.csv"
-_LARGEST_BYTES = 1 << 24
-
-_COLUMNS = {
-    RESULTS: {"measure", "setting", "value", "default", "mean", "spread", "chance"},
-    DEFAULT: {"measure", "default", "rank", "points", "best", "best_settings"},
-}
-
 Row = dict[str, object]
 
 
@@ -36,7 +27,7 @@ def write_results(findings: Findings, out: Path) -> None:
     SetupError
         The disk has no room.
     """
-    for name, rows_of in ((RESULTS, _effects), (PAIRS, _pairs), (DEFAULT, _standing)):
+    for name, rows_of in ((RESULTS, _effects), (PAIRS, _pairs), (DEFAULT, _default_rank)):
         rows = [row for finding in findings.findings for row in rows_of(findings, finding)]
         with atomic_write(out / name) as file:
             if rows:
@@ -60,7 +51,7 @@ def _effects(findings: Findings, finding: Finding) -> Iterator[Row]:
                 "low": effect.low[n],
                 "high": effect.high[n],
                 "spread": effect.spread,
-                "chance": effect.chance,
+                "chance": effect.noise_spread,
                 "share": effect.share,
             }
 
@@ -72,13 +63,13 @@ def _pairs(findings: Findings, finding: Finding) -> Iterator[Row]:
             "setting": findings.factors[f].name,
             "with": findings.factors[g].name,
             "spread": effect.spread,
-            "chance": effect.chance,
+            "chance": effect.noise_spread,
             "share": effect.share,
         }
 
 
-def _standing(findings: Findings, finding: Finding) -> Iterator[Row]:
-    stands = finding.standing
+def _default_rank(findings: Findings, finding: Finding) -> Iterator[Row]:
+    stands = finding.default_rank
     if stands is not None:
         yield {
             "measure": finding.measure.name,
@@ -90,9 +81,9 @@ def _standing(findings: Findings, finding: Finding) -> Iterator[Row]:
             "gain": stands.gain,
             "gain_low": stands.gain_low,
             "gain_high": stands.gain_high,
-            "gain_on_other_seeds": stands.honest,
-            "gain_on_other_seeds_low": stands.honest_low,
-            "gain_on_other_seeds_high": stands.honest_high,
+            "gain_on_other_seeds": stands.gain_on_other_seeds,
+            "gain_on_other_seeds_low": stands.gain_on_other_seeds_low,
+            "gain_on_other_seeds_high": stands.gain_on_other_seeds_high,
         }
 
 
@@ -102,91 +93,8 @@ def _cell(value: object) -> object:
     return str(value).lower() if isinstance(value, bool) else value
 
 
-def read_results(path: Path) -> list[dict[str, str]]:
-    """Return the rows of a `results.csv` or `default.csv`.
-
-    Raises
-    ------
-    InputError
-        It is not one.
-    """
-    with opened_for_reading(path) as file:
-        data = file.read(_LARGEST_BYTES)
-    try:
-        rows = list(csv.DictReader(data.decode("utf-8").splitlines()))
-    except (UnicodeDecodeError, csv.Error):
-        rows = []
-    wanted = _COLUMNS.get(path.name, _COLUMNS[RESULTS])
-    if not rows or any(
-        None in row or None in row.values() or not wanted <= set(row) for row in rows
-    ):
-        raise InputError(f"{path} is not the {path.name} of a study")
-    return rows
-
-
-def markdown(rows: Sequence[Mapping[str, str]]) -> str:
-    """Return the main effects as a table for a document: settings down, measures across.
-
-    Parameters
-    ----------
-    rows
-        As :func:`read_results` returns them.
-    """
-    measures = [m for m in MEASURES if any(row["measure"] == m.name for row in rows)]
-    settings = list(dict.fromkeys(row["setting"] for row in rows))
-    head = ["setting", "tried", "default", *(_heading(m.title, m.unit) for m in measures)]
-    lines = [_line(head), _line(["---"] * len(head))]
-    for setting in settings:
-        own = [row for row in rows if row["setting"] == setting]
-        tried = list(dict.fromkeys(row["value"] for row in own))
-        cells = [f"`{setting}`", f"{tried[0]} to {tried[-1]}", own[0]["default"]]
-        for measure in measures:
-            first = next(row for row in own if row["measure"] == measure.name)
-            spread, chance = float(first["spread"]), float(first["chance"] or "nan")
-            text = figure_text(measure, spread).removesuffix(measure.unit).strip()
-            strength = spread / chance if chance else math.inf
-            cells.append(f"**{text}** ({strength_text(strength)})" if spread > chance else text)
-        lines.append(_line(cells))
-    return "\n".join(lines) + "\n"
-
-
-def standing_markdown(rows: Sequence[Mapping[str, str]]) -> str:
-    """Return where the default stands as a table for a document.
-
-    Parameters
-    ----------
-    rows
-        Of `default.csv`, as :func:`read_results` returns them.
-    """
-    head = ["measure", "default", "rank", "best tried", "its settings", "gain on other seeds"]
-    lines = [_line(head), _line(["---"] * len(head))]
-    measures = {measure.name: measure for measure in MEASURES}
-    for row in rows:
-        measure = measures[row["measure"]]
-        ends = ("", "_low", "_high")
-        gain = [float(row[f"gain_on_other_seeds{end}"] or "nan") for end in ends]
-        cells = [
-            measure.title,
-            figure_text(measure, float(row["default"])),
-            f"{row['rank']} of {row['points']}",
-            figure_text(measure, float(row["best"])),
-            row["best_settings"] if float(row["gain"]) else "the default",
-            interval_text(measure, gain[0], gain[1], gain[2]),
-        ]
-        lines.append(_line(cells))
-    return "\n".join(lines) + "\n"
-
-
-def _heading(title: str, unit: str) -> str:
-    return f"{title} [{unit}]" if unit else title
-
-
-def _line(cells: Iterable[str]) -> str:
-    return "| " + " | ".join(cells) + " |"
-
-
 def settings_that_matter(findings: Findings) -> dict[str, list[str]]:
-    """Return for each measure the settings that move it more than chance, strongest first."""
+    """Return for each measure the settings with a significant effect, strongest first."""
     return {
         finding.measure.name: [
             factor.name

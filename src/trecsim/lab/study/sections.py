@@ -1,4 +1,4 @@
-"""The parts of a study's report that show what was found."""
+"""Sections of a study report with its findings."""
 
 import math
 from collections.abc import Iterator
@@ -7,16 +7,22 @@ import numpy as np
 
 from trecsim.lab.report.page import Block, Figure, Table, Text
 from trecsim.lab.study.analysis import Finding, Findings, named
-from trecsim.lab.study.charts import effects_svg, pairs_svg, standing_svg, strengths_svg, strongest
+from trecsim.lab.study.charts import (
+    default_rank_svg,
+    effects_svg,
+    pairs_svg,
+    strengths_svg,
+    strongest,
+)
+from trecsim.lab.study.default_rank import DefaultRank
 from trecsim.lab.study.design import Value, value_text
-from trecsim.lab.study.inference import Effect
-from trecsim.lab.study.standing import Standing
-from trecsim.lab.study.words import (
+from trecsim.lab.study.formatting import (
     effect_text,
     figure_text,
     interval_text,
     strength_text,
 )
+from trecsim.lab.study.inference import Effect
 
 _MOST_PAIRS_SHOWN = 6
 _MOST_PAIR_ROWS = 15
@@ -24,11 +30,11 @@ _TIME = "fusion_ms"
 
 
 def setting_blocks(found: Findings) -> Iterator[Block]:
-    """Yield how much each setting moves each measure."""
+    """Yield the effect of each setting on each measure."""
     yield Figure(
         strengths_svg(found),
-        "Spread in multiples of what chance brings about; in the grey it is noise. Among twenty "
-        "settings without any effect, one is expected to look as if it had one.",
+        "Spread as a multiple of the noise between seeds; inside the grey area it is not "
+        "significant. Of twenty settings without effect, one is expected to exceed it.",
     )
     order = sorted(
         range(len(found.factors)), key=lambda f: -found.findings[0].analysis.effects[f].strength
@@ -43,30 +49,27 @@ def setting_blocks(found: Findings) -> Iterator[Block]:
     yield Table(
         ["setting", *(finding.measure.short for finding in found.findings)],
         rows,
-        "From the best of the tried values to the worst, and in brackets how often that is what "
-        "chance brings about.",
+        "Difference between the best and the worst value, and in brackets its ratio to the noise.",
     )
 
 
 def measure_blocks(found: Findings, finding: Finding) -> Iterator[Block]:
-    """Yield how one measure depends on each setting."""
+    """Yield the dependence of one measure on each setting."""
     if all(effect.spread == 0 for effect in finding.analysis.effects):
         yield Text(
             f"The same at every point: {figure_text(finding.measure, float(finding.mean[0]))}. "
-            "These scenes cannot tell the settings apart by it.",
+            "In these scenes the settings have no effect on it.",
             "missing",
         )
         return
     explained = finding.analysis.explained
     tail = (
-        f" One by one the settings explain {100 * explained:.0f} % of what differs between points."
+        f" The main effects explain {100 * explained:.0f} % of the variance between points."
         if math.isfinite(explained) and finding.analysis.pairs
         else ""
     )
     if finding.measure.name == _TIME:
-        tail += (
-            " Measured with all processes at work, so good only for comparing points of this study."
-        )
+        tail += " Measured with all processes busy, so comparable only within this study."
     drawn = len(strongest(finding))
     which = "each setting" if drawn == len(found.factors) else f"the {drawn} strongest settings"
     yield Figure(
@@ -78,25 +81,24 @@ def measure_blocks(found: Findings, finding: Finding) -> Iterator[Block]:
 
 
 def pair_blocks(found: Findings, design: str) -> Iterator[Block]:
-    """Yield which pairs of settings do more together than each alone."""
+    """Yield the interactions of settings."""
     if design == "one-at-a-time":
         yield Text(
-            "One at a time, settings cannot show how they work together; a grid or random "
-            "points can.",
+            "One at a time, settings show no interactions; use a grid or random points.",
             "missing",
         )
         return
     if len(found.factors) < 2:
-        yield Text("It takes two settings to interact.", "missing")
+        yield Text("An interaction needs two settings.", "missing")
         return
     rows = sorted(_pair_rows(found), key=lambda row: -row[0])
     if not rows:
-        yield Text("No pair of settings does more together than each alone, beyond noise.", "good")
+        yield Text("No pair of settings has a significant interaction.", "good")
         return
     yield Table(
-        ["settings", "measure", "beyond the two alone", "multiples of chance"],
+        ["settings", "measure", "beyond the two alone", "multiples of noise"],
         [row[1] for row in rows[:_MOST_PAIR_ROWS]],
-        "Largest departure of a pair's cells from what the two settings do one by one."
+        "Largest deviation of a pair's cells from the sum of both effects."
         + (
             f" The strongest {_MOST_PAIR_ROWS} of {len(rows)}."
             if len(rows) > _MOST_PAIR_ROWS
@@ -136,28 +138,27 @@ def _pair_rows(found: Findings) -> Iterator[tuple[float, list[str]]]:
 
 
 def default_blocks(found: Findings) -> Iterator[Block]:
-    """Yield where the default stands, and what each setting alone could gain."""
-    told = [finding for finding in found.findings if finding.standing is not None]
+    """Yield the rank of the default, and the possible gain of each setting alone."""
+    told = [finding for finding in found.findings if finding.default_rank is not None]
     if not told:
         yield Text("The default has no complete results.", "missing")
         return
     yield Figure(
-        standing_svg(found), "Every point that was tried, from the best; the default is marked."
+        default_rank_svg(found), "All points from the best to the worst; the default is marked."
     )
     yield Table(
         ["measure", "default", "rank", "best tried", "gain", "gain on other seeds", ""],
-        [_standing_row(finding, finding.standing) for finding in told if finding.standing],
-        "What the best of the tried points gains over the default, with its 95 % interval. The "
-        "best of many is partly luck; on other seeds: the best is chosen without the seed it is "
-        "judged on.",
+        [_rank_row(finding, finding.default_rank) for finding in told if finding.default_rank],
+        "Gain of the best point over the default, with its 95 % interval. The best of many points "
+        "is partly luck; *on other seeds* chooses it without the seed on which it is judged.",
         align=("left", "right", "right", "right", "right", "right", "left"),
     )
     yield Table(
         ["measure", "settings of the best tried point"],
         [
-            [f.measure.title, named(found.factors, f.points[f.standing.best_point])]
+            [f.measure.title, named(found.factors, f.points[f.default_rank.best_point])]
             for f in told
-            if f.standing and f.standing.best_point
+            if f.default_rank and f.default_rank.best_point
         ],
         align=("left", "left"),
     )
@@ -165,7 +166,7 @@ def default_blocks(found: Findings) -> Iterator[Block]:
 
 
 def _one_by_one(found: Findings) -> Iterator[Block]:
-    """Yield what the best value of each setting changes, the others averaged over or left."""
+    """Yield the change by the best value of each setting alone."""
     first, *others = found.findings
     others = [finding for finding in others if finding.measure.name != _TIME]
     rows = []
@@ -182,9 +183,9 @@ def _one_by_one(found: Findings) -> Iterator[Block]:
     yield Table(
         ["setting", "default", f"best by {first.measure.short}", *heads],
         rows,
-        "What it changes to give one setting alone its best value, against the default (or the "
-        "mean of all values where the default lies outside), with 95 % intervals. An interval that "
-        "has zero in it is noise.",
+        "Change when one setting alone takes its best value, from the default (or the mean of all "
+        "values where the default lies outside), with 95 % intervals. An interval that contains "
+        "zero is not significant.",
     )
 
 
@@ -195,7 +196,7 @@ def _change(finding: Finding, f: int, value: Value) -> str:
     return interval_text(finding.measure, effect.difference[n], effect.low[n], effect.high[n])
 
 
-def _standing_row(finding: Finding, stands: Standing) -> list[str]:
+def _rank_row(finding: Finding, stands: DefaultRank) -> list[str]:
     measure = finding.measure
     return [
         measure.title,
@@ -204,16 +205,21 @@ def _standing_row(finding: Finding, stands: Standing) -> list[str]:
         figure_text(measure, stands.best),
         "–" if not stands.best_point else
         interval_text(measure, stands.gain, stands.gain_low, stands.gain_high),
-        interval_text(measure, stands.honest, stands.honest_low, stands.honest_high),
+        interval_text(
+            measure,
+            stands.gain_on_other_seeds,
+            stands.gain_on_other_seeds_low,
+            stands.gain_on_other_seeds_high,
+        ),
         _verdict(stands),
     ]  # fmt: skip
 
 
-def _verdict(stands: Standing) -> str:
+def _verdict(stands: DefaultRank) -> str:
     if stands.best_point == 0:
         return "nothing better was tried"
-    if not math.isfinite(stands.honest_low):
+    if not math.isfinite(stands.gain_on_other_seeds_low):
         return "noise unknown"
-    if stands.honest_low > 0:
+    if stands.gain_on_other_seeds_low > 0:
         return "better than the default"
-    return "within noise" if stands.honest_high >= 0 else "worse on other seeds"
+    return "within noise" if stands.gain_on_other_seeds_high >= 0 else "worse on other seeds"

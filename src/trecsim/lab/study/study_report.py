@@ -10,13 +10,13 @@ from trecsim.lab.report.page import Block, Fact, Facts, Section, Table, Text, pa
 from trecsim.lab.report.style import need_matplotlib
 from trecsim.lab.study.analysis import Finding, Findings, findings
 from trecsim.lab.study.code_digest import code_digest
+from trecsim.lab.study.default_rank import DefaultRank
+from trecsim.lab.study.formatting import figure_text, interval_text
 from trecsim.lab.study.ledger import NAME, read_runs
 from trecsim.lab.study.plan import FIRST_REPORTING_SEED, Study
 from trecsim.lab.study.results import settings_that_matter, write_results
 from trecsim.lab.study.running import Remark
 from trecsim.lab.study.sections import default_blocks, measure_blocks, pair_blocks, setting_blocks
-from trecsim.lab.study.standing import Standing
-from trecsim.lab.study.words import figure_text, interval_text
 from trecsim.store.atomic import atomic_write
 
 REPORT = "report.html"
@@ -84,8 +84,8 @@ def study_page(study: Study, found: Findings) -> str:
         Section(
             "Which settings matter",
             tuple(setting_blocks(found)),
-            lead="How far the worst of the tried values is from the best, and how often that is "
-            "what other seeds alone bring about. Up to 1 × it is noise.",
+            lead="Difference between the best and the worst value of each setting, and its ratio "
+            "to the noise between seeds. Ratios up to 1 × are not significant.",
         ),
         *(
             Section(finding.measure.title.capitalize(), tuple(measure_blocks(found, finding)))
@@ -97,9 +97,9 @@ def study_page(study: Study, found: Findings) -> str:
             lead="Two settings interact when the best value of one depends on the other.",
         ),
         Section(
-            "Where the default stands",
+            "Rank of the default",
             tuple(default_blocks(found)),
-            lead="Among everything that was tried, for each measure by itself.",
+            lead="Rank of the default among all points, for each measure.",
         ),
         Section("How it was done", tuple(_method(study, found))),
     ]
@@ -110,7 +110,7 @@ def study_page(study: Study, found: Findings) -> str:
 
 def _short(study: Study, found: Findings) -> Iterator[Block]:
     first = found.findings[0]
-    stands = first.standing
+    stands = first.default_rank
     facts = [
         Fact(
             "settings",
@@ -135,11 +135,11 @@ def _short(study: Study, found: Findings) -> Iterator[Block]:
     matter = settings_that_matter(found)
     for finding in found.findings:
         names = matter[finding.measure.name]
-        if not any(math.isfinite(effect.chance) for effect in finding.analysis.effects):
+        if not any(math.isfinite(effect.noise_spread) for effect in finding.analysis.effects):
             continue
         rest = len(found.factors) - len(names)
-        told = ", ".join(names) if names else "nothing that was tried"
-        tail = f"; the {_settings_word(rest)} not more than chance" if names and rest else ""
+        told = ", ".join(names) if names else "none of the settings"
+        tail = f"; the {_settings_word(rest)} no significant effect" if names and rest else ""
         yield Text(
             f"{finding.measure.title.capitalize()}: {told} matters{tail}."
             if len(names) < 2
@@ -155,17 +155,22 @@ def _settings_word(count: int) -> str:
     return "other one does" if count == 1 else f"other {count} do"
 
 
-def _gain(finding: Finding, stands: Standing) -> str:
-    sure = stands.honest_low > 0 and stands.best_point != 0
-    return figure_text(finding.measure, stands.honest) if sure else "nothing sure"
+def _gain(finding: Finding, stands: DefaultRank) -> str:
+    sure = stands.gain_on_other_seeds_low > 0 and stands.best_point != 0
+    return figure_text(finding.measure, stands.gain_on_other_seeds) if sure else "nothing sure"
 
 
-def _gain_detail(finding: Finding, stands: Standing) -> str:
+def _gain_detail(finding: Finding, stands: DefaultRank) -> str:
     if stands.best_point == 0:
         return "the default is the best of all"
-    if not math.isfinite(stands.honest_low):
-        return "one seed only: nothing is known of chance"
-    text = interval_text(finding.measure, stands.honest, stands.honest_low, stands.honest_high)
+    if not math.isfinite(stands.gain_on_other_seeds_low):
+        return "one seed only: the noise is unknown"
+    text = interval_text(
+        finding.measure,
+        stands.gain_on_other_seeds,
+        stands.gain_on_other_seeds_low,
+        stands.gain_on_other_seeds_high,
+    )
     return f"{text} on other seeds"
 
 
@@ -191,20 +196,20 @@ def _method(study: Study, found: Findings) -> Iterator[Block]:
         align=("left", "left"),
     )
     yield Text(
-        "Every point was tried on the same scenes and seeds, and is compared only within them. "
-        "Effects of settings come from a model that adds them up, by least squares; what pairs do "
-        "beyond it from what it leaves over. Intervals come from drawing the seeds of each scene "
-        "anew, widened as Student's t is for few. Chance is the spread that seeds alone exceed in "
-        "one of twenty cases."
+        "Every point was run on the same scenes and seeds and is compared only within them. Main "
+        "effects come from an additive model fitted by least squares, interactions from its "
+        "residuals. Intervals come from a bootstrap over the seeds of each scene, widened by "
+        "Student's t for few seeds. Noise is the spread that differences between seeds alone "
+        "exceed in 1 of 20 cases."
     )
     yield Text(
-        "The error counts only joints of people who were found: a setting that loses difficult "
-        "people can seem more exact, so look at it together with the joints within 15 cm and the "
-        "missed people. Times are medians per run of processes that share the machine; they can be "
-        "compared within this study and with nothing else."
+        "The error counts only joints of matched people: a setting that loses difficult people can "
+        "seem more accurate, so read it together with the joints within 15 cm and the missed "
+        "people. Times are medians per run of processes that share the machine; compare them only "
+        "within this study."
     )
     if study.design.kind == "random":
         yield Text(
-            "Points of a random design do not balance each other: what the model does not explain "
-            "is counted as noise. Settings drawn from a range are shown in parts of equal count."
+            "The points of a random design are not balanced: the residual of the model counts as "
+            "noise. Values drawn from a range are shown in bins of equal count."
         )

@@ -1,4 +1,4 @@
-"""Figures of a study as a person reads them."""
+"""Figures of a study as text."""
 
 import math
 
@@ -29,17 +29,17 @@ def interval_text(measure: Measure, figure: float, low: float, high: float) -> s
 
 
 def effect_text(measure: Measure, effect: Effect) -> str:
-    """Return how much a setting moves a measure, and what to think of it."""
+    """Return the effect of a setting on a measure, and whether it is significant."""
     text = figure_text(measure, effect.spread)
-    if not math.isfinite(effect.chance):
+    if not math.isfinite(effect.noise_spread):
         return f"{text} (?)"
     if effect.spread == 0.0:
-        return "nothing"
+        return "none"
     return f"{text} ({strength_text(effect.strength)})" if effect.matters else f"{text} · noise"
 
 
 def strength_text(strength: float) -> str:
-    """Return how often a spread is what chance brings about.
+    """Return a spread as a multiple of the noise.
 
     Examples
     --------
