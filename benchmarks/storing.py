@@ -23,7 +23,7 @@ ROUNDS = 3
 
 
 def moments() -> "Iterator[Snapshot]":
-    """Yield made moments with everybody there."""
+    """Yield made moments with everybody there, with covariances of any direction."""
     import numpy as np
 
     from trecsim.values import Snapshot
@@ -31,14 +31,16 @@ def moments() -> "Iterator[Snapshot]":
     rng = np.random.default_rng(1000)
     xyz_m = rng.uniform(-5.0, 5.0, (PEOPLE, 1, 3)) + rng.normal(0.0, 0.4, (PEOPLE, 17, 3))
     for number in range(int(SECONDS * HZ)):
-        xyz_m = xyz_m + rng.normal(0.0, 0.02, xyz_m.shape)
-        sigma_m = rng.uniform(0.01, 0.05, (PEOPLE, 17))
+        step_m = rng.normal(0.0, 0.02, xyz_m.shape)
+        xyz_m = xyz_m + step_m
+        root_m = rng.normal(0.0, 0.02, (PEOPLE, 17, 3, 4))
         yield Snapshot(
             number / HZ,
             np.arange(PEOPLE),
             xyz_m,
-            sigma_m[..., None, None] ** 2 * np.eye(3),
+            root_m @ root_m.swapaxes(-1, -2),
             np.full((PEOPLE, 17), 3),
+            velocity_mps=step_m * HZ,
         )
 
 

@@ -37,11 +37,11 @@ if where == "while the parts are merged":
     kill_at("tracks.parquet")
 if where == "before the parts are removed":
     shutil.rmtree = kill
-if where == "the disk is full when the parts are merged":
-    resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 with ParquetTracksWriter(path, part_s=0.0) as writer:
     for moment in walk(20):
         writer.write(moment)
+    if where == "the disk is full when the parts are merged":
+        resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 """
 
 

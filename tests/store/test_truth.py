@@ -142,3 +142,29 @@ def test_an_array_that_claims_to_be_huge_is_not_read(tmp_path: Path) -> None:
         archive.writestr("t_s.npy", t_s.getvalue())
         archive.writestr("xyz_m.npy", header.getvalue())
     assert "cut the recording" in refused(tmp_path / "truth.npz")
+
+
+def test_a_file_that_unpacks_to_a_thousand_times_its_size_is_not_read(tmp_path: Path) -> None:
+    t_s, xyz_m = np.arange(200_000.0), np.zeros((1, 200_000, 17, 3))
+    np.savez_compressed(tmp_path / "truth.npz", t_s=t_s, xyz_m=xyz_m)
+    assert (tmp_path / "truth.npz").stat().st_size < 700_000
+    assert "next to nothing but empty space" in refused(tmp_path / "truth.npz")
+
+
+def test_people_who_are_seldom_there_are_no_fault(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    t_s, xyz_m = np.arange(20_000.0), np.full((10, 20_000, 17, 3), np.nan)
+    xyz_m[:, :100] = rng.normal(size=(10, 100, 17, 3))
+    np.savez_compressed(tmp_path / "truth.npz", t_s=t_s, xyz_m=xyz_m)
+    np.testing.assert_array_equal(read_truth(tmp_path / "truth.npz").xyz_m, xyz_m)
+
+
+def test_a_time_beyond_all_calendars_is_told(tmp_path: Path) -> None:
+    assert "t_s[2] is 1e+300" in refused(file_of(tmp_path, t_s=np.array([0.0, 1.0, 1e300])))
+
+
+def test_a_fault_late_in_a_long_truth_is_named(tmp_path: Path) -> None:
+    xyz_m = np.random.default_rng(1).normal(size=(1, 25_000, 17, 3))
+    xyz_m[0, 20_001, 3, 1] = 1e7
+    told = refused(file_of(tmp_path, t_s=np.arange(25_000.0), xyz_m=xyz_m))
+    assert "xyz_m[0, 20001, 3] (left_ear) is farther than 1000 km" in told

@@ -17,7 +17,9 @@ from trecsim.store.atomic import opened_for_reading
 Shape = tuple[int, ...]
 Shapes = Mapping[str, Shape]
 
-_MOST_NUMBERS = 500_000_000  # 4 GB: more is a damaged file, or does not fit into the memory
+_MOST_NUMBERS = 250_000_000  # 2 GB: more is a damaged file, or does not fit into the memory
+_FEW_NUMBERS = 8_000_000  # 64 MB, which no file can do harm with
+_MOST_NUMBERS_A_BYTE = 50  # of the file: people may be absent for 99.8 % of the time
 _DAMAGE = (  # the last three: odd headers, unknown compression, encryption
     *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
     *(ValueError, NotImplementedError, RuntimeError),
@@ -54,8 +56,9 @@ def read_arrays(
         members = {member.filename: member for member in archive.infolist()}
         _check_all_there(path, names, members)
         headers = {name: _header(archive, members[f"{name}.npy"]) for name in names}
+        packed = {name: members[f"{name}.npy"].compress_size for name in names}
         faults = [
-            *_type_faults(headers),
+            *_type_faults(headers, packed),
             *faults_of({name: shape for name, (shape, _) in headers.items()}),
         ]
         if faults:
@@ -125,14 +128,21 @@ def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Header:
     return shape, dtype
 
 
-def _type_faults(headers: Mapping[str, Header]) -> Iterator[str]:
+def _type_faults(headers: Mapping[str, Header], packed: Mapping[str, int]) -> Iterator[str]:
+    """Yield what speaks against loading: other types, and sizes that no such file has."""
     for name, (shape, dtype) in headers.items():
+        count = float(np.prod(shape, dtype=np.float64))
         if dtype.kind not in "fiu":
             yield f"{name}: expected real numbers, found the type {dtype}"
-        if np.prod(shape, dtype=np.float64) > _MOST_NUMBERS:
+        if count > _MOST_NUMBERS:
             yield (
-                f"{name}: {_times(shape)} numbers are more than {_MOST_NUMBERS:.0e}; "
+                f"{name}: {_times(shape)} numbers are more than {_MOST_NUMBERS:.1e}; "
                 "cut the recording"
+            )
+        elif count > max(_FEW_NUMBERS, _MOST_NUMBERS_A_BYTE * packed[name]):
+            yield (
+                f"{name}: {_times(shape)} numbers from {packed[name]} bytes: the file holds next "
+                "to nothing but empty space; leave out people and times without data"
             )
 
 

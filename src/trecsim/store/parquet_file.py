@@ -15,12 +15,22 @@ from pyarrow import parquet as pq
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, SKELETONS, Skeleton
 from trecsim.store.atomic import atomic_write, opened_for_reading
-from trecsim.store.rows import COLUMNS, SCHEMA, Rows, rows_in
+from trecsim.store.rows import (
+    COLUMNS,
+    COVARIANCE,
+    DETAIL_SCHEMA,
+    DETAILS,
+    MAY_BE_MISSING,
+    SCHEMA,
+    VELOCITY,
+    Rows,
+    rows_in,
+)
 
 FORMAT = "trecsim.tracks/1"
 ROWS_OF_A_GROUP = 1 << 17
 
-_SPLIT = ["x_m", "y_m", "z_m", "sigma_m"]
+_SPLIT = (*MAY_BE_MISSING, *VELOCITY, *COVARIANCE)
 _BATCH_ROWS = 1 << 16
 
 
@@ -34,10 +44,13 @@ class TracksInfo:
         The joints of its people.
     rig_sha256
         Digest of the rig it was made with; None when that is not known.
+    details
+        Whether it holds states, velocities and covariances beside the columns of the CSV file.
     """
 
     skeleton: Skeleton = COCO17
     rig_sha256: str | None = None
+    details: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +90,7 @@ class Contents:
 
 def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
     """Begin a Parquet file of tracks; it is readable once the writer is closed."""
+    schema = DETAIL_SCHEMA if info.details else SCHEMA
     facts = {
         "format": FORMAT,
         "skeleton": info.skeleton.name,
@@ -85,10 +99,10 @@ def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
     }
     return pq.ParquetWriter(
         file,
-        SCHEMA.with_metadata({"trecsim": json.dumps(facts)}),
+        schema.with_metadata({"trecsim": json.dumps(facts)}),
         compression="zstd",
-        use_byte_stream_split=_SPLIT,
-        use_dictionary=[name for name in COLUMNS if name not in _SPLIT],
+        use_byte_stream_split=[name for name in schema.names if name in _SPLIT],
+        use_dictionary=[name for name in schema.names if name not in _SPLIT],
     )
 
 
@@ -133,6 +147,7 @@ def read_file_info(path: Path) -> TracksInfo:
     """
     with _opened(path) as file:
         metadata = (file.schema_arrow.metadata or {}).get(b"trecsim", b"{}")
+        details = set(file.schema_arrow.names).issuperset(DETAILS)
     try:
         facts = json.loads(metadata)
         made = facts.get("format", FORMAT)
@@ -141,7 +156,7 @@ def read_file_info(path: Path) -> TracksInfo:
         raise InputError(f"{path}: its note for trecsim is damaged: {metadata[:80]!r}") from None
     if made != FORMAT:
         raise InputError(f"{path}: expected the format {FORMAT!r}, found {made!r}")
-    return TracksInfo(skeleton, facts.get("rig_sha256"))
+    return TracksInfo(skeleton, facts.get("rig_sha256"), details)
 
 
 def read_contents(path: Path) -> Contents:
@@ -201,7 +216,8 @@ def read_file(
             for group in range(file.num_row_groups)
             if everything or _may_overlap(_statistics(file, "t_s", group), from_s, until_s)
         ]
-        for batch in file.iter_batches(_BATCH_ROWS, row_groups=groups, columns=list(COLUMNS)):
+        columns = [name for name in file.schema_arrow.names if name in DETAIL_SCHEMA.names]
+        for batch in file.iter_batches(_BATCH_ROWS, row_groups=groups, columns=columns):
             table = pa.Table.from_batches([batch])
             yield table if everything else _between(table, from_s, until_s)
 

@@ -1,4 +1,8 @@
-"""Tracks as rows: one per time, person and joint, the same in every file format."""
+"""Tracks as rows: one per time, person and joint, the same in every file format.
+
+Beside the columns of the CSV file, Parquet holds the details: everybody's state, and the velocity
+and the full covariance of every joint.
+"""
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
@@ -7,11 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
-from jaxtyping import Shaped
+from jaxtyping import Bool, Float32, Float64, Int8, Shaped
 
 from trecsim.errors import InputError
 from trecsim.skeleton import Skeleton
-from trecsim.values import Snapshot
+from trecsim.store.limits import FARTHEST_M, LATEST_S
+from trecsim.values import COASTING, CONFIRMED, Snapshot
 
 SCHEMA = pa.schema(
     [
@@ -29,6 +34,19 @@ COLUMNS = tuple(SCHEMA.names)
 MAY_BE_MISSING = ("x_m", "y_m", "z_m", "sigma_m")
 """Columns where NaN, or nothing, says that the joint is not known."""
 
+VELOCITY = ("vx_mps", "vy_mps", "vz_mps")
+COVARIANCE = ("cxx_m2", "cxy_m2", "cxz_m2", "cyy_m2", "cyz_m2", "czz_m2")
+DETAIL_SCHEMA = pa.schema(
+    [
+        *SCHEMA,
+        pa.field("state", pa.dictionary(pa.int8(), pa.string()), nullable=False),
+        *(pa.field(name, pa.float32(), nullable=False) for name in (*VELOCITY, *COVARIANCE)),
+    ]
+)
+DETAILS = tuple(name for name in DETAIL_SCHEMA.names if name not in COLUMNS)
+PROVISIONAL = "provisional"
+STATES = (PROVISIONAL, CONFIRMED, COASTING)
+
 ROW = np.dtype(
     [
         ("t_s", np.float64),
@@ -37,12 +55,19 @@ ROW = np.dtype(
         ("xyz_m", np.float32, (3,)),
         ("sigma_m", np.float32),
         ("support", np.uint16),
+        ("state", np.int8),
+        ("velocity_mps", np.float32, (3,)),
+        ("cov_m2", np.float32, (6,)),
     ]
 )
-"""One row; `joint` is the index in the skeleton."""
+"""One row; `joint` is the index in the skeleton, `state` that in `STATES` or -1 where not known."""
 
 Rows = Shaped[np.ndarray, " row"]
 
+_UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])  # of a covariance matrix, as in COVARIANCE
+_VARIANCES, _COVARIANCES = [0, 3, 5], [1, 2, 4]  # where in COVARIANCE
+_COV_BITS = 16  # of the fraction: rounding keeps matrices of condition 10^4 positive definite
+_VELOCITY_STEPS = 1024.0  # per m/s: a tenth of what is known of a velocity at best
 _MOST_FAULTS = 5
 _MOST_ROWS_AT_ONE_TIME = 1_000_000  # more is a broken file, not a crowd; it bounds the memory
 
@@ -50,7 +75,9 @@ _MOST_ROWS_AT_ONE_TIME = 1_000_000  # more is a broken file, not a crowd; it bou
 def rows_of(snapshot: Snapshot) -> Rows:
     """Lay a snapshot out as rows, people and joints in its own order.
 
-    Positions and uncertainties are rounded to float32: to 0.5 um within 8 m of the origin.
+    Positions and standard deviations are rounded to float32: to 0.5 um within 8 m of the origin.
+    Velocities are rounded to 1 mm/s and covariances to five digits, which saves room. The standard
+    deviation is that of the rounded covariance, so that what is read is written the same again.
     """
     people, joints = snapshot.support.shape
     rows = np.empty((people, joints), ROW)
@@ -58,22 +85,78 @@ def rows_of(snapshot: Snapshot) -> Rows:
     rows["person"] = snapshot.id[:, None]
     rows["joint"] = np.arange(joints)
     rows["xyz_m"] = snapshot.xyz_m
-    rows["sigma_m"] = snapshot.sigma_m
     rows["support"] = snapshot.support
+    rows["state"] = _codes(snapshot.state)[:, None]
+    rows["velocity_mps"] = np.rint(snapshot.velocity_mps * _VELOCITY_STEPS) / _VELOCITY_STEPS
+    cov_m2 = _rounded(snapshot.cov_m2[..., *_UPPER].astype(np.float32))
+    rows["cov_m2"] = cov_m2
+    stored_m = np.sqrt(cov_m2[..., _VARIANCES].sum(axis=-1, dtype=np.float64) / 3.0)
+    rows["sigma_m"] = np.where(_is_sphere(cov_m2), snapshot.sigma_m, stored_m)
     return rows.reshape(-1)
 
 
-def table_of(rows: Rows, skeleton: Skeleton) -> pa.Table:
-    """Turn rows into an Arrow table of :data:`SCHEMA`."""
-    joint = pa.DictionaryArray.from_arrays(pa.array(rows["joint"]), pa.array(skeleton.joints))
-    x_m, y_m, z_m = (pa.array(np.ascontiguousarray(rows["xyz_m"][:, axis])) for axis in range(3))
-    same = {name: pa.array(rows[name]) for name in ("t_s", "person", "sigma_m", "support")}
-    columns = {**same, "joint": joint, "x_m": x_m, "y_m": y_m, "z_m": z_m}
-    return pa.table([columns[name] for name in COLUMNS], schema=SCHEMA)
+def as_stored(snapshot: Snapshot) -> Snapshot:
+    """Return a snapshot with the numbers that a reader of Parquet tracks will get.
+
+    Rules that work on these give the same result live and on the recording.
+    """
+    return _snapshot(rows_of(snapshot), snapshot.support.shape[1])
+
+
+def confirmed_only(snapshots: Iterable[Snapshot]) -> Iterator[Snapshot]:
+    """Leave out people who are not confirmed yet, and moments in which there is nobody else."""
+    for snapshot in snapshots:
+        known = snapshot.state != PROVISIONAL
+        if known.any():
+            yield snapshot if known.all() else snapshot.of(known)
+
+
+def _codes(state: Shaped[np.ndarray, " person"]) -> Int8[np.ndarray, " person"]:
+    codes = {name: code for code, name in enumerate(STATES)}
+    return np.array([codes[name] for name in state.tolist()], np.int8)
+
+
+def _rounded(numbers: Float32[np.ndarray, "..."]) -> Float32[np.ndarray, "..."]:
+    """Round to so many bits that the rest is zero and takes no room when it is compressed."""
+    dropped = np.uint32(np.finfo(np.float32).nmant - _COV_BITS)
+    half, kept = (
+        np.uint32(1 << int(dropped - 1)),
+        np.uint32(0xFFFFFFFF << int(dropped) & 0xFFFFFFFF),
+    )
+    return ((numbers.view(np.uint32) + half) & kept).view(np.float32)
+
+
+def table_of(rows: Rows, skeleton: Skeleton, *, details: bool = False) -> pa.Table:
+    """Turn rows into an Arrow table of :data:`SCHEMA`, or :data:`DETAIL_SCHEMA` with details."""
+    columns = {name: pa.array(rows[name]) for name in ("t_s", "person", "sigma_m", "support")}
+    columns["joint"] = _coded(rows["joint"], skeleton.joints)
+    columns |= _split(rows["xyz_m"], ("x_m", "y_m", "z_m"))
+    schema = DETAIL_SCHEMA if details else SCHEMA
+    if details:
+        columns["state"] = _coded(_known_state(rows), STATES)
+        columns |= _split(rows["velocity_mps"], VELOCITY) | _split(rows["cov_m2"], COVARIANCE)
+    return pa.table([columns[name] for name in schema.names], schema=schema)
+
+
+def _coded(codes: npt.NDArray[Any], names: Sequence[str]) -> pa.DictionaryArray:
+    return pa.DictionaryArray.from_arrays(pa.array(codes), pa.array(names))
+
+
+def _split(numbers: npt.NDArray[Any], names: Sequence[str]) -> dict[str, pa.Array]:
+    columns = np.ascontiguousarray(numbers.T)
+    return {name: pa.array(column) for name, column in zip(names, columns, strict=True)}
+
+
+def _known_state(rows: Rows) -> Int8[np.ndarray, " row"]:
+    """Return the state of every row; one that is not known stands for a confirmed person."""
+    return np.where(rows["state"] < 0, np.int8(STATES.index(CONFIRMED)), rows["state"])
 
 
 def rows_in(table: pa.Table, skeleton: Skeleton) -> Rows:
     """Turn an Arrow table that somebody else may have written into rows.
+
+    Without details, a covariance is the sphere of the standard deviation, velocities are NaN and
+    states unknown.
 
     Raises
     ------
@@ -84,18 +167,32 @@ def rows_in(table: pa.Table, skeleton: Skeleton) -> Rows:
     for name in ("t_s", "person", "sigma_m", "support"):
         rows[name] = _numbers(table, name)
     rows["xyz_m"] = np.stack([_numbers(table, name) for name in ("x_m", "y_m", "z_m")], axis=1)
-    joint = table["joint"].cast(pa.string()).combine_chunks().dictionary_encode()
-    unknown = set(joint.dictionary.to_pylist()) - set(skeleton.joints)
-    if unknown or joint.null_count:
-        raise ValueError(f"joint: {sorted(map(str, unknown))} not in skeleton {skeleton.name}")
-    known = [skeleton.index(name) for name in joint.dictionary.to_pylist()]
-    rows["joint"] = np.array(known, np.int16)[joint.indices.to_numpy()]
+    rows["joint"] = _indices(table, "joint", skeleton.joints, f"in skeleton {skeleton.name}")
+    there = set(table.column_names)
+    rows["state"] = _indices(table, "state", STATES, "a state") if "state" in there else -1
+    rows["velocity_mps"] = np.nan
+    rows["cov_m2"] = np.nan
+    for key, names in (("velocity_mps", VELOCITY), ("cov_m2", COVARIANCE)):
+        if there.issuperset(names):
+            rows[key] = np.stack([_numbers(table, name) for name in names], axis=1)
     return rows
 
 
+def _indices(table: pa.Table, name: str, names: Sequence[str], what: str) -> npt.NDArray[np.int16]:
+    coded = table[name].cast(pa.string()).combine_chunks().dictionary_encode()
+    found = coded.dictionary.to_pylist()
+    unknown = set(found) - set(names)
+    if unknown or coded.null_count:
+        raise ValueError(f"{name}: {sorted(map(str, unknown))} not {what}")
+    known = np.array([names.index(name) for name in found], np.int16)
+    indices: npt.NDArray[np.int16] = known[coded.indices.to_numpy()]
+    return indices
+
+
 def _numbers(table: pa.Table, name: str) -> npt.NDArray[Any]:
-    column = table[name].cast(SCHEMA.field(name).type)
-    if column.null_count and name not in MAY_BE_MISSING:
+    column = table[name].cast(DETAIL_SCHEMA.field(name).type)
+    may_miss = (*MAY_BE_MISSING, *VELOCITY, *COVARIANCE)
+    if column.null_count and name not in may_miss:
         raise ValueError(f"{name}: a value is missing")
     numbers: npt.NDArray[Any] = column.to_numpy()
     return numbers
@@ -105,9 +202,6 @@ def snapshots_of(
     blocks: Iterable[Rows], skeleton: Skeleton, path: Path, *, unit: str, first: int
 ) -> Iterator[Snapshot]:
     """Gather rows into snapshots, checking each block before anything of it is used.
-
-    The rows keep only the standard deviation, so that every joint's covariance comes back as a
-    ball of that size.
 
     Parameters
     ----------
@@ -156,13 +250,20 @@ def raise_faults(path: Path, faults: Sequence[tuple[int, str]], unit: str) -> No
 def _faults(rows: Rows) -> list[tuple[int, str]]:
     t_s, person, xyz_m, sigma_m = (rows[key] for key in ("t_s", "person", "xyz_m", "sigma_m"))
     missing = np.isnan(xyz_m)
+    variances = rows["cov_m2"][:, _VARIANCES]
     wrong = {
-        "t_s must be a finite number": ~np.isfinite(t_s),
+        f"t_s must be a finite number up to {LATEST_S:g} s": ~(np.abs(t_s) <= LATEST_S),
         "time runs backwards; rows must be in order of t_s": np.diff(t_s, prepend=t_s[:1]) < 0,
         "person must not be negative": person < 0,
-        "x_m, y_m, z_m must not be infinite": np.isinf(xyz_m).any(axis=1),
+        f"x_m, y_m, z_m must be within {FARTHEST_M:g} m": (np.abs(xyz_m) > FARTHEST_M).any(axis=1),
         "x_m, y_m, z_m must be all there or all NaN": missing.any(axis=1) & ~missing.all(axis=1),
-        "sigma_m must be a finite number from 0 up, or NaN": (sigma_m < 0) | np.isinf(sigma_m),
+        f"sigma_m must be a number from 0 to {FARTHEST_M:g}, or NaN": (
+            (sigma_m < 0) | (sigma_m > FARTHEST_M)
+        ),
+        "velocities must be finite or NaN": np.isinf(rows["velocity_mps"]).any(axis=1),
+        "covariances must be finite or NaN, variances from 0 up": (
+            (variances < 0).any(axis=1) | np.isinf(rows["cov_m2"]).any(axis=1)
+        ),
     }
     faults = [(int(row), text) for text, mask in wrong.items() for row in np.flatnonzero(mask)]
     return faults or _repeated(rows)
@@ -178,18 +279,41 @@ def _repeated(rows: Rows) -> list[tuple[int, str]]:
 def _steps(rows: Rows, skeleton: Skeleton) -> Iterator[Snapshot]:
     starts = np.flatnonzero(np.diff(rows["t_s"])) + 1
     for step in np.split(rows, starts) if len(rows) else ():
-        yield _snapshot(step, skeleton)
+        yield _snapshot(step, len(skeleton.joints))
 
 
-def _snapshot(rows: Rows, skeleton: Skeleton) -> Snapshot:
-    identities, person = np.unique(rows["person"], return_inverse=True)
-    shape = (len(identities), len(skeleton.joints))
-    xyz_m = np.full((*shape, 3), np.nan)
-    sigma_m = np.full(shape, np.nan)
-    support = np.zeros(shape, np.int64)
-    at = (person, rows["joint"])
-    xyz_m[at] = rows["xyz_m"]
-    sigma_m[at] = rows["sigma_m"]
-    support[at] = rows["support"]
-    cov_m2 = (sigma_m**2)[..., None, None] * np.eye(3)
-    return Snapshot(float(rows["t_s"][0]), identities, xyz_m, cov_m2, support)
+def _snapshot(rows: Rows, joints: int) -> Snapshot:
+    identities, first, person = np.unique(rows["person"], return_index=True, return_inverse=True)
+    whole = np.zeros((len(identities), joints), ROW)
+    for name in ("xyz_m", "sigma_m", "velocity_mps", "cov_m2"):
+        whole[name] = np.nan
+    whole[person, rows["joint"]] = rows
+    support = whole["support"].astype(np.int64)
+    code = rows["state"][first]
+    seen = np.where(support.any(axis=1), CONFIRMED, COASTING)
+    return Snapshot(
+        float(rows["t_s"][0]), identities, whole["xyz_m"].astype(np.float64), _covariance(whole),
+        support,
+        velocity_mps=whole["velocity_mps"].astype(np.float64),
+        state=np.where(code < 0, seen, np.array(STATES)[code]),
+    )  # fmt: skip
+
+
+def _covariance(
+    rows: Shaped[np.ndarray, "person joint"],
+) -> Float64[np.ndarray, "person joint 3 3"]:
+    """Return the covariances; spheres where only the standard deviation is known."""
+    cov_m2 = np.empty((*rows.shape, 3, 3))
+    cov_m2[..., *_UPPER] = cov_m2[..., *_UPPER[::-1]] = rows["cov_m2"]
+    sphere = _is_sphere(rows["cov_m2"]) | np.isnan(rows["cov_m2"]).any(axis=-1)
+    variance = rows["sigma_m"][sphere].astype(np.float64) ** 2
+    cov_m2[sphere] = variance[:, None, None] * np.eye(3)
+    return cov_m2
+
+
+def _is_sphere(cov_m2: Float32[np.ndarray, "*row 6"]) -> Bool[np.ndarray, "*row"]:
+    """Return which covariances are as large in every direction."""
+    variances, others = cov_m2[..., _VARIANCES], cov_m2[..., _COVARIANCES]
+    same = (variances == variances[..., :1]).all(axis=-1)
+    sphere: Bool[np.ndarray, "*row"] = same & (others == 0).all(axis=-1)
+    return sphere

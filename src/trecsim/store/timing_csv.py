@@ -18,6 +18,7 @@ from pyarrow import csv as pa_csv
 from trecsim.errors import InputError
 from trecsim.store.atomic import PRIVATE_FOLDER, disk_faults, opened_for_reading, partial_path
 from trecsim.store.growing import GrowingFile, without_cut_line
+from trecsim.store.limits import LATEST_S
 from trecsim.store.segments import segment_files, segment_name
 
 NAME = "timing.csv"
@@ -293,7 +294,7 @@ def _read_file(path: Path) -> Timing:
     table = _table(content, path)
     timing = Timing(**{name: table[name].to_numpy() for name in COLUMNS})
     faults = {
-        "t_s must be finite": ~np.isfinite(timing.t_s),
+        f"t_s must be finite, up to {LATEST_S:g} s": ~(np.abs(timing.t_s) <= LATEST_S),
         "images and people must not be negative": (timing.images < 0) | (timing.people < 0),
         "fusion_ms must be a finite number from 0 up": ~(
             (timing.fusion_ms >= 0) & np.isfinite(timing.fusion_ms)

@@ -11,6 +11,7 @@ from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
 from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.rows import confirmed_only
 from trecsim.store.tracks_csv import CsvWriter, read_csv
 from trecsim.store.tracks_parquet import (
     ParquetTracksWriter,
@@ -119,7 +120,11 @@ def kept_of(path: Path) -> Path:
 
 
 def read_tracks(
-    path: Path | str, *, from_s: float = -math.inf, until_s: float = math.inf
+    path: Path | str,
+    *,
+    from_s: float = -math.inf,
+    until_s: float = math.inf,
+    provisional: bool = False,
 ) -> Iterator[Snapshot]:
     """Read recorded tracks one moment at a time; moments without anybody are not recorded.
 
@@ -131,6 +136,8 @@ def read_tracks(
     from_s, until_s
         Read the moments between these times, both included [s]; of a long recording, only the
         segments in which they are.
+    provisional
+        Whether people who are not confirmed yet come as well; CSV holds none.
 
     Raises
     ------
@@ -141,7 +148,8 @@ def read_tracks(
     if _suffix(path) == ".csv":
         everything = read_csv(path, COCO17)
         return (one for one in everything if from_s <= one.t_s <= until_s)
-    return read_parquet(path, from_s, until_s)
+    snapshots = read_parquet(path, from_s, until_s)
+    return snapshots if provisional else confirmed_only(snapshots)
 
 
 def export_tracks(
@@ -170,15 +178,15 @@ def export_tracks(
     """
     path, out = _file_of(Path(path)), Path(out)
     suffix = _suffix(out)
-    info = TracksInfo() if _suffix(path) == ".csv" else read_info(path)
+    info = TracksInfo(details=False) if _suffix(path) == ".csv" else read_info(path)
     extent = _Extent(progress)
-    snapshots = extent.watch(read_tracks(path))
+    snapshots = extent.watch(read_tracks(path, provisional=suffix == ".parquet"))
     if suffix == ".csv":
         with CsvWriter(out, info.skeleton) as writer:
             for snapshot in snapshots:
                 writer.write(snapshot)
     else:
-        write_parquet(out, tables_of(snapshots, info.skeleton), info)
+        write_parquet(out, tables_of(snapshots, info), info)
     return extent.total()
 
 

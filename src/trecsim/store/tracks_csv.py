@@ -26,6 +26,7 @@ from trecsim.store.rows import (
     MAY_BE_MISSING,
     SCHEMA,
     Rows,
+    confirmed_only,
     raise_faults,
     rows_in,
     rows_of,
@@ -75,8 +76,8 @@ class CsvWriter:
         self._rows: list[Rows] = []
 
     def write(self, snapshot: Snapshot) -> None:
-        """Append one moment."""
-        self._rows.append(rows_of(snapshot))
+        """Append one moment; of the people in it those who are confirmed."""
+        self._rows += map(rows_of, confirmed_only([snapshot]))
         if self._file.due or sum(map(len, self._rows)) >= _BUFFERED_ROWS:
             self._write_rows()
 

@@ -14,9 +14,9 @@ parts are there, every one of them whole, and :func:`read_parquet` reads them in
 missing; lost are the seconds since the last part. A recording that ends with an error keeps its
 parts, so that an unfinished recording never looks like a finished one.
 
-The columns are those of the CSV file, which pandas, R, DuckDB and others open as they are;
-positions and uncertainties are float32, stored byte by byte (BYTE_STREAM_SPLIT) and compressed
-with Zstandard. See ``docs/decisions/``.
+The columns are those of the CSV file, which pandas, R, DuckDB and others open as they are, and
+behind them everybody's state and each joint's velocity and covariance. Numbers are float32, stored
+byte by byte (BYTE_STREAM_SPLIT) and compressed with Zstandard. See ``docs/decisions/``.
 """
 
 import errno
@@ -44,7 +44,6 @@ from trecsim.store.parquet_file import (
     file_rows,
     joined,
     parquet_file,
-    read_file,
     read_file_info,
     write_file,
     write_group,
@@ -250,7 +249,7 @@ class _OpenSegment:
 
     def append(self, rows: Rows) -> None:
         """Write rows, whole moments, as a part, and to the file of the segment."""
-        table = table_of(rows, self._info.skeleton)
+        table = table_of(rows, self._info.skeleton, details=self._info.details)
         self._part += 1
         part = self._parts / f"{self._part:06d}{SUFFIX}"
         with disk_faults(part, running=True):
@@ -341,7 +340,11 @@ def _recovered(parts: Path, info: TracksInfo) -> list[Segment]:
         for number, folder in part_folders(parts).items():
             files = segment_files(folder).values()
             if number not in whole and files:
-                tables = (table for file in files for table in read_file(file))
+                tables = (
+                    table_of(rows, info.skeleton, details=info.details)
+                    for file in files
+                    for rows in file_rows(file, info.skeleton)
+                )
                 write_file(parts / f"{segment_name(number)}{SUFFIX}", tables, info)
             shutil.rmtree(folder)
         segments = [one for one in segments_in(parts) if one.contents.rows]
@@ -354,16 +357,16 @@ def write_parquet(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> N
     write_file(path, tables, info)
 
 
-def tables_of(snapshots: Iterable[Snapshot], skeleton: Skeleton) -> Iterator[pa.Table]:
+def tables_of(snapshots: Iterable[Snapshot], info: TracksInfo) -> Iterator[pa.Table]:
     """Lay snapshots out as tables of a convenient size."""
     rows: list[Rows] = []
     for snapshot in snapshots:
         rows.append(rows_of(snapshot))
         if sum(map(len, rows)) >= _BATCH_ROWS:
-            yield table_of(np.concatenate(rows), skeleton)
+            yield table_of(np.concatenate(rows), info.skeleton, details=info.details)
             rows.clear()
     if rows:
-        yield table_of(np.concatenate(rows), skeleton)
+        yield table_of(np.concatenate(rows), info.skeleton, details=info.details)
 
 
 def read_parquet(

@@ -10,10 +10,11 @@ from jaxtyping import Float64
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import atomic_write
+from trecsim.store.limits import FARTHEST_M, LATEST_S
 from trecsim.store.names import TRUTH
 from trecsim.store.npz import Shapes, read_arrays
 
-_FARTHEST_M = 1e6
+_TIMES_AT_ONCE = 10_000
 _AXES = f"(person, time, {len(COCO17.joints)}, 3)"
 
 
@@ -100,9 +101,12 @@ def _shape_faults(shapes: Shapes) -> Iterator[str]:
 
 
 def _time_faults(t_s: Float64[np.ndarray, " time"]) -> Iterator[str]:
-    wrong = np.flatnonzero(~np.isfinite(t_s))
+    wrong = np.flatnonzero(~(np.abs(t_s) <= LATEST_S))
     if len(wrong):
-        yield f"t_s[{wrong[0]}] is {t_s[wrong[0]]}; every time must be a finite number"
+        yield (
+            f"t_s[{wrong[0]}] is {t_s[wrong[0]]}; every time must be a finite number up to "
+            f"{LATEST_S:g} s"
+        )
         return
     back = np.flatnonzero(np.diff(t_s) <= 0)
     if len(back):
@@ -115,17 +119,26 @@ def _time_faults(t_s: Float64[np.ndarray, " time"]) -> Iterator[str]:
 
 
 def _joint_faults(xyz_m: Float64[np.ndarray, "person time 17 3"]) -> Iterator[str]:
-    for number, person_m in enumerate(xyz_m):  # one at a time: masks of all cost memory
-        unknown = np.isnan(person_m)
-        wrong = {
-            "is infinite": np.isinf(person_m).any(axis=-1),
-            "is farther than 1000 km; the unit is metres": (
-                np.where(unknown, 0.0, np.abs(person_m)) > _FARTHEST_M
-            ).any(axis=-1),
-            "must be all there or all NaN": unknown.any(axis=-1) & ~unknown.all(axis=-1),
-        }
-        for text, mask in wrong.items():
-            if mask.any():
-                time, joint = np.argwhere(mask)[0]
-                yield f"xyz_m[{number}, {time}, {joint}] ({COCO17.joints[joint]}) {text}"
+    for number, person_m in enumerate(xyz_m):
+        for begin in range(0, len(person_m), _TIMES_AT_ONCE):  # masks of all cost memory
+            faults = list(_faults_in(person_m[begin : begin + _TIMES_AT_ONCE]))
+            if faults:
+                time, joint, text = faults[0]
+                yield f"xyz_m[{number}, {begin + time}, {joint}] ({COCO17.joints[joint]}) {text}"
                 return
+
+
+def _faults_in(xyz_m: Float64[np.ndarray, "time 17 3"]) -> Iterator[tuple[int, int, str]]:
+    """Yield where something cannot be, and what."""
+    unknown = np.isnan(xyz_m)
+    wrong = {
+        "is infinite": np.isinf(xyz_m).any(axis=-1),
+        f"is farther than {FARTHEST_M / 1e3:g} km; the unit is metres": (
+            np.abs(xyz_m) > FARTHEST_M
+        ).any(axis=-1),
+        "must be all there or all NaN": unknown.any(axis=-1) & ~unknown.all(axis=-1),
+    }
+    for text, mask in wrong.items():
+        if mask.any():
+            time, joint = np.argwhere(mask)[0]
+            yield int(time), int(joint), text

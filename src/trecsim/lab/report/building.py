@@ -108,7 +108,7 @@ def report(
         subtitle=summary.subtitle(read),
         footer=f"Made by trecsim {version('mc3d-trecsim')} on {now:%d %B %Y} from {places.tracks}",
     )
-    with atomic_write(out) as file:
+    with atomic_write(out, private=True) as file:
         file.write(text)
     return ReportSummary(
         out=out,
