@@ -10,10 +10,10 @@ def test_defaults_are_sensible():
     assert list(FusionSettings().remarks()) == []
 
 
-def test_what_is_outside_of_what_is_sensible_is_told_with_the_range():
+def test_values_outside_of_the_sensible_range_are_remarked():
     assert list(FusionSettings(accel_leg=1e6, death_s=2.5).remarks()) == [
-        "accel_leg = 1e+06 is far outside what is sensible (0.8 to 5)",
-        "death_s = 2.5 is outside what is sensible (0.3 to 2 s)",
+        "accel_leg = 1e+06 is far outside the sensible range (0.8 to 5)",
+        "death_s = 2.5 is outside the sensible range (0.3 to 2 s)",
     ]
 
 

@@ -136,8 +136,8 @@ def test_poses_of_a_camera_that_the_rig_lacks_are_told(tmp_path: Path) -> None:
 def test_settings_outside_of_what_is_sensible_are_remarked(site: Path) -> None:
     site.write_text(site.read_text() + "[fusion]\njoint_sigma_m = 20\nmin_joints = 9\n")
     assert check_site(site).remarks[-2:] == (
-        "fusion: joint_sigma_m = 20 is far outside what is sensible (0.012 to 0.04 m)",
-        "fusion: min_joints = 9 is outside what is sensible (4 to 8)",
+        "fusion: joint_sigma_m = 20 is far outside the sensible range (0.012 to 0.04 m)",
+        "fusion: min_joints = 9 is outside the sensible range (4 to 8)",
     )
 
 

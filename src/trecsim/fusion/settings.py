@@ -1,4 +1,4 @@
-"""Every setting of the fusion in one table: meaning, unit, default, and what it replaces."""
+"""All settings of the fusion in one table: meaning, unit, default, and what each replaces."""
 
 import sys
 from collections.abc import Iterator
@@ -8,15 +8,15 @@ from typing import Any
 from trecsim.errors import ConfigError
 
 BELOW_ONE = ("outlier_share", "flip_share")
-"""Settings that are shares of a whole."""
+"""Settings that are probabilities."""
 
-# By this factor outside of what is sensible, a setting is far outside.
+# Outside of its sensible range by more than this factor, a setting is far outside.
 _FAR = 3.0
 _UNITS = {"_area_m2": " m^2", "_px": " px", "_m": " m", "_s": " s"}
 
 
 def _setting(default: float, sensible: tuple[float, float], touch: str) -> Any:
-    """Return a setting, with the range to choose from and when to, for the table in the docs."""
+    """Return a setting with its sensible range and the advice when to change it."""
     return field(default=default, metadata={"sensible": sensible, "touch": touch})
 
 
@@ -30,80 +30,80 @@ class FusionSettings:
         Distance between the knots of the trajectories [s] (in the thesis: spline knot delta,
         500 or 1000).
     window_s
-        How far back the live part of a trajectory reaches [s]; older control points are
-        marginalised. An image that comes later than this is left out (in the
-        thesis: the buffer of frames).
+        Length of the live part of a trajectory [s]; older control points are marginalised. An
+        image that arrives later than this is discarded (in the thesis: the buffer of frames).
     accel_torso, accel_head, accel_arm, accel_leg
-        Root of the white-acceleration density that bends the trajectories [m/s^2/sqrt(Hz)]
-        (in the thesis: the smoothing factor lambda, which has no unit).
+        Process noise: root of the density of the white acceleration that bends the trajectories
+        [m/s^2/sqrt(Hz)] (in the thesis: the smoothing factor lambda, which has no unit).
     velocity_memory_s
-        Time after which a joint moves as the body does, if nothing is seen of it [s].
+        Time constant with which the predicted velocity of a supported joint goes over to that of
+        the body [s].
     drag_memory_s
         The same for a joint that no camera supports [s] (in the thesis: dragged along).
     joint_sigma_m
-        Standard deviation of a good key point, seen as a length at the person's distance [m]
-        (in the thesis, with `floor_px`: the constant variance nu, 200 or 500).
+        Measurement noise: standard deviation of a good key point, as a length at the person's
+        distance [m] (in the thesis, with `floor_px`: the constant variance nu, 200 or 500).
     tail_freedom
-        Degrees of freedom of the key points' errors (Student's t): 3 has heavy tails, 100 is a
-        Gaussian.
+        Degrees of freedom of the key points' errors (Student's t): 3 has heavy tails, 100 is
+        practically Gaussian.
     floor_px
         Standard deviation that even the best key point has [px] (in the thesis: see
         `joint_sigma_m`).
     good_score
-        Score of a key point that is as good as the estimator gets; lower scores weigh less.
+        Score from which on a key point counts as good; lower scores raise its measurement noise.
     min_score
-        Key points with a lower one are not used at all (in the thesis: the threshold of
-        confidence).
+        Key points with a lower score are discarded (in the thesis: the threshold of confidence).
     error_memory_s
-        For so long the quick part of a detector's errors persists; images of a camera that are
-        closer in time tell the same thing [s].
+        Correlation time of a detector's short-lived errors [s]: of images of a camera that are
+        closer in time, each adds less information.
     quick_share
-        Variance of a key point's errors that change from image to image, next to that of all its
-        errors: the part that smoothing removes.
+        White share of the measurement variance: errors that are independent from image to image,
+        and that smoothing removes.
     lasting_share
-        The same of errors that last for seconds, which no smoothing removes: it is added to what
-        is stated of a joint.
+        Bias share of the measurement variance: errors that last for seconds. No smoothing removes
+        them; they are added to the reported covariance.
     outlier_share
-        Prior share of key points that have nothing to do with the joint (in the thesis: weights
-        pi of the people in its place).
+        Prior probability that a key point is an outlier (in the thesis: weights pi of the people
+        in its place).
     outlier_area_m2
-        Area over which such key points spread, at the person's distance [m^2].
+        Area over which outliers spread, at the person's distance [m^2].
     flip_share
-        Prior share of detections with left and right exchanged.
+        Prior probability that a detection has left and right exchanged.
     min_joints
-        Fewest key points that make a detection worth looking at (in the thesis: the least
-        number of valid key points).
+        Detections with fewer key points are discarded (in the thesis: the least number of valid
+        key points).
     confirm_s
-        Two cameras must support a new person for so long before it is reported; three report it
-        at once, and so do two that agree beyond doubt [s] (in the thesis: none; the most
+        A track is confirmed, and reported, after two cameras have supported it for this time; at
+        once if three cameras do, or if two agree very well [s] (in the thesis: none; the most
         detections of one camera tell how many people there are).
     death_s
-        A person whom no camera supports is dropped after this time; after half of it where no
-        camera looks, 0.7 of it where three or more do [s] (in the thesis: the threshold of
-        support, and the look-back over which it is counted).
+        A track is deleted after no camera has supported it for this time; after half of it if no
+        camera has the person in view, after 0.7 of it if three or more do [s] (in the thesis: the
+        threshold of support, and the look-back over which it is counted).
     doubt_s
-        A person whom one camera supports, while two or more others look at the place, is dropped
+        A track that one camera supports, though three or more have the person in view, is deleted
         after this time [s].
     recall_s
-        Somebody who appears where a dropped person should be by now, within this time, gets the
-        old identity back [s].
+        A new track where the person of a dead one may be by now gets the old identity within this
+        time [s].
     duplicate_m
-        Two people closer than this whom no camera ever sees apart are one [m].
+        Two tracks closer than this that no image shows as two people are one [m].
     """
 
     knot_s: float = _setting(
         0.1,
         (0.05, 0.2),
-        "shorter for sport, at more time per frame set; longer where few images come",
+        "shorter for sport, at more time per frame set; longer for cameras with few images per "
+        "second",
     )
     window_s: float = _setting(
-        0.5, (0.3, 1.0), "longer where images come late; takes more time per frame set"
+        0.5, (0.3, 1.0), "longer if images arrive late; takes more time per frame set"
     )
     accel_torso: float = _setting(
         0.55,
         (0.3, 1.6),
-        "higher for sport and falls, as the defaults follow running; lower for people who stand or "
-        "sit, who get smoother",
+        "higher for sport and falls; lower for less jitter of people who stand or sit; the "
+        "defaults follow running",
     )
     accel_head: float = _setting(0.7, (0.4, 2.0), "as `accel_torso`")
     accel_arm: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for gestures")
@@ -111,9 +111,13 @@ class FusionSettings:
     velocity_memory_s: float = _setting(0.6, (0.3, 2.0), "hardly ever")
     drag_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
     joint_sigma_m: float = _setting(
-        0.02, (0.012, 0.04), "with the estimator: more for a noisy detector, fast and coarse"
+        0.02,
+        (0.012, 0.04),
+        "with the estimator: higher for a noisy one, as fast and coarse ones are",
     )
-    tail_freedom: float = _setting(3.0, (2.0, 100.0), "100 for made key points with Gaussian noise")
+    tail_freedom: float = _setting(
+        3.0, (2.0, 100.0), "100 for synthetic key points with Gaussian noise"
+    )
     floor_px: float = _setting(
         1.5,
         (0.5, 4.0),
@@ -125,55 +129,59 @@ class FusionSettings:
     min_score: float = _setting(
         0.15,
         (0.05, 0.4),
-        "with the estimator: higher for a noisy detector that invents what it does not see, lower "
-        "for a modest one",
+        "with the estimator: higher for one that reports joints that are not visible, lower for "
+        "one whose scores are low",
     )
     error_memory_s: float = _setting(
         0.025,
         (0.01, 0.1),
         "longer for an estimator that smooths over time, if there are many images per second",
     )
-    quick_share: float = _setting(0.3, (0.1, 1.0), "1 for made key points with independent noise")
+    quick_share: float = _setting(
+        0.3, (0.1, 1.0), "1 for synthetic key points with independent noise"
+    )
     lasting_share: float = _setting(
         1.0,
         (0.3, 2.0),
-        "with the estimator, if `trecsim evaluate` finds what is stated too sure or too modest",
+        "with the estimator, if `trecsim evaluate` finds the uncertainty too small or too large",
     )
     outlier_share: float = _setting(
-        0.1, (0.02, 0.3), "with the estimator: higher if it often takes one limb for another"
+        0.1, (0.02, 0.3), "with the estimator: higher if it often confuses limbs"
     )
     outlier_area_m2: float = _setting(1.0, (0.3, 4.0), "hardly ever")
     flip_share: float = _setting(
-        0.01, (0.001, 0.1), "higher if the estimator often exchanges left and right"
+        0.01, (0.001, 0.1), "with the estimator: higher if it often exchanges left and right"
     )
     min_joints: int = _setting(
         5,
         (4, 8),
-        "higher against ghosts that never existed; lower where only parts of people are in view",
+        "higher against false positives that never were a person; lower if only parts of people "
+        "are in view",
     )
     confirm_s: float = _setting(
         0.15,
         (0.05, 0.5),
-        "longer against ghosts that never existed; shorter where newcomers must be known at once",
+        "longer against false positives that never were a person; shorter if new people must be "
+        "reported at once",
     )
     death_s: float = _setting(
         0.5,
         (0.3, 2.0),
-        "shorter against ghosts of people who have just left; longer where people are hidden for "
-        "longer",
+        "shorter against false positives after people left; longer if people are hidden for longer",
     )
     doubt_s: float = _setting(
         1.5,
         (0.5, 5.0),
-        "shorter against ghosts before one camera; longer where the others often miss somebody",
+        "shorter against false positives of one camera; longer if the other cameras often miss "
+        "people",
     )
     recall_s: float = _setting(
         1.5,
         (0.5, 5.0),
-        "longer where people pass behind things, and few are there to be confused with",
+        "longer if people pass behind things, and few others are there to be confused with",
     )
     duplicate_m: float = _setting(
-        0.25, (0.15, 0.4), "smaller where people hold each other; larger with a poor calibration"
+        0.25, (0.15, 0.4), "smaller if people hold each other; larger for a poor calibration"
     )
 
     def __post_init__(self) -> None:
@@ -184,7 +192,7 @@ class FusionSettings:
             if not _is_positive(getattr(self, f.name))
         ]
         faults += [
-            f"{name} is a share and must lie below 1, got {getattr(self, name):g}"
+            f"{name} is a probability and must be below 1, got {getattr(self, name):g}"
             for name in BELOW_ONE
             if _is_positive(getattr(self, name)) and getattr(self, name) >= 1.0
         ]
@@ -197,23 +205,23 @@ class FusionSettings:
             )
         if faults:
             raise ConfigError("fusion settings: " + "; ".join(faults))
-        for f in fields(self):  # kernels are compiled anew where a whole number is an int
+        for f in fields(self):  # kernels would be compiled again for an int
             kind = int if f.name == "min_joints" else float
             object.__setattr__(self, f.name, kind(getattr(self, f.name)))
 
     def remarks(self) -> Iterator[str]:
-        """Yield a line for each setting that is far from what is sensible, without being wrong."""
+        """Yield a line for each setting that is valid, but outside of its sensible range."""
         for f in fields(self):
             low, high = f.metadata["sensible"]
             value = getattr(self, f.name)
             if not low <= value <= high:
                 far = "far outside" if not low / _FAR <= value <= high * _FAR else "outside"
                 sensible = _range(f.name, low, high)
-                yield f"{f.name} = {value:g} is {far} what is sensible ({sensible})"
+                yield f"{f.name} = {value:g} is {far} the sensible range ({sensible})"
 
 
 def _range(name: str, low: float, high: float) -> str:
-    """Return a range as one writes it.
+    """Return a range as text.
 
     Examples
     --------
