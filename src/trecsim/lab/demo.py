@@ -186,8 +186,8 @@ def _draw(folder: Path, made: Simulation, comparison: Comparison | None) -> Path
     remark = ""
     if comparison is not None and comparison.matched:
         remark = (
-            f"error against the known truth: median {100 * comparison.median_m:.1f} cm, "
-            f"95 % of the joints within {100 * comparison.p95_m:.1f} cm"
+            f"joint error against ground truth: median {100 * comparison.median_m:.1f} cm, "
+            f"95th percentile {100 * comparison.p95_m:.1f} cm"
         )
     try:
         plot_paths(read_tracks(folder / RUN), made.rig, picture, title=title, remark=remark)

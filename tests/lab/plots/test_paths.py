@@ -11,6 +11,7 @@ from trecsim.errors import InputError
 from trecsim.lab.plots.colours import COLOURS
 from trecsim.lab.plots.paths_plot import paths_figure, plot_paths
 from trecsim.lab.plots.recorder import PathRecorder
+from trecsim.lab.plots.skeletons import VIEWS_DEG
 from trecsim.values import Snapshot
 
 
@@ -109,7 +110,7 @@ def test_of_a_short_recording_everything_is_drawn() -> None:
     for moment in walk(100):
         recorder.add(moment)
     title = paths_figure(recorder, ring(2)).axes[0].get_title()
-    assert title.startswith("paths fade with age")
+    assert title.startswith("paths, older parts paler")
 
 
 @pytest.mark.parametrize(("feet_m", "told"), [(0.08, []), (1.5, ["1.5 m"])])
@@ -119,4 +120,19 @@ def test_how_high_somebody_stands_who_is_up_on_something_is_told(
     xyz_m = np.ones((1, 17, 3)) * np.linspace(1.7, 0.0, 17)[:, None] + [0.0, 0.0, feet_m]
     xyz_m[:, 15:, 2] = feet_m
     people = paths_figure(recorded([snapshot(0.0, [1], xyz_m)]), ring(3)).axes[1]
-    assert [text.get_text().strip() for text in people.texts] == told
+    texts = [text.get_text().strip() for text in people.texts]
+    assert texts == ["x, 0.5 m", "y", "z", "1", *told]
+
+
+def test_the_skeletons_are_seen_from_where_no_pole_of_a_camera_crosses_a_person() -> None:
+    rig = ring(1)
+    pole_m = rig[rig.names[0]].position_m
+    usual = np.deg2rad(VIEWS_DEG[0])
+    behind_m = pole_m[:2] - 2.0 * np.array([np.cos(usual), np.sin(usual)])
+    xyz_m = np.ones((1, 17, 3)) * np.linspace(1.7, 0.0, 17)[:, None]
+    xyz_m[..., :2] = behind_m
+    crossed = paths_figure(recorded([snapshot(0.0, [1], xyz_m)]), rig).axes[1]
+    assert crossed.azim in VIEWS_DEG[1:]
+    xyz_m[..., :2] = behind_m + 3.0
+    clear = paths_figure(recorded([snapshot(0.0, [1], xyz_m)]), rig).axes[1]
+    assert clear.azim == VIEWS_DEG[0]

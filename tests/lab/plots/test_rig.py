@@ -52,7 +52,7 @@ def test_views_end_at_the_range_and_hold_the_cameras():
 def drawn_labels(figure):
     axes = figure.axes[0]
     figure.draw_without_rendering()
-    return axes, [text for text in axes.texts if text.get_text()]
+    return axes, [text for text in axes.texts if text.get_text() not in ("", "x", "y")]
 
 
 @pytest.mark.parametrize("rig", [ring(3), ring(12, "brown", 12.0), crowded()])
@@ -93,3 +93,11 @@ def test_the_title_says_how_far_and_how_much_is_shared():
 def test_odd_rigs_are_drawn_too(rig, tmp_path):
     save_figure(rig_figure(rig), tmp_path / "rig.png")
     assert (tmp_path / "rig.png").stat().st_size > 5000
+
+
+def test_the_shades_say_how_many_cameras_see_the_floor():
+    (legend,) = rig_figure(ring(4)).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["1", "2", "3", "4"]
+    (legend,) = rig_figure(ring(12, "brown", 12.0)).legends
+    assert legend.get_texts()[-1].get_text().endswith(" or more")
+    assert "lower edge of its image" in legend.get_title().get_text()

@@ -38,7 +38,7 @@ class Label:
     colour: str
 
 
-def write_labels(axes: "Axes", labels: Sequence[Label]) -> None:
+def write_labels(axes: "Axes", labels: Sequence[Label], *, size_pt: float = 8) -> None:
     """Write each label near its point, away from the others and inside the picture.
 
     Parameters
@@ -47,6 +47,8 @@ def write_labels(axes: "Axes", labels: Sequence[Label]) -> None:
         Where to; its limits must be final.
     labels
         What to write.
+    size_pt
+        Size of the letters [points].
     """
     figure = axes.get_figure(root=True)
     if figure is None or not labels:
@@ -64,7 +66,7 @@ def write_labels(axes: "Axes", labels: Sequence[Label]) -> None:
             textcoords="offset points",
             ha="center",
             va="center",
-            fontsize=8,
+            fontsize=size_pt,
             fontweight="bold",
             color=label.colour,
             parse_math=False,  # a dollar in a name is a dollar

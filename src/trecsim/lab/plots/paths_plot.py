@@ -1,4 +1,4 @@
-"""A picture of a recording: everybody's path over the floor, skeletons, who was there when."""
+"""A picture of a recording: paths on the floor, skeletons, who was there when."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -32,6 +32,8 @@ MOST_LABELS = 40
 FEWEST_ROWS, MOST_ROWS = 4, 60  # in the panel of who was there when
 LONGEST_UNLABELLED = 25  # rows; with more of them the rows get no names
 MARKS_WANTED = 8  # time marks along the longest path
+PANEL_ASPECT = 1.2  # width by height of the floor plan
+LARGE_PT, TEXT_PT, SMALL_PT = 17, 13, 11.5
 SHOWN_S = 60.0  # of the paths; those of a longer time are a tangle
 
 
@@ -126,13 +128,20 @@ def paths_figure(
         draw_skeletons(people, recorder.fullest, rig, colours, (x_m, y_m))
         if recorder.fullest is not None and recorder.paths:
             at = time(recorder.fullest.t_s)
-            people.set_title(f"at {at:.3g} {time.unit}", fontsize=10, color="0.25")
+            people.set_title(
+                f"the frame with most people and support, at {at:.3g} {time.unit}",
+                fontsize=TEXT_PT, color="0.25", y=0.97,
+            )  # fmt: skip
         presence = figure.add_subplot(grid[1, 1])
         _draw_presence(presence, recorder, time, colours)
         if recorder.from_s > recorder.first_s:
             shown_s = time(recorder.from_s), time(recorder.last_s)
             presence.axvspan(*shown_s, color="0.92", zorder=0, linewidth=0)
-        write_labels(floor, _labels(shown, rig, colours))
+        for axes in (floor, presence):
+            axes.tick_params(labelsize=SMALL_PT)
+            axes.xaxis.label.set_fontsize(SMALL_PT)
+            axes.yaxis.label.set_fontsize(SMALL_PT)
+        write_labels(floor, _labels(shown, rig, colours), size_pt=SMALL_PT)
     return figure
 
 
@@ -161,7 +170,12 @@ def _write_title(
     about += f", seen by {cameras} camera{'' if cameras == 1 else 's'}"
     first, *rest = [text for text in (title, about, remark) if text]
     figure.suptitle(
-        "\n".join([first, *rest]), x=0.012, ha="left", fontsize=13, color="0.15", parse_math=False
+        "\n".join([first, *rest]),
+        x=0.012,
+        ha="left",
+        fontsize=LARGE_PT,
+        color="0.15",
+        parse_math=False,
     )
 
 
@@ -176,7 +190,8 @@ def _extent(
         corners.extend(np.quantile(np.concatenate(xy_m), [0.005, 0.995], axis=0))
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     half = np.maximum((high - low) / 2, 1.5)
-    half = np.maximum(half, 0.4 * half.max()) + 0.08 * half.max() + 0.3
+    half += 0.06 * half.max() + 0.3
+    half = np.maximum(half, half[::-1] * [PANEL_ASPECT, 1 / PANEL_ASPECT])  # fill the panel
     (left, bottom), (right, top) = (low + high) / 2 - half, (low + high) / 2 + half
     return (float(left), float(right)), (float(bottom), float(top))
 
@@ -203,7 +218,7 @@ def _draw_all_paths(
     colours: dict[int, str],
 ) -> None:
     if not shown:
-        nobody = "nobody was there in the end" if recorder.paths else "nobody was followed"
+        nobody = "nobody was there at the end" if recorder.paths else "nobody was tracked"
         axes.text(0.5, 0.5, nobody, transform=axes.transAxes, ha="center", color="0.4")
     longest_s = max((path.last_s - path.first_s for path in shown.values()), default=0.0)
     mark_s = round_step(longest_s / MARKS_WANTED / time.unit_s, 1.0) * time.unit_s
@@ -213,9 +228,9 @@ def _draw_all_paths(
     if recorder.paths:
         last = recorder.last_s - recorder.from_s
         what = f"the last {last:g} s: " if recorder.from_s > recorder.first_s else ""
-        marks = f"a dot every {mark_s / time.unit_s:g} {time.unit}"
-        about = f"{what}paths fade with age; ○ came, ● last seen, {marks}"
-        axes.set_title(about, fontsize=10, color="0.25")
+        marks = f"• every {mark_s / time.unit_s:g} {time.unit}"
+        about = f"{what}paths, older parts paler; ○ start, ● end, {marks}"
+        axes.set_title(about, fontsize=TEXT_PT, color="0.25")
 
 
 def _draw_path(
@@ -237,16 +252,16 @@ def _draw_path(
         tint = np.tile(to_rgba(colour), (len(lines), 1))
         tint[:, 3] = 1.0 - 0.75 * age
         axes.add_collection(
-            LineCollection(list(lines), colors=tint, linewidths=2.4, capstyle="butt", zorder=4)
+            LineCollection(list(lines), colors=tint, linewidths=2.8, capstyle="butt", zorder=4)
         )
     points = np.array(path.points)
     marks_s = np.arange(np.ceil((path.first_s - recorder.first_s) / mark_s), 1e6) * mark_s
     marks_s = recorder.first_s + marks_s[marks_s <= path.last_s - recorder.first_s]
     at = np.minimum(np.searchsorted(points[:, 0], marks_s), len(points) - 1)
-    axes.plot(*points[at, 1:].T, "o", color="white", mec=colour, ms=3.5, mew=1.0, zorder=5)
+    axes.plot(*points[at, 1:].T, "o", color=colour, mec="white", ms=5.5, mew=0.8, zorder=5)
     if came:
-        axes.plot(*points[0, 1:], "o", color="white", mec=colour, ms=7, mew=1.6, zorder=5)
-    axes.plot(*points[-1, 1:], "o", color=colour, mec="white", ms=10, mew=1.2, zorder=6)
+        axes.plot(*points[0, 1:], "o", color="white", mec=colour, ms=9, mew=2.0, zorder=5)
+    axes.plot(*points[-1, 1:], "o", color=colour, mec="white", ms=11, mew=1.2, zorder=6)
 
 
 def _labels(shown: Mapping[int, RecordedPath], rig: Rig, colours: dict[int, str]) -> list[Label]:
@@ -282,11 +297,13 @@ def _draw_presence(
     named = len(rows) <= LONGEST_UNLABELLED
     axes.set_yticks(range(len(rows)) if named else [], [str(p) for p, _ in rows] if named else [])
     axes.set(
-        xlabel=f"time from the start [{time.unit}]", ylim=(max(len(rows), FEWEST_ROWS) - 0.4, -0.6)
+        xlabel=f"time from the start [{time.unit}]",
+        ylabel="person",
+        ylim=(max(len(rows), FEWEST_ROWS) - 0.4, -0.6),
     )
     axes.set_xlim(0, max(time(recorder.last_s), 1e-3))
     more = f", the first {MOST_ROWS} of {len(order)}" if len(order) > len(rows) else ""
-    axes.set_title(f"who was there when{more}", fontsize=10, color="0.25")
+    axes.set_title(f"who was there when{more}", fontsize=TEXT_PT, color="0.25")
     axes.grid(axis="x", color="0.88", linewidth=0.8)
     axes.set_axisbelow(True)
     axes.tick_params(length=0, labelcolor="0.35")

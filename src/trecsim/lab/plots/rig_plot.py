@@ -28,7 +28,12 @@ COLOURS = (
     "#8C6D31",
 )  # told apart by colour-blind people too, and on paper
 SHORTEST_RANGE_M, LONGEST_RANGE_M = 4.0, 60.0
+SHADES = ("#eef2f7", "#d3dfec", "#adc5dd", "#83a7cb", "#5987b5")  # by number of cameras; last: more
 GRID = 400  # points along each side of the floor at which the views are sampled
+NOTE = (
+    "A camera sees the floor from where the lower edge of its image meets it, usually some metres "
+    "away;\nof people who are nearer it sees the upper body. Dashed: the middle of its image."
+)
 ARROWHEAD = np.array([[1.0, 0.0], [-0.75, 0.7], [-0.4, 0.0], [-0.75, -0.7]])
 SQUARE = np.array([[0.7, 0.7], [-0.7, 0.7], [-0.7, -0.7], [0.7, -0.7]])
 
@@ -103,7 +108,7 @@ def _sample(
 
 
 def rig_figure(rig: Rig, title: str = "") -> "Figure":
-    """Return a picture of the cameras from above, with their fields of view on the floor.
+    """Return a picture of the cameras from above, and of the floor that they see.
 
     Parameters
     ----------
@@ -126,11 +131,9 @@ def rig_figure(rig: Rig, title: str = "") -> "Figure":
 
 
 def _draw(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
+    _shade(axes, views)
     for camera, margin, colour in zip(rig, views.margin, _colours(rig), strict=True):
         if (margin > 0).any():
-            axes.contourf(
-                views.x_m, views.y_m, margin, levels=[0, 10], colors=[colour], alpha=0.14, zorder=2
-            )
             axes.contour(
                 views.x_m, views.y_m, margin, levels=[0], colors=[colour], linewidths=1.0, zorder=3
             )
@@ -148,6 +151,36 @@ def _draw(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
         for camera, colour in zip(rig, _colours(rig), strict=True)
     ]
     write_labels(axes, labels)
+
+
+def _shade(axes: "Axes", views: FloorViews) -> None:
+    """Shade the floor by the number of cameras that see it, and explain the shades below."""
+    from matplotlib.patches import Patch
+
+    number = (views.margin > 0).sum(axis=0)
+    most = int(number.max())
+    if not most:
+        return
+    kinds = min(most, len(SHADES))
+    levels = [*(step + 0.5 for step in range(kinds)), most + 0.5]
+    axes.contourf(
+        views.x_m,
+        views.y_m,
+        number,
+        levels=levels,
+        colors=SHADES[:kinds],
+        zorder=0.4,
+        antialiased=True,
+    )
+    more = " or more" if most > len(SHADES) else ""
+    names = [str(step) for step in range(1, kinds)] + [f"{kinds}{more}"]
+    patches = [Patch(facecolor=shade, edgecolor="0.6", linewidth=0.6) for shade in SHADES[:kinds]]
+    figure = axes.get_figure(root=True)
+    if figure is not None:
+        figure.legend(
+            patches, names, loc="outside lower center", ncols=kinds, frameon=False,
+            title=f"{NOTE}\n\nnumber of cameras that see the floor", title_fontsize=9, fontsize=9,
+        )  # fmt: skip
 
 
 def _colours(rig: Rig) -> Sequence[str]:
@@ -198,6 +231,11 @@ def draw_camera(axes: "Axes", camera: Camera, colour: str) -> None:
 def _draw_origin(axes: "Axes") -> None:
     left, right = axes.get_xlim()
     length_m = 0.06 * (right - left)
-    for direction, colour in (((length_m, 0.0), "#C44E52"), ((0.0, length_m), "#55A868")):
-        arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.5, "shrinkA": 0}
-        axes.annotate("", xy=direction, xytext=(0, 0), arrowprops=arrow, zorder=4)
+    ends = (("x", length_m, 0.0, "#C44E52"), ("y", 0.0, length_m, "#3d8b54"))
+    for name, x, y, colour in ends:
+        arrow = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.8, "shrinkA": 0}
+        axes.annotate("", xy=(x, y), xytext=(0, 0), arrowprops=arrow, zorder=4)
+        axes.annotate(
+            name, xy=(1.25 * x, 1.25 * y), ha="center", va="center", color=colour, fontsize=10,
+            fontweight="bold", zorder=4, annotation_clip=True,
+        )  # fmt: skip
