@@ -452,6 +452,22 @@ def test_cameras_that_the_rig_lacks_are_all_named_at_once(tmp_path):
     assert "camera 'came3' is not in the rig; known: cam1, cam3; rename it" in str(caught.value)
 
 
+def test_cameras_whose_name_stands_in_that_of_the_rig_are_taken_with_a_remark(tmp_path, caplog):
+    for camera in ("cam01", "cam02"):
+        write_openpose(tmp_path / f"{camera}_json", made_poses("a", 0, 1), "a_0.json")
+    rig = ["int_cam01_img", "int_cam02_img", "cam3"]
+    assert [one.camera for one in read_poses(tmp_path, rig_cameras=rig, fps=25)] == rig[:2]
+    assert "taken 'cam01' as 'int_cam01_img', 'cam02' as 'int_cam02_img'" in caplog.messages[0]
+
+
+@pytest.mark.parametrize("rig", [["cam1", "cam12"], ["a_cam_1", "b_cam1"]])
+def test_a_camera_that_could_be_two_or_none_is_refused(tmp_path, rig):
+    write_openpose(tmp_path / "cam_1_cam12_json", made_poses("a", 0, 1), "a_0.json")
+    write_openpose(tmp_path / "cam1_json", made_poses("a", 0, 1), "a_0.json")
+    with pytest.raises(InputError, match="is not in the rig"):
+        read_poses(tmp_path, rig_cameras=rig, fps=25)
+
+
 def test_a_missing_path_is_told_at_once(tmp_path):
     with pytest.raises(InputError, match="no such file or folder"):
         read_poses(tmp_path / "none")

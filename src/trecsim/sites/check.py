@@ -21,7 +21,7 @@ from trecsim.sites.site_file import (
 from trecsim.sites.site_reading import Draft, SiteFile, read_draft
 from trecsim.skeleton import COCO17
 from trecsim.sources import VideoInfo, probe, read_poses
-from trecsim.sources.faults import unknown_camera
+from trecsim.sources.camera_names import unknown_camera
 from trecsim.toml_models import file_faults
 from trecsim.toml_models.toml_reading import Fault
 

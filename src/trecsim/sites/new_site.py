@@ -9,10 +9,10 @@ from pathlib import Path
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
 from trecsim.sources import read_poses
+from trecsim.sources.camera_names import candidates
 from trecsim.store.atomic import atomic_write
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-_WORD = re.compile(r"[A-Za-z]+|[0-9]+")
 
 
 def write_site(
@@ -84,7 +84,7 @@ def matched_cameras(
     faults: list[str] = []
     found: dict[str, str] = {}
     for name, path in videos.items():
-        near = [name] if name in cameras else [c for c in cameras if _is_word_of(c, name)]
+        near = candidates(name, cameras)
         if len(near) != 1:
             which = (
                 f"could be of {' or '.join(near)}" if near else "belongs to no camera of the rig"
@@ -102,19 +102,6 @@ def matched_cameras(
     if faults:
         raise InputError("\n".join(faults))
     return {camera: videos[found[camera]] for camera in cameras if camera in found}
-
-
-def _is_word_of(camera: str, name: str) -> bool:
-    """Tell whether a camera's name stands in a file's, capitals aside and not within a word.
-
-    Examples
-    --------
-    >>> _is_word_of("cam1", "2024-01-31_Cam1_walk"), _is_word_of("cam1", "cam12")
-    (True, False)
-    """
-    words, whole = _WORD.findall(camera.lower()), _WORD.findall(name.lower())
-    count = len(words)
-    return count > 0 and any(whole[i : i + count] == words for i in range(len(whole) - count + 1))
 
 
 def _seen_from(folder: Path, path: Path) -> str:

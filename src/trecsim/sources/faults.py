@@ -1,7 +1,6 @@
 """Everything that is wrong with one input, told in one message."""
 
-import difflib
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from typing import TypeVar
 
@@ -9,7 +8,6 @@ from trecsim.errors import InputError
 
 MAX_FAULTS = 10
 LOOK_ON = 1000  # parts after the first faulty one
-RENAMED = "where the poses come from"
 
 Part = TypeVar("Part")
 Value = TypeVar("Value")
@@ -55,33 +53,6 @@ class Faults:
             raise InputError(f"{self._subject}: {self._found[0]}")
         if self._found:
             raise InputError("\n  ".join([f"{self._subject}:", *self._found]))
-
-
-def unknown_camera(name: str, known: Collection[str], elsewhere: str = RENAMED) -> str:
-    """Say that the rig has no camera called `name`, and which one may be meant.
-
-    Nothing is guessed where numbers tell cameras apart: taking one for another ruins everything.
-
-    Parameters
-    ----------
-    name
-        The camera.
-    known
-        Those of the rig.
-    elsewhere
-        Where the name could be changed but in the rig.
-
-    Examples
-    --------
-    >>> unknown_camera("nord", ["north", "south"])
-    "camera 'nord' is not in the rig; known: north, south; did you mean 'north'?"
-    """
-    text = f"camera {name!r} is not in the rig; known: {', '.join(sorted(known)) or 'none'}"
-    numbered = any(character.isdigit() for character in name)
-    near = [] if numbered else difflib.get_close_matches(name, sorted(known), n=1)
-    if near:
-        return f"{text}; did you mean {near[0]!r}?"
-    return f"{text}; rename it in the rig or {elsewhere}"
 
 
 def sound(

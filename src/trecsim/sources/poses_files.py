@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Literal
 
 from trecsim.errors import InputError
+from trecsim.sources.camera_names import renamed, unknown_camera
 from trecsim.sources.coco import read_coco
 from trecsim.sources.empty_images import with_empty_images
-from trecsim.sources.faults import Faults, unknown_camera
+from trecsim.sources.faults import Faults
 from trecsim.sources.mmpose import read_mmpose
 from trecsim.sources.openpose import camera_folders, read_openpose
 from trecsim.sources.poses_jsonl import read_poses_jsonl
@@ -89,7 +90,8 @@ def _read_folder(
         raise InputError(f"{annotations[0]}: {_ANNOTATIONS}")
     folders = camera_folders(path)
     if folders:
-        fps = _checked(folders, path, rig_cameras, fps)
+        folders = _of_the_rig(folders, path, rig_cameras)
+        fps = _rate(path, fps)
         return _merged([read_openpose(at, camera=name, fps=fps) for name, at in folders.items()])
     raise InputError(f"{path}: no 2D poses in this folder; expected {_KINDS}")
 
@@ -116,15 +118,18 @@ def _read_results(
     """Yield the images of files of which each has the results of one camera."""
     if "annotations" in kinds.values():
         raise InputError(f"{path}: {_ANNOTATIONS}")
-    mmpose = {_mmpose_camera(f, rig_cameras): f for f, k in kinds.items() if k == "mmpose"}
-    coco = {file.stem: file for file, kind in kinds.items() if kind != "mmpose"}
-    cameras = {**mmpose, **coco}
-    if len(cameras) < len(kinds):
+    files = {_camera(file, kind, rig_cameras): file for file, kind in kinds.items()}
+    if len(files) < len(kinds):
         names = ", ".join(file.name for file in kinds)
         raise InputError(f"{path}: two files are of one camera, by their names: {names}")
-    fps = _checked(cameras, path, rig_cameras, fps)
-    images = [read_mmpose(file, camera=name, fps=fps) for name, file in mmpose.items()]
-    results = {name: read_coco(file, camera=name, fps=fps) for name, file in coco.items()}
+    files, fps = _of_the_rig(files, path, rig_cameras), _rate(path, fps)
+    images = []
+    results = {}
+    for camera, file in files.items():
+        if kinds[file] == "mmpose":
+            images.append(read_mmpose(file, camera=camera, fps=fps))
+        else:
+            results[camera] = read_coco(file, camera=camera, fps=fps)
     return _merged([*images, with_empty_images(results, fps)])
 
 
@@ -134,25 +139,34 @@ _ANNOTATIONS = (
 )
 
 
-def _mmpose_camera(file: Path, rig_cameras: Collection[str] | None) -> str:
+def _camera(file: Path, kind: Kind, rig_cameras: Collection[str] | None) -> str:
     """Return the camera of a file; MMPose's demo puts ``results_`` before the video's name."""
-    short = file.stem.removeprefix("results_")
-    return file.stem if rig_cameras is not None and file.stem in rig_cameras else short
+    if kind != "mmpose" or (rig_cameras is not None and file.stem in rig_cameras):
+        return file.stem
+    return file.stem.removeprefix("results_")
 
 
-def _checked(
-    places: Mapping[str, Path],
-    path: Path,
-    rig_cameras: Collection[str] | None,
-    fps: float | None,
-) -> float:
-    """Return the frame rate, when the rig has all the cameras."""
+def _of_the_rig(
+    places: Mapping[str, Path], path: Path, rig_cameras: Collection[str] | None
+) -> dict[str, Path]:
+    """Return the places by the cameras of the rig, when it has them all."""
+    if rig_cameras is None:
+        return dict(places)
+    names = renamed(places, rig_cameras)
     faults = Faults(str(path))
-    known = places if rig_cameras is None else rig_cameras
-    for camera in places:
-        if camera not in known:
-            faults.add("", unknown_camera(camera, known))
+    for name in names.values():
+        if name not in rig_cameras:
+            faults.add("", unknown_camera(name, rig_cameras))
     faults.raise_if_any()
+    others = [f"{given!r} as {name!r}" for given, name in names.items() if given != name]
+    if others:
+        logger.warning(
+            "%s: cameras are named otherwise in the rig: taken %s", path, ", ".join(others)
+        )
+    return {names[given]: place for given, place in places.items()}
+
+
+def _rate(path: Path, fps: float | None) -> float:
     if fps is not None:
         return fps
     logger.warning(

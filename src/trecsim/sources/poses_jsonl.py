@@ -12,7 +12,8 @@ import numpy as np
 from trecsim.errors import InputError
 from trecsim.skeleton import SKELETONS, Skeleton
 from trecsim.sources import quick_json, strict_json
-from trecsim.sources.faults import FaultError, sound, unknown_camera
+from trecsim.sources.camera_names import unknown_camera
+from trecsim.sources.faults import FaultError, sound
 from trecsim.sources.keypoint_layouts import MAX_COORDINATE_PX
 from trecsim.sources.quick_json import SCORE_RANGE, People
 from trecsim.store.atomic import opened_for_reading
