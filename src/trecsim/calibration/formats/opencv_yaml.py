@@ -1,25 +1,24 @@
-"""The part of YAML in which OpenCV keeps calibrations: read strictly, written alike.
+"""The YAML in which OpenCV keeps calibrations: read with bounds, and written alike.
 
-A general YAML library would be one more dependency for two file formats, and OpenCV's files are
-not quite YAML anyway (``%YAML:1.0``, ``1.`` for a number). So this reads exactly what OpenCV's
-``FileStorage`` and the tools around it write: names with a number, a text, a list of those, a
-matrix (``!!opencv-matrix``) or such names again, indented. Anything else is refused with its
-line.
+OpenCV's ``FileStorage`` writes ``%YAML:1.0``, which is no YAML directive, and ``1.`` for a number.
+What YAML offers beyond names, numbers, texts, lists and matrices is refused: tags that make
+objects, and anchors, with which a few lines expand without end.
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import yaml
 from jaxtyping import Float64
 
-DEEPEST = 8  # levels of indentation
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+DEEPEST = 8  # levels
+MATRIX_TAG = "tag:yaml.org,2002:opencv-matrix"
+NUMBER = re.compile(r"[-+]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][-+]?[0-9]+)?")
 SPECIAL = {".nan": np.nan, ".inf": np.inf, "+.inf": np.inf, "-.inf": -np.inf}
 LONGEST_NUMBER = 40  # letters
-
-Line = tuple[int, int, str]  # number, indentation, content
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def parse_opencv_yaml(text: str) -> dict[str, Any]:
@@ -51,119 +50,79 @@ def parse_opencv_yaml(text: str) -> dict[str, Any]:
            [-0.25],
            [ 0.  ]])}
     """
-    lines = list(_join_lists(_content_lines(text)))
-    if not lines:
-        raise ValueError("it is empty")
-    values, rest = _mapping(lines, 0, DEEPEST)
-    if rest < len(lines):
-        raise _fault(lines[rest], "is indented unlike the others")
-    return values
+    directive = re.compile(r"\A%YAML[^\n]*")
+    try:
+        events = yaml.parse(directive.sub("", text), Loader=_Loader)
+        content = (event for event in events if isinstance(event, _CONTENT))
+        first = next(content, None)
+        if first is None or _is_empty(first):
+            raise ValueError("it is empty")
+        value = _value(first, content, DEEPEST)
+    except yaml.YAMLError as error:
+        raise ValueError(" ".join(str(error).split())) from None
+    if not isinstance(value, dict):
+        raise _fault(first, "is not a name with a value")
+    return value
 
 
-def _content_lines(text: str) -> Iterable[Line]:
-    for number, raw in enumerate(text.splitlines(), start=1):
-        content = _without_comment(raw.strip())
-        if content and not content.startswith("%") and content not in ("---", "..."):
-            indentation = len(raw) - len(raw.lstrip(" "))
-            if raw[indentation] == "\t":
-                raise _fault((number, 0, content), "is indented by tabs, expected spaces")
-            yield number, indentation, content
+_CONTENT = (yaml.NodeEvent, yaml.CollectionEndEvent)
 
 
-def _without_comment(content: str) -> str:
-    if content.startswith("#"):
-        return ""
-    kept, hash_sign, _ = content.partition(" #")
-    quoted = hash_sign and (kept.count('"') % 2 or kept.count("'") % 2)
-    return content if quoted else kept.rstrip()
-
-
-def _join_lists(lines: Iterable[Line]) -> Iterable[Line]:
-    """Put lists that run over several lines on one."""
-    parts: list[str] = []
-    first: Line = (0, 0, "")
-    for line in lines:
-        if not parts:
-            first = line
-        parts.append(line[2])
-        if "[" in parts[0] and "]" not in line[2]:
-            continue
-        yield first[0], first[1], " ".join(parts)
-        parts = []
-    if parts:
-        raise _fault(first, "opens a list that is never closed")
-
-
-def _mapping(lines: Sequence[Line], at: int, levels: int) -> tuple[dict[str, Any], int]:
-    """Return the names and values from line `at` on that share its indentation."""
+def _value(event: Any, rest: Iterator[Any], levels: int) -> Any:
+    """Return the value that begins with an event; takes its other events from `rest`."""
+    if isinstance(event, yaml.AliasEvent) or event.anchor is not None:
+        raise _fault(event, "has an anchor, which no calibration needs")
     if levels == 0:
-        raise _fault(lines[at], "is nested too deeply")
-    indentation, values = lines[at][1], {}
-    while at < len(lines) and lines[at][1] == indentation:
-        line = lines[at]
-        key, colon, value = (part.strip() for part in line[2].partition(":"))
-        if not (key and colon) or set(key) & set("\"'[]{},#"):
-            raise _fault(line, "is not a name with a value")
-        if key in values:
-            raise _fault(line, f"gives {key!r} a second time")
-        values[key], at = _value(lines, at, value, levels)
-    return values, at
+        raise _fault(event, "is nested too deeply")
+    if event.tag not in (None, "!", MATRIX_TAG):
+        raise _fault(event, f"has a tag trecsim cannot read: {str(event.tag)[:60]}")
+    if isinstance(event, yaml.ScalarEvent):
+        return _scalar(event)
+    if isinstance(event, yaml.SequenceStartEvent):
+        return [_value(item, rest, levels - 1) for item in _until_end(rest)]
+    values: dict[str, Any] = {}
+    for key in _until_end(rest):
+        name = key.value if isinstance(key, yaml.ScalarEvent) else None
+        if name is None or name in values:
+            raise _fault(key, "is not a name" if name is None else f"gives {name!r} a second time")
+        values[name] = _value(next(rest), rest, levels - 1)
+    return _matrix(event, values) if event.tag == MATRIX_TAG else values
 
 
-def _value(lines: Sequence[Line], at: int, value: str, levels: int) -> tuple[Any, int]:
-    line, at = lines[at], at + 1
-    if value and value != "!!opencv-matrix":
-        return _inline(line, value), at
-    if value == "" and at < len(lines) and lines[at][2].startswith("- "):
-        return _items(lines, at)
-    if at == len(lines) or lines[at][1] <= line[1]:
-        raise _fault(line, "has no value")
-    content, at = _mapping(lines, at, levels - 1)
-    return (_matrix(line, content) if value else content), at
+def _until_end(rest: Iterator[Any]) -> Iterator[Any]:
+    """Yield the first event of each part of a list or mapping, until that ends."""
+    while not isinstance(event := next(rest), yaml.CollectionEndEvent):
+        yield event
 
 
-def _items(lines: Sequence[Line], at: int) -> tuple[list[Any], int]:
-    indentation, items = lines[at][1], []
-    while at < len(lines) and lines[at][1] == indentation and lines[at][2].startswith("- "):
-        items.append(_scalar(lines[at], lines[at][2][2:].strip()))
-        at += 1
-    return items, at
+def _is_empty(event: Any) -> bool:
+    return isinstance(event, yaml.ScalarEvent) and not event.style and not event.value
 
 
-def _inline(line: Line, value: str) -> Any:
-    if not value.startswith("["):
-        return _scalar(line, value)
-    if not value.endswith("]"):
-        raise _fault(line, "has something after its list")
-    inner = value[1:-1].strip()
-    return [_scalar(line, item.strip()) for item in inner.split(",")] if inner else []
-
-
-def _scalar(line: Line, text: str) -> float | int | str:
-    if len(text) >= 2 and text[0] == text[-1] and text[0] in "\"'":
-        return text[1:-1]
+def _scalar(event: Any) -> float | int | str:
+    text: str = event.value
+    if _is_empty(event):
+        raise _fault(event, "has no value")
+    if event.style:  # in quotes; plain text has none
+        return text
     if len(text) <= LONGEST_NUMBER and NUMBER.fullmatch(text):
         return int(text) if text.lstrip("+-").isdigit() and len(text) < 19 else float(text)
-    if text.lower() in SPECIAL:
-        return SPECIAL[text.lower()]
-    if not text or text[0] in "[{!&*|>\"'":
-        raise _fault(line, f"has a value trecsim cannot read: {text[:40]!r}")
-    return text
+    return SPECIAL.get(text.lower(), text)
 
 
-def _matrix(line: Line, content: Mapping[str, Any]) -> Float64[np.ndarray, "row column"]:
+def _matrix(event: Any, content: Mapping[str, Any]) -> Float64[np.ndarray, "row column"]:
     rows, columns, data = (content.get(key) for key in ("rows", "cols", "data"))
     if not (isinstance(rows, int) and isinstance(columns, int) and isinstance(data, list)):
-        raise _fault(line, "is a matrix without rows, cols or data")
+        raise _fault(event, "is a matrix without rows, cols or data")
     if not all(isinstance(number, int | float) for number in data):
-        raise _fault(line, "is a matrix of something else than numbers")
+        raise _fault(event, "is a matrix of something else than numbers")
     if rows < 0 or columns < 0 or rows * columns != len(data):
-        raise _fault(line, f"is a matrix of {rows} x {columns}, but has {len(data)} numbers")
+        raise _fault(event, f"is a matrix of {rows} x {columns}, but has {len(data)} numbers")
     return np.array(data, dtype=np.float64).reshape(rows, columns)
 
 
-def _fault(line: Line, text: str) -> ValueError:
-    return ValueError(f"line {line[0]} ({line[2][:40]!r}) {text}")
+def _fault(event: Any, text: str) -> ValueError:
+    return ValueError(f"what begins in line {event.start_mark.line + 1} {text}")
 
 
 def format_opencv_yaml(values: Mapping[str, Any], remarks: Sequence[str] = ()) -> str:
