@@ -108,7 +108,7 @@ def test_a_clock_that_cannot_be_is_refused(clock: dict[str, float]) -> None:
 
 
 def test_failures_that_cannot_be_are_refused(room: Scene) -> None:
-    with pytest.raises(InputError, match="come back after"):
+    with pytest.raises(InputError, match="must end after it starts"):
         Outage("cam1", 3.0, 2.0)
     with pytest.raises(InputError, match="finite"):
         Knock("cam1", 1.0, turn_deg=(np.nan, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Made data with known truth: rooms, people, detectors, clocks.
+"""Synthetic scenes with ground truth: rooms, people, detectors, clocks.
 
 Examples
 --------

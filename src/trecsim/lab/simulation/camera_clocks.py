@@ -1,4 +1,4 @@
-"""When cameras take their images, and what they believe about that."""
+"""Clocks of cameras: times of images and their time stamps."""
 
 from dataclasses import dataclass
 
@@ -8,31 +8,31 @@ from jaxtyping import Float64
 from trecsim.errors import InputError
 
 FASTEST_FPS = 1000.0
-LARGEST_DRIFT_PPM = 1e5  # a clock that gains a tenth; quartz gains 10 to 100 ppm
+LARGEST_DRIFT_PPM = 1e5  # a tenth; quartz drifts by 10 to 100 ppm
 LONGEST_ERROR_S = 1e6
-CLOSEST = 0.45  # share of the time between two images by which jitter moves one at the most
+CLOSEST = 0.45  # largest jitter as a share of the frame period
 
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """When a camera takes its images, and what it believes about that.
+    """Times of a camera's images, and their time stamps.
 
     Attributes
     ----------
     fps
         Images per second, by the camera's own clock.
     start_s
-        Of the first image [s].
+        Time of the first image [s].
     drift_ppm
-        How much the camera's clock gains: millionths. Its images come as much too soon.
+        Clock drift; positive runs fast, so that images come early [ppm].
     jitter_s
-        Standard deviation of the time of an image about its turn; its stamp is right [s].
+        Standard deviation of the time of an image about the regular time; its stamp is right [s].
     dropped
-        Share of the images that never arrive.
+        Share of lost images.
     stamp_error_s
-        How far its time stamps are ahead of the truth, beyond what the rig knows [s].
+        Error of all time stamps that the rig does not contain; positive is late [s].
     stamp_jitter_s
-        Standard deviation of the error of each stamp, as of those given on arrival [s].
+        Standard deviation of the error of each stamp, as of stamps set on arrival [s].
     """
 
     fps: float = 25.0
@@ -61,28 +61,28 @@ class Clock:
         )
 
     def times_s(self, seconds: float, rng: np.random.Generator) -> Float64[np.ndarray, " time"]:
-        """Return when the images that arrive are taken, increasing [s].
+        """Return the times of all images that arrive, increasing [s].
 
         Parameters
         ----------
         seconds
             Length of the scene [s].
         rng
-            Source of chance.
+            Random numbers.
         """
         return self.ticks(seconds, rng)[0]
 
     def ticks(
         self, seconds: float, rng: np.random.Generator
     ) -> tuple[Float64[np.ndarray, " time"], Float64[np.ndarray, " time"]]:
-        """Return when the images that arrive are taken, and their stamps, both increasing [s].
+        """Return the times of all images that arrive, and their stamps, both increasing [s].
 
         Parameters
         ----------
         seconds
             Length of the scene [s].
         rng
-            Source of chance.
+            Random numbers.
 
         Examples
         --------
@@ -94,7 +94,7 @@ class Clock:
         rate = 1.0 + 1e-6 * self.drift_ppm
         fps = self.fps * rate
         turns = np.arange(int(np.ceil(max(seconds - self.start_s, 0.0) * fps)))
-        # Jitter that could exchange two images is cut off.
+        # Jitter is limited so that images stay in order.
         jitter = np.clip(self.jitter_s * rng.standard_normal(len(turns)) * fps, -CLOSEST, CLOSEST)
         arrives = rng.uniform(size=len(turns)) >= self.dropped
         late = jitter

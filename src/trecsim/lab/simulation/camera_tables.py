@@ -32,12 +32,12 @@ Place = Annotated[tuple[Metres, Metres, Metres], Field(strict=False)]
 
 
 def possible(make: Callable[[], object]) -> None:
-    """Call something so that what is wrong with it gets the line of the table.
+    """Call a constructor so that its error is reported with the line of the table.
 
     Raises
     ------
     ValueError
-        Something is wrong; pydantic keeps the table with it.
+        The constructor failed; pydantic adds the table.
     """
     try:
         make()
@@ -49,16 +49,16 @@ class MakeTable(Table):
     """Image, angle and lens of cameras."""
 
     size_px: SizePx | None = None
-    """Width and height of the image [px]; without it 1920 x 1080."""
+    """Width and height of the image [px]; 1920 x 1080 if left out."""
     view_deg: float | None = Field(default=None, ge=NARROWEST_DEG, le=WIDEST_DEG)
-    """Angle between the left and right border of the image [degrees]; without it 80."""
+    """Horizontal field of view [degrees]; 80 if left out."""
     lens: LensName | None = None
-    """Lens: none at all, a usual one, or a fisheye."""
+    """Lens model: no distortion, ordinary, or fisheye."""
     distortion: Annotated[tuple[float, ...], Field(strict=False, max_length=8)] | None = None
-    """Coefficients of the lens as in a rig file; without them usual ones."""
+    """Distortion coefficients as in a rig file; typical ones if left out."""
 
     def make(self, beside: Make) -> Make:
-        """Return the make; what is not said here is as in another."""
+        """Return the make; values that are left out come from another."""
         return Make(
             size_px=beside.size_px if self.size_px is None else self.size_px,
             view_deg=beside.view_deg if self.view_deg is None else self.view_deg,
@@ -70,20 +70,20 @@ class MakeTable(Table):
 
 
 class RigTable(MakeTable):
-    """A pattern in which cameras hang, and what all of them are like."""
+    """Placement of the cameras in a pattern, and the image and lens of all cameras."""
 
     pattern: Literal["corners", "ring", "corridor", "hall", "ceiling"] | None = None
-    """The pattern; without it all cameras are placed by hand."""
+    """The pattern; if left out, all cameras are placed one by one."""
     cameras: int = Field(default=4, ge=1, le=MOST_CAMERAS)
-    """How many hang in the pattern, called `cam1`, `cam2` and so on."""
+    """Number of cameras in the pattern, named `cam1`, `cam2` and so on."""
     width_m: Length = 8.0
-    """Size of the floor about which they hang, along x [m]."""
+    """Size of the floor between the cameras, along x [m]."""
     depth_m: Length = 6.0
-    """The same along y [m]."""
+    """Size of the floor along y [m]."""
     height_m: Length = 2.7
-    """Of the cameras over the floor [m]."""
+    """Height of the cameras above the floor [m]."""
     centre_m: Point = (0.0, 0.0)
-    """Middle of that floor, x and y [m]."""
+    """Centre of that floor, x and y [m]."""
 
     def rig(self) -> Rig | None:
         """Return the cameras of the pattern, or None without one."""
@@ -99,38 +99,38 @@ class RigTable(MakeTable):
 
 
 class ClockTable(Table):
-    """When cameras take their images, and what they believe about that."""
+    """Frame rate, clock errors and time stamps of cameras."""
 
     fps: float | None = Field(default=None, gt=0, le=1000)
-    """Images per second; without it 25."""
+    """Images per second; 25 if left out."""
     start_s: Seconds | None = None
-    """Of the first image [s]; without it 0."""
+    """Time of the first image [s]; 0 if left out."""
     start_spread_s: Seconds | None = None
-    """Cameras start up to so much later, each at another time [s]."""
+    """Largest delay of the first image, different for each camera [s]."""
     drift_ppm: float | None = Field(default=None, ge=-1e5, le=1e5)
-    """How much the clock gains, in millionths."""
+    """Clock drift; positive runs fast [ppm]."""
     drift_spread_ppm: float | None = Field(default=None, ge=0, le=1e5)
-    """Clocks gain up to so much more or less, each by another amount."""
+    """Largest additional drift in either direction, different for each camera [ppm]."""
     jitter_s: float | None = Field(default=None, ge=0, le=10)
-    """Standard deviation of the time of an image about its turn; its stamp is right [s]."""
+    """Standard deviation of the time of an image about the regular time; its stamp is right [s]."""
     dropped: float | None = Field(default=None, ge=0, le=1)
-    """Share of the images that never arrive."""
+    """Share of lost images."""
     stamp_error_s: float | None = Field(default=None, ge=-1e4, le=1e4)
-    """How far time stamps are ahead of the truth without the rig knowing [s]."""
+    """Error of all time stamps that the rig file does not contain; positive is late [s]."""
     stamp_error_spread_s: float | None = Field(default=None, ge=0, le=1e4)
-    """Stamps are up to so much further ahead or behind, each camera's by another amount [s]."""
+    """Largest additional error of the stamps in either direction, different for each camera [s]."""
     stamp_jitter_s: float | None = Field(default=None, ge=0, le=10)
-    """Standard deviation of the error of each stamp, as of those given on arrival [s]."""
+    """Standard deviation of the error of each single stamp, as of stamps set on arrival [s]."""
 
     def clock(self, beside: "ClockTable", number: int) -> Clock:
-        """Return the clock of a camera; what is not said here is as in another table.
+        """Return the clock of a camera; values that are left out come from another table.
 
         Parameters
         ----------
         beside
-            What holds for all cameras.
+            Values for all cameras.
         number
-            Of the camera, from 0: decides on its place in spreads.
+            Number of the camera from 0; determines its values within the spreads.
         """
         usual = Clock()
         values = {}
@@ -151,54 +151,54 @@ def _given(table: Table) -> dict[str, Any]:
 
 
 class KnockTable(Table):
-    """A camera is moved, and the rig file does not know."""
+    """A camera is moved while the rig file stays as it was."""
 
     t_s: Seconds
-    """When [s]."""
+    """Time of the move [s]."""
     turn_deg: Vector = (0.0, 0.0, 0.0)
-    """How far about its own axes: up, to the right, its image counter-clockwise [degrees]."""
+    """Rotation about the camera's axes: up, right, and the image counter-clockwise [degrees]."""
     shift_m: Place = (0.0, 0.0, 0.0)
-    """How far it moves in the world [m]."""
+    """Shift in the world [m]."""
 
 
 class CameraTable(MakeTable):
-    """One camera: placed by hand, or one of the pattern that differs from the others."""
+    """One camera with its own placement, or one of the pattern that differs from the others."""
 
     position_m: Place | None = None
-    """Where it hangs [m]; without it as the pattern says."""
+    """Position [m]; that of the pattern if left out."""
     look_at_m: Place | None = None
-    """A point in the middle of its image [m]; without it as the pattern says."""
+    """Point at the centre of its image [m]; that of the pattern if left out."""
     roll_deg: float = Field(default=0.0, ge=-360, le=360)
-    """How far it is turned about its line of sight, clockwise as it looks [degrees]."""
+    """Rotation about the line of sight, clockwise seen from behind the camera [degrees]."""
     time_offset_s: float = Field(default=0.0, ge=-1e6, le=1e6)
-    """What has to be added to its time stamps; the rig file says so [s]."""
+    """Time offset that the rig file contains: it is added to the time stamps [s]."""
     clock: ClockTable = ClockTable()
-    """Its clock, where it differs from those of the others."""
+    """Its clock where it differs from the common one."""
     dies_s: Seconds | None = None
-    """From when on it delivers nothing [s]."""
+    """Start of an outage [s]."""
     returns_s: Seconds | None = None
-    """When it delivers again [s]."""
+    """End of the outage [s]; never if left out."""
     knock: KnockTable | None = None
-    """Somebody moves it."""
+    """The camera is moved during the scene."""
 
     @model_validator(mode="after")
     def _possible(self) -> "CameraTable":
         if (self.position_m is None) != (self.look_at_m is None):
             raise ValueError("position_m and look_at_m belong together: give both or neither")
         if self.returns_s is not None and self.dies_s is None:
-            raise ValueError("returns_s needs dies_s: when it falls silent")
+            raise ValueError("returns_s needs dies_s, the start of the outage")
         possible(lambda: self.outages("it"))
         return self
 
     def outages(self, name: str) -> tuple[Outage, ...]:
-        """Return when it is silent."""
+        """Return its outages."""
         if self.dies_s is None:
             return ()
         ends = {} if self.returns_s is None else {"to_s": self.returns_s}
         return (Outage(name, self.dies_s, **ends),)
 
     def knocks(self, name: str) -> tuple[Knock, ...]:
-        """Return how it is moved."""
+        """Return how the camera is moved."""
         if self.knock is None:
             return ()
         return (Knock(name, self.knock.t_s, self.knock.turn_deg, self.knock.shift_m),)
@@ -209,16 +209,16 @@ class CameraTable(MakeTable):
         Parameters
         ----------
         name
-            What it is called.
+            Its name.
         pattern
-            The cameras that hang in a pattern.
+            The cameras of the pattern.
         common
-            The make of those about which nothing else is said.
+            The make of cameras without their own.
 
         Raises
         ------
         InputError
-            It is none of the pattern and has no place.
+            It is not in the pattern and has no position.
         """
         if self.position_m is not None and self.look_at_m is not None:
             T_cam_world = look_at(np.array(self.position_m), np.array(self.look_at_m))
@@ -227,7 +227,7 @@ class CameraTable(MakeTable):
         else:
             hint = nearest(name, pattern) if pattern else "there is no pattern"
             raise InputError(
-                f"it is no camera of the pattern ({hint}), so it needs position_m and look_at_m"
+                f"it is not a camera of the pattern ({hint}), so it needs position_m and look_at_m"
             )
         T_cam_world = rolled(T_cam_world, self.roll_deg)
         return self.make(common).camera(name, T_cam_world, self.time_offset_s)

@@ -1,9 +1,9 @@
-"""What a 2D pose estimator would report: the truth, seen through its habits.
+"""Simulated 2D pose estimator: ground truth with the errors of a real estimator.
 
-The figures are those of a real estimator, OpenPose on a recording with five cameras; see
-``docs/reference/simulated-detector.md``. Its errors are no white noise: most of an error lasts for
-seconds, so it does not average out over time. And part of it is the same in all cameras (where an
-estimator thinks a hip is): no tracker can see that, so it is made on demand only (`ANNOTATED`).
+The figures are those of OpenPose on a recording with five cameras; see
+``docs/reference/simulated-detector.md``. The errors are not white: most of an error lasts for
+seconds, so it does not average out over time. Part of it is common to all cameras (annotation
+bias); no tracker can observe it, so it is off by default (see `ANNOTATED`).
 """
 
 from dataclasses import dataclass as plain_dataclass
@@ -30,8 +30,8 @@ from trecsim.toml_models import TABLE_VALUE, Number
 from trecsim.values import Poses2D
 
 HEAD, LIMBS = slice(0, 5), slice(5, 17)
-FEWEST_JOINTS = 6  # with fewer joints in the image nobody is found
-MOSTLY_HIDDEN = 0.8  # somebody of whom more is hidden is not found
+FEWEST_JOINTS = 6  # with fewer joints in the image a person is not detected
+MOSTLY_HIDDEN = 0.8  # share of occluded joints above which a person is not detected
 
 Times = Float64[np.ndarray, " time"]
 Points = Float64[np.ndarray, "time person 17 2"]
@@ -125,17 +125,17 @@ class Detector:
 
 
 REAL = Detector()
-"""Errs like a real one, without what no tracker can see."""
+"""Errors of a real estimator without annotation bias."""
 
 ANNOTATED = replace(
     REAL,
     preset="annotated",
-    # Habit differs between cameras as doubt does, so that less is left for the errors of each.
+    # The bias is weighted by each camera's doubt, so the other errors are a little smaller.
     sigma=_per_joint(0.010, 0.0135, 0.0110, 0.0138, 0.0095, 0.0165, 0.0107),
     common_up_m=_per_joint(0.0, 0.032, 0.0155, 0.023, 0.069, 0.0215, 0.019),
     common_spread_m=_per_joint(0.010, 0.018, 0.0185, 0.0285, 0.019, 0.0145, 0.0135),
 )
-"""Errs like a real one that is compared with what people marked in the images."""
+"""Errors of a real estimator compared with annotated images."""
 
 PERFECT = Detector(
     sigma=(0.0,) * 17,
@@ -150,40 +150,40 @@ PERFECT = Detector(
     false_people=0.0,
     preset="perfect",
 )
-"""Sees everything that is in the image, exactly, even through walls."""
+"""No errors, no missed detections, no occlusion."""
 
-# Doubt (one less the score) varies like exp(DOUBT_SPREAD n), slowly, partly for the whole person;
-# the score quivers about that by QUICK. What stays wrong grows with a power of doubt, what trembles
-# with a higher one.
+# Doubt (one minus the score) varies slowly as exp(DOUBT_SPREAD n), partly for the whole person; the
+# score fluctuates about it by QUICK. Slow errors grow with a power of doubt, fast errors with a
+# higher one.
 DOUBT_SPREAD, OF_PERSON = 0.38, 0.43
 QUICK, QUICK_S = 0.2, 0.1
-SLOW_POWER, FAST_POWER, HABIT_POWER = 1.0, 2.8, 0.8
-MOST_DOUBT, MOST_HABIT = 0.9, 1.4
-STRAY_KNOWN, STRAY_DOUBT = 0.35, 2.0  # so many of the joints gone astray have more doubt
-STEEPNESS = 2.35  # with which somebody who gets smaller is lost
-MISSING_S, STRAY_S, UNFOUND_S = 2.5, 0.15, 0.3  # about how long
+SLOW_POWER, FAST_POWER, BIAS_POWER = 1.0, 2.8, 0.8
+MOST_DOUBT, MOST_BIAS = 0.9, 1.4
+STRAY_KNOWN, STRAY_DOUBT = 0.35, 2.0  # share of outliers with more doubt, and how much more
+STEEPNESS = 2.35  # steepness of the loss of small people
+MISSING_S, STRAY_S, UNFOUND_S = 2.5, 0.15, 0.3  # approximate durations
 
 
 @plain_dataclass(frozen=True, slots=True, eq=False)
 class Footage:
-    """What happens before one camera.
+    """Input of the simulated detector: the people in front of one camera.
 
     Attributes
     ----------
     camera
-        Who looks.
+        The camera.
     taken_s
-        When its images are taken [s].
+        Times of its images [s].
     stamp_s
-        The times it writes on them [s].
+        Time stamps of its images [s].
     xyz_m
-        Everybody's joints at those moments, NaN while absent [m].
+        Joints of all people at those times, NaN while absent [m].
     stature_m
         Heights of the people [m].
     obstacles
-        Things that hide people.
+        Boxes that occlude people.
     common_seed
-        The same for all cameras of a scene: it decides in what they agree to be wrong.
+        Seed of the annotation bias, the same for all cameras of a scene.
     """
 
     camera: Camera
@@ -196,29 +196,29 @@ class Footage:
 
 
 def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> list[Poses2D]:
-    """Return what the estimator reports for each image of one camera.
+    """Return the detections in each image of one camera.
 
     Parameters
     ----------
     footage
-        What happens before the camera.
+        The people in front of the camera.
     detector
-        How good the estimator is.
+        Errors of the estimator.
     rng
-        Source of chance.
+        Random numbers.
     """
     camera, t_s = footage.camera, footage.taken_s
     xyz_m = np.ascontiguousarray(np.moveaxis(footage.xyz_m, 0, 1))
     height_px = _height_in_image(camera, xyz_m, footage.stature_m)
     hidden = _hidden(footage, xyz_m, detector)
-    unsure = _unsureness(t_s, height_px, hidden, detector, rng)
-    xy_px = _seen(footage, xyz_m, unsure, detector)
-    share = _usual_errors(t_s, unsure, detector, rng)
+    log_doubt = _log_doubt(t_s, height_px, hidden, detector, rng)
+    xy_px = _seen(footage, xyz_m, log_doubt, detector)
+    share = _usual_errors(t_s, log_doubt, detector, rng)
     away, dubious = _strays(t_s, len(footage.stature_m), detector, rng)
     xy_px += (share + away) * height_px[..., None, None]
-    unsure += QUICK * ornstein_uhlenbeck(rng, t_s, QUICK_S, *unsure.shape[1:])
-    unsure += np.log(STRAY_DOUBT) * dubious
-    doubt = np.array(detector.doubt) * np.exp(unsure)
+    log_doubt += QUICK * ornstein_uhlenbeck(rng, t_s, QUICK_S, *log_doubt.shape[1:])
+    log_doubt += np.log(STRAY_DOUBT) * dubious
+    doubt = np.array(detector.doubt) * np.exp(log_doubt)
     score = 1.0 - np.minimum(doubt, MOST_DOUBT)
     xy_px, score = with_swaps(t_s, xy_px, score, detector.swapped, rng)
     xy_px[_missing(t_s, hidden, detector, rng)] = np.nan
@@ -249,10 +249,10 @@ def _shuffled(
 def _seen(
     footage: Footage,
     xyz_m: Float64[np.ndarray, "time person 17 3"],
-    unsure: Values,
+    log_doubt: Values,
     detector: Detector,
 ) -> Points:
-    """Return where joints would be in the images without any error that differs between cameras."""
+    """Return the key points with only the errors that are common to all cameras."""
     camera = footage.camera
     xy_px = camera.project(xyz_m)
     if any(detector.common_up_m) or any(detector.common_spread_m):
@@ -260,7 +260,7 @@ def _seen(
         up_m, spread_m = detector.common_up_m, detector.common_spread_m
         biased_m = with_annotation_bias(footage.taken_s, xyz_m, up_m, spread_m, rng)
         # The less visible a joint, the more the estimator relies on its bias.
-        trust = np.minimum(np.exp(HABIT_POWER * unsure), MOST_HABIT)
+        trust = np.minimum(np.exp(BIAS_POWER * log_doubt), MOST_BIAS)
         xy_px += (camera.project(biased_m) - xy_px) * trust[..., None]
     xy_px = _inside(camera, xy_px)
     if any(detector.hidden_missing):
@@ -271,7 +271,7 @@ def _seen(
 def _hidden(
     footage: Footage, xyz_m: Float64[np.ndarray, "time person 17 3"], detector: Detector
 ) -> Flags:
-    """Return which joints somebody or something hides from the camera."""
+    """Return which joints are occluded from the camera."""
     if not any(detector.hidden_missing):
         return np.zeros(xyz_m.shape[:3], dtype=bool)
     position_m = footage.camera.position_m
@@ -281,7 +281,7 @@ def _hidden(
 
 
 def _inside(camera: Camera, xy_px: Points) -> Points:
-    """Return the key points that lie in the image; the others are NaN."""
+    """Return the key points inside the image; the others are NaN."""
     x_px, y_px = xy_px[..., 0], xy_px[..., 1]
     width_px, height_px = camera.size_px
     inside = (x_px >= -0.5) & (x_px <= width_px - 0.5)
@@ -294,53 +294,53 @@ def _height_in_image(
     xyz_m: Float64[np.ndarray, "time person 17 3"],
     stature_m: Float64[np.ndarray, " person"],
 ) -> Heights:
-    """Return how tall everybody would be in the image, standing upright and facing it [px]."""
+    """Return the height in the image of each person standing upright [px]."""
     distance_m = np.linalg.norm(xyz_m[..., 11:13, :].mean(axis=-2) - camera.position_m, axis=-1)
     height_px: Heights = camera.K[1, 1] * stature_m / distance_m
     return height_px
 
 
-def _unsureness(
+def _log_doubt(
     t_s: Times, height_px: Heights, hidden: Flags, detector: Detector, rng: np.random.Generator
 ) -> Values:
-    """Return the logarithm of doubt per key point, in multiples of the joint's usual doubt."""
+    """Return the logarithm of doubt per key point relative to the typical doubt of the joint."""
     shape = hidden.shape[1:]
     own = np.sqrt(1.0 - OF_PERSON)
-    unsure: Values = own * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
-    unsure += np.sqrt(OF_PERSON) * ornstein_uhlenbeck(rng, t_s, detector.slow_s, shape[0], 1)
-    unsure *= DOUBT_SPREAD
-    unsure += hidden * (np.log(detector.hidden_sigma) / SLOW_POWER)
-    unsure += np.log1p((detector.small_px / height_px) ** 2)[..., None]
-    return unsure
+    log_doubt: Values = own * ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    log_doubt += np.sqrt(OF_PERSON) * ornstein_uhlenbeck(rng, t_s, detector.slow_s, shape[0], 1)
+    log_doubt *= DOUBT_SPREAD
+    log_doubt += hidden * (np.log(detector.hidden_sigma) / SLOW_POWER)
+    log_doubt += np.log1p((detector.small_px / height_px) ** 2)[..., None]
+    return log_doubt
 
 
 def _usual_errors(
-    t_s: Times, unsure: Values, detector: Detector, rng: np.random.Generator
+    t_s: Times, log_doubt: Values, detector: Detector, rng: np.random.Generator
 ) -> Points:
-    """Return errors as shares of a person's height: larger where doubt is."""
-    shape = (*unsure.shape[1:], 2)
+    """Return errors as shares of the person's height; they grow with doubt."""
+    shape = (*log_doubt.shape[1:], 2)
     if not any(detector.sigma):
         return np.zeros((len(t_s), *shape))
     sigma = np.array(detector.sigma)
-    trembling = np.sqrt(detector.fast) * ornstein_uhlenbeck(rng, t_s, detector.fast_s, *shape)
-    trembling += np.sqrt(detector.white) * rng.standard_normal(trembling.shape)
-    trembling *= (sigma * _worse(unsure, FAST_POWER))[..., None]
-    lasting = ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
-    lasting *= (np.sqrt(detector.slow) * sigma * _worse(unsure, SLOW_POWER))[..., None]
-    errors: Points = lasting + trembling
+    fast_error = np.sqrt(detector.fast) * ornstein_uhlenbeck(rng, t_s, detector.fast_s, *shape)
+    fast_error += np.sqrt(detector.white) * rng.standard_normal(fast_error.shape)
+    fast_error *= (sigma * _worse(log_doubt, FAST_POWER))[..., None]
+    slow_error = ornstein_uhlenbeck(rng, t_s, detector.slow_s, *shape)
+    slow_error *= (np.sqrt(detector.slow) * sigma * _worse(log_doubt, SLOW_POWER))[..., None]
+    errors: Points = slow_error + fast_error
     return errors
 
 
-def _worse(unsure: Values, power: float) -> Values:
-    """Return by how much errors grow with doubt: of mean square one over its usual spread."""
-    worse: Values = np.exp(power * unsure - (power * DOUBT_SPREAD) ** 2)
+def _worse(log_doubt: Values, power: float) -> Values:
+    """Return the factor by which errors grow with doubt; its mean square is 1."""
+    worse: Values = np.exp(power * log_doubt - (power * DOUBT_SPREAD) ** 2)
     return worse
 
 
 def _strays(
     t_s: Times, people: int, detector: Detector, rng: np.random.Generator
 ) -> tuple[Points, Flags]:
-    """Return how far astray joints are, as shares of a height, and which of them look dubious."""
+    """Return the outliers as shares of the height, and which of them have a low score."""
     astray = spells(rng, t_s, STRAY_S, np.array(detector.stray), people, 17)
     away = np.zeros((*astray.shape, 2))
     dubious = np.zeros_like(astray)
@@ -352,7 +352,7 @@ def _strays(
 
 
 def _missing(t_s: Times, hidden: Flags, detector: Detector, rng: np.random.Generator) -> Flags:
-    """Return which key points are missing though the person is found."""
+    """Return which key points are missing though the person is detected."""
     shape = hidden.shape[1:]
     missing: Flags = spells(rng, t_s, MISSING_S, np.array(detector.missing_joint), *shape)
     missing |= hidden & spells(rng, t_s, MISSING_S, np.array(detector.hidden_missing), *shape)

@@ -1,4 +1,4 @@
-"""Cameras that fail: one that falls silent, one that somebody knocks."""
+"""Camera failures: outages, and cameras that are moved."""
 
 from dataclasses import dataclass, replace
 
@@ -12,14 +12,14 @@ from trecsim.geometry.rigid import rotation_matrix
 
 @dataclass(frozen=True, slots=True)
 class Outage:
-    """A camera delivers nothing for a while, or from then on.
+    """Outage of a camera, for a while or for good.
 
     Attributes
     ----------
     camera
         Its name.
     from_s, to_s
-        When the silence begins and ends [s].
+        Start and end [s].
     """
 
     camera: str
@@ -29,7 +29,7 @@ class Outage:
     def __post_init__(self) -> None:
         if not 0 <= self.from_s < self.to_s:
             raise InputError(
-                f"camera {self.camera!r} must come back after it fell silent: "
+                f"camera {self.camera!r}: an outage must end after it starts: "
                 f"from {self.from_s:g} s, to {self.to_s:g} s"
             )
 
@@ -40,19 +40,19 @@ class Outage:
 
 @dataclass(frozen=True, slots=True)
 class Knock:
-    """A camera is moved, and the rig file does not know.
+    """A camera is moved while the rig file stays as it was.
 
     Attributes
     ----------
     camera
         Its name.
     t_s
-        When [s].
+        Time of the move [s].
     turn_deg
         Rotation vector in the camera's frame: about x it looks up, about y to the right, about z
         its image turns counter-clockwise [degrees].
     shift_m
-        How far it moves in the world [m].
+        Shift in the world [m].
     """
 
     camera: str
@@ -66,7 +66,7 @@ class Knock:
             raise InputError(f"a knock needs finite numbers and a time from 0, got {self}")
 
     def moved(self, camera: Camera) -> Camera:
-        """Return the camera as it truly stands afterwards.
+        """Return the camera with its true pose after the move.
 
         Examples
         --------

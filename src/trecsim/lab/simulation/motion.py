@@ -1,4 +1,4 @@
-"""Actions put together to the motion of one person, without a jump between them."""
+"""Continuous motion of one person from a list of actions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -36,7 +36,7 @@ from trecsim.lab.simulation.postures import LYING, STAND, Actor, Posture, steppi
 from trecsim.lab.simulation.sampled import Sampled
 from trecsim.lab.simulation.turns import Place
 
-LONGEST_S = 4 * 3600.0  # every moment is in memory
+LONGEST_S = 4 * 3600.0  # all of it is in memory
 CRAWLER_TURNS_RADPS = 1.5  # before going down
 BRIDGE_S = 0.6  # from a posture into a clip and out of it
 
@@ -51,35 +51,35 @@ def motion_of(
     until_s: float | None = None,
     style: float = 0.0,
 ) -> Sampled:
-    """Return the motion of somebody who does these actions one after the other.
+    """Return the motion of a person who does these actions one after the other.
 
-    What has to happen between two actions is added: turning to the first way point, getting up,
-    kneeling down to crawl. Whose first action is a walk or a run comes in at that speed, and whose
-    last action is one leaves at that speed, unless `until_s` asks to stay.
+    Transitions are added: turning to the first way point, getting up, kneeling down to crawl. If
+    the first (last) action is a walk or run, the person enters (leaves) moving, unless `until_s`
+    is given.
 
     Parameters
     ----------
     body
         Limb lengths.
     start_m
-        Where the person is at first, on the floor [m].
+        Initial position on the floor [m].
     facing_rad
-        Direction faced at first, counter-clockwise from +x; who comes in walking or running faces
-        the way [rad].
+        Initial direction, counter-clockwise from +x; a person who enters moving faces the path
+        [rad].
     actions
-        What the person does.
+        The actions.
     enter_s
-        When the person appears [s].
+        Time at which the person appears [s].
     until_s
-        The person stays as the last action ends until then; None leaves after the last action.
-        If it comes before the end of the actions, the rest of them is left out [s].
+        Time until which the person stays after the last action; None makes the person leave after
+        it. Actions after this time are left out [s].
     style
-        Any angle; sets this person's small idle motions apart from others' [rad].
+        Any angle; phase of this person's small idle motions [rad].
 
     Raises
     ------
     InputError
-        If all together takes longer than four hours, or a clip cannot be read.
+        The motion takes longer than four hours, or a clip cannot be read.
 
     Examples
     --------
@@ -116,7 +116,7 @@ def _next(todo: list[Action]) -> list[Action]:
 
 @dataclass(slots=True)
 class _Script:
-    """What has been done so far, and the state it ended in."""
+    """The motion so far, and the state in which it ends."""
 
     actor: Actor
     place: Place

@@ -1,4 +1,4 @@
-"""Chance that remembers: what is wrong in one image is mostly still wrong in the next."""
+"""Correlated noise: most errors of one image persist in the next."""
 
 import math
 from statistics import NormalDist
@@ -12,18 +12,18 @@ from trecsim.lab.simulation.kernels import remember
 def ornstein_uhlenbeck(
     rng: np.random.Generator, t_s: Float64[np.ndarray, " time"], tau_s: float, *shape: int
 ) -> Float64[np.ndarray, "time ..."]:
-    """Return independent Gaussian processes of unit variance whose memory fades over time.
+    """Return independent Ornstein-Uhlenbeck processes of unit variance.
 
     Parameters
     ----------
     rng
-        Source of chance.
+        Random numbers.
     t_s
         Increasing times, not necessarily equidistant [s].
     tau_s
         Time after which the correlation has fallen to 1/e [s].
     shape
-        How many processes.
+        Shape of the processes.
 
     Notes
     -----
@@ -44,20 +44,20 @@ def spells(
     share: float | Float64[np.ndarray, "..."],
     *shape: int,
 ) -> Bool[np.ndarray, "time ..."]:
-    """Return when something that comes and goes is on, a given share of the time.
+    """Return on/off processes that are on for a given share of the time.
 
     Parameters
     ----------
     rng
-        Source of chance.
+        Random numbers.
     t_s
         Increasing times [s].
     tau_s
-        About how long a spell lasts [s].
+        Approximate duration of a spell [s].
     share
-        Share of the time, 0 to 1; an array is spread over `shape`.
+        Share of the time, 0 to 1; an array is broadcast over `shape`.
     shape
-        How many independent ones.
+        Shape of the processes.
     """
     shares = np.asarray(share, dtype=np.float64)
     threshold = np.array([_quantile(value) for value in shares.ravel()]).reshape(shares.shape)

@@ -1,4 +1,4 @@
-"""A scene: cameras, people, a detector, clocks; simulated the same for the same seed."""
+"""Synthetic scenes: cameras, people, detector and clocks; deterministic for a given seed."""
 
 from collections.abc import Callable
 from copy import deepcopy
@@ -34,37 +34,37 @@ __all__ = [
 TRUTH_HZ = 50.0
 LONGEST_S = 24 * 3600.0
 MOST_SIGHTS = 4_000_000
-"""Images times people that are held in memory at once: a few GB."""
+"""Largest number of images times people; they are held in memory, a few GB."""
 
 Progress = Callable[[int, int | None], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """All that is to be simulated.
+    """Description of a synthetic scene.
 
     Attributes
     ----------
     rig
-        The cameras, as the system will know them.
+        The cameras as the tracker will know them.
     people
-        Who is there and what they do.
+        The people and their motion.
     seconds
-        How long [s].
+        Length [s].
     detector
-        How good the 2D pose estimator is.
+        Errors of the 2D pose estimator.
     clocks
         One per camera in the rig's order, or one for all.
     obstacles
-        What stands about and hides people.
+        Boxes that occlude people.
     outages
-        Cameras that fall silent.
+        Cameras that stop delivering images.
     knocks
-        Cameras that are moved while the rig stays as it was; at most one per camera.
+        Cameras that are moved while the rig stays as it was; at most one move per camera.
     name, about
-        What the scene is called, and what happens in it, in a line.
+        Name, and a description in one line.
     seed
-        The seed it is usually simulated with.
+        Default seed.
     """
 
     rig: Rig
@@ -99,18 +99,18 @@ class Scene:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Simulation:
-    """What a simulated scene gives.
+    """Synthetic 2D poses and their ground truth.
 
     Attributes
     ----------
     rig
         The cameras.
     poses
-        What the estimator reports, in order of arrival.
+        2D poses in order of arrival.
     truth_t_s
-        Times at which the truth is known [s].
+        Times of the ground truth [s].
     truth_xyz_m
-        Joints of everybody then, NaN while absent [m].
+        Joints of all people, NaN while absent [m].
     """
 
     rig: Rig
@@ -120,22 +120,22 @@ class Simulation:
 
 
 def simulate(scene: Scene, seed: int | None = None, progress: Progress | None = None) -> Simulation:
-    """Return what the cameras report of a scene, and the truth.
+    """Return synthetic 2D poses of a scene, and the ground truth.
 
     Parameters
     ----------
     scene
-        All that is to be simulated.
+        The scene.
     seed
-        The same seed gives the same simulation; None takes that of the scene. People do not depend
-        on the cameras, nor one camera on the others, nor its images on whether it fails.
+        The same seed gives the same result; None takes that of the scene. People do not depend on
+        the cameras, cameras not on each other, and images not on failures.
     progress
-        Told the number of cameras done, and of all.
+        Called with the number of finished cameras, and of all.
 
     Raises
     ------
     InputError
-        The scene is too large for the memory, or the seed cannot be.
+        The scene is too large for the memory, or the seed is negative.
 
     Examples
     --------
@@ -171,7 +171,7 @@ def _check_size(scene: Scene, clocks: tuple[Clock, ...]) -> None:
     if sights > MOST_SIGHTS:
         raise InputError(
             f"{images:.0f} images and {people} people are too many for one simulation: images "
-            f"times people may reach {MOST_SIGHTS}; make the scene shorter, or several of it"
+            f"times people may reach {MOST_SIGHTS}; make the scene shorter, or split it"
         )
 
 
@@ -183,7 +183,7 @@ def _look(
     rng: np.random.Generator,
     common_seed: int,
 ) -> tuple[list[float], list[Poses2D]]:
-    """Return when one camera takes its images, and what is found in them."""
+    """Return the times of one camera's images, and the poses in them."""
     taken_s, stamp_s = clock.ticks(scene.seconds, rng)
     footage = Footage(
         camera=camera,
@@ -194,13 +194,13 @@ def _look(
         obstacles=scene.obstacles,
         common_seed=common_seed,
     )
-    chance = deepcopy(rng)
+    same_rng = deepcopy(rng)
     seen = detect(footage, scene.detector, rng)
     for knock in scene.knocks:
         if knock.camera == camera.name:
-            # The same chance, so that only the view differs from what it would have been.
+            # The same random numbers, so that only the view differs.
             moved = replace(footage, camera=knock.moved(camera))
-            after = detect(moved, scene.detector, chance)
+            after = detect(moved, scene.detector, same_rng)
             seen = [
                 late if t_s >= knock.t_s else early
                 for t_s, early, late in zip(taken_s, seen, after, strict=True)
@@ -225,16 +225,16 @@ def room_scene(
 ) -> Scene:
     """Return a room with cameras in its corners and people who wander about.
 
-    The cameras run freely: each takes its images at its own moment.
+    The cameras are not synchronised.
 
     Parameters
     ----------
     people, cameras
-        How many.
+        Number of each.
     seconds
-        How long [s].
+        Length [s].
     width_m, depth_m, height_m
-        The room, and the height of the cameras [m].
+        Size of the room, and height of the cameras [m].
     fps
         Images per second of each camera.
     """

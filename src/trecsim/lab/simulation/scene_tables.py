@@ -1,6 +1,6 @@
-"""The scene file: what can be said about cameras, people and what they do.
+"""The scene file: all keys for cameras, people and their actions.
 
-This module is the table of all keys; :mod:`trecsim.lab.simulation.scene_file` reads a file by it.
+This module defines the keys; :mod:`trecsim.lab.simulation.scene_file` reads a file by it.
 """
 
 from dataclasses import asdict
@@ -35,10 +35,10 @@ MOST_PEOPLE = 200
 MOST_ACTIONS = 200
 
 PRESETS = {"real": REAL, "annotated": ANNOTATED, "perfect": PERFECT}
-"""Detectors to begin with."""
+"""Detectors from which a scene file can start."""
 
 SceneName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-"""A name that may become one of a file."""
+"""A name that can be used in a file name."""
 
 
 def _over_preset(given: Any) -> Any:
@@ -48,12 +48,12 @@ def _over_preset(given: Any) -> Any:
 
 
 class ObstacleTable(Table):
-    """A box that no camera looks through: a pillar, a wall, a shelf."""
+    """An opaque box: a pillar, a wall, a shelf."""
 
     low_m: Place
-    """Its corner with the smallest coordinates [m]."""
+    """Corner with the smallest coordinates [m]."""
     high_m: Place
-    """Its corner with the largest coordinates [m]."""
+    """Corner with the largest coordinates [m]."""
 
     def obstacle(self) -> Obstacle:
         """Return the box."""
@@ -66,21 +66,21 @@ class ObstacleTable(Table):
 
 
 class VisitTable(Table):
-    """What somebody does from coming to going."""
+    """One visit of a person, from appearing to leaving."""
 
     start_m: Point
-    """Where the person appears, x and y [m]."""
+    """Position at which the person appears, x and y [m]."""
     facing_deg: float | None = Field(default=None, ge=-3600, le=3600)
-    """Direction, counter-clockwise from +x; without it that of the first way point [degrees]."""
+    """Direction faced, counter-clockwise from +x; if left out, to the first way point [degrees]."""
     enter_s: Seconds = 0.0
-    """When the person appears [s]."""
+    """Time at which the person appears [s]."""
     leaves: bool = False
-    """Whether the person is gone after the last action, or stays as that ends."""
+    """Whether the person disappears after the last action, or stays."""
     actions: Annotated[tuple[AnyAction, ...], Field(strict=False, max_length=MOST_ACTIONS)] = ()
-    """What the person does, one after the other."""
+    """Actions, done one after the other."""
 
     def visit(self, later_s: float = 0.0, shift_m: tuple[float, float] = (0.0, 0.0)) -> Visit:
-        """Return the visit, of somebody who comes later and keeps aside."""
+        """Return the visit, delayed and shifted."""
         moved = Visit(
             start_m=self.start_m,
             actions=self.actions,
@@ -92,21 +92,21 @@ class VisitTable(Table):
 
 
 class PersonTable(VisitTable):
-    """Somebody with a script, or several who do the same one after the other."""
+    """A person with a script, or several who do the same one after the other."""
 
     stature_m: float | None = Field(default=None, ge=SHORTEST_M, le=TALLEST_M)
-    """Height standing upright [m]; without it any."""
+    """Height standing upright [m]; random if left out."""
     again: Annotated[tuple[VisitTable, ...], Field(strict=False, max_length=50)] = ()
-    """What the same person does after leaving, on coming back."""
+    """Further visits of the same person."""
     copies: int = Field(default=1, ge=1, le=MOST_PEOPLE)
-    """How many do the same."""
+    """Number of people who do the same."""
     every_s: Seconds = 0.0
-    """How much later each of them comes [s]."""
+    """Delay of each of them after the one before [s]."""
     shift_m: Point = (0.0, 0.0)
-    """How far aside of the one before each of them keeps [m]."""
+    """Shift of each of them from the one before [m]."""
 
     def roles(self) -> list[Role]:
-        """Return the roles of all who do this."""
+        """Return the roles of all these people."""
         return [
             Role(
                 tuple(
@@ -125,54 +125,54 @@ class PersonTable(VisitTable):
     def _possible(self) -> "PersonTable":
         times_s = [self.enter_s, *(visit.enter_s for visit in self.again)]
         if times_s != sorted(set(times_s)):
-            raise ValueError("who comes again must come later than before: look at enter_s")
+            raise ValueError("a further visit must begin later than the one before: check enter_s")
         if self.again and not self.leaves:
-            raise ValueError("who comes again must have left: leaves = true is missing")
+            raise ValueError("a person with further visits must leave: leaves = true is missing")
         return self
 
 
 class WanderersTable(Table):
-    """People who wander about a floor, avoid each other, come and go."""
+    """People who wander about, avoid each other, come and go."""
 
     people: int = Field(ge=1, le=MOST_PEOPLE)
-    """How many."""
+    """Number of people."""
     width_m: Length
-    """Size of the floor they use, along x [m]."""
+    """Size of their floor along x [m]."""
     depth_m: Length
-    """The same along y [m]."""
+    """Size of their floor along y [m]."""
     centre_m: Point = (0.0, 0.0)
-    """Middle of that floor, x and y [m]."""
+    """Centre of their floor, x and y [m]."""
 
     def wanderers(self) -> Wanderers:
-        """Return them."""
+        """Return these people."""
         return Wanderers(self.people, self.width_m, self.depth_m, self.centre_m)
 
 
 class SceneTable(Table):
-    """A scene: cameras, people and what they do, detector, clocks."""
+    """A scene: cameras, people and their actions, detector, clocks."""
 
     format: Literal["trecsim.scene/1"]
-    """Always this."""
+    """Format of the file."""
     about: str = Field(default="", max_length=200)
-    """What happens, in a line."""
+    """Description in one line."""
     seconds: float = Field(gt=0, le=LONGEST_S)
-    """How long [s]."""
+    """Length of the scene [s]."""
     seed: int = Field(default=0, ge=0, lt=2**63)
-    """Another one gives other bodies, other noise and other ways of those who wander."""
+    """Seed of the random bodies, noise and paths of wanderers."""
     rig: RigTable = RigTable()
-    """A pattern in which cameras hang, and what all of them are like."""
+    """Cameras in a pattern, and the image and lens of all cameras."""
     cameras: dict[SceneName, CameraTable] = Field(default_factory=dict, max_length=MOST_CAMERAS)
-    """Single cameras by name: placed by hand, or of the pattern and different."""
+    """Single cameras by name: with their own placement, or different from the pattern."""
     clock: ClockTable = ClockTable()
-    """When all cameras take their images, and what they believe about that."""
+    """Frame rate, clock errors and time stamps of all cameras."""
     detector: Annotated[Detector, BeforeValidator(_over_preset)] = REAL
-    """How good, or bad, the 2D pose estimator is."""
+    """Errors of the 2D pose estimator."""
     people: Annotated[tuple[PersonTable, ...], Field(strict=False, max_length=MOST_PEOPLE)] = ()
     """People with a script."""
     wanderers: Annotated[tuple[WanderersTable, ...], Field(strict=False, max_length=20)] = ()
-    """People without one."""
+    """People who wander about."""
     obstacles: Annotated[tuple[ObstacleTable, ...], Field(strict=False, max_length=200)] = ()
-    """What stands about and hides people."""
+    """Boxes that occlude people."""
 
     @model_validator(mode="after")
     def _possible(self) -> "SceneTable":
@@ -183,12 +183,12 @@ class SceneTable(Table):
         return self
 
     def scene(self, name: str) -> tuple[Scene | None, list[Fault]]:
-        """Return the scene, or what does not fit together in it.
+        """Return the scene, or its inconsistencies.
 
         Parameters
         ----------
         name
-            What it is called.
+            Its name.
         """
         faults: list[Fault] = []
         rig = self._rig(faults)
