@@ -1,4 +1,4 @@
-"""Damaged files of 2D poses give images or one clear message, and no more work than their length."""
+"""Damaged files of 2D poses give images or one clear message, with no more work than their size."""
 
 import json
 
