@@ -150,23 +150,28 @@ class Consistency:
         self._views.clear()
         unfit = pixels.no_pixels(self._extents, self.rig, self.limit)
         found = [text for one in unfit if one.sure for text in self._tell(one)]
+        unsure = [one for one in unfit if not one.sure]
         if self._new >= (self.limit.least_moments if final else self.limit.batch):
             self._history.append(weighed(list(self._recent)[-self._new :], self.rig, self.limit))
             self._new = 0
-            found += self._judge(final)
+            found += self._judge(final, unsure)
         elif final:
-            found += self._judge(final)
-        if final or len(self._history) > self.limit.window:  # a better reason may be found first
-            found += [text for one in unfit if not one.sure for text in self._tell(one)]
+            found += self._judge(final, unsure)
+        if final or len(self._history) > self.limit.window:
+            found += [text for one in unsure for text in self._tell(one)]
         return found
 
-    def _judge(self, final: bool) -> list[str]:
+    def _judge(self, final: bool, unfit: list[Verdict]) -> list[str]:
         """Return what is to be said of cameras that do not agree with the others."""
         if not final and len(self._history) < self.limit.window:
             return []
         found: list[str] = []
         while len(self._history) and (verdict := self._verdict(final)) is not None:
-            found += self._tell(verdict)
+            better = [] if verdict.sure else unfit
+            new = [text for one in better for text in self._tell(one)] or self._tell(verdict)
+            if not new:
+                break
+            found += new
         return found
 
     def _verdict(self, final: bool) -> Verdict | None:

@@ -177,7 +177,7 @@ def _unexplained(
         if total >= limit.fewest_pairs and trial.share(tried) < limit.disagree_share:
             hint = next(filter(None, (told.clock_hint(c, records.spans) for c in tried)), "")
             text = told.wrong_rig(names, tried, trial.share(tried), hint)
-            return Verdict("nobody agrees", text, tuple(tried))
+            return Verdict("nobody agrees", text, tuple(tried), sure=False)
         return None
     last = records.history[-limit.window :]
     found, missed = (np.sum([getattr(one, k) for one in last], axis=0) for k in ("found", "missed"))
@@ -196,7 +196,7 @@ def _unexplained(
         return None  # it may become clear how far it was moved
     hint = told.clock_hint(c, records.spans)
     text = told.odd(names[c], float(share[c]), since_s, hint)
-    return Verdict(f"odd {c}", text, (c,), clock=not hint)
+    return Verdict(f"odd {c}", text, (c,), sure=False, clock=not hint)
 
 
 def _moved(records: Records, cameras: Sequence[int]) -> Verdict | None:
@@ -226,7 +226,7 @@ def _steps(
         least_rad = max(limit.moved_rad, limit.moved_noises * noise_rad)
         turns = [one.turn[c] for one in known[-2:]]
         off_m = min(turn.before_m for turn in turns)
-        if any(turn.after_m > 0.5 * turn.before_m for turn in turns):
+        if turns[-1].after_m > 0.5 * turns[-1].before_m:
             continue
         if away[-2:].min() >= least_rad and off_m >= limit.moved_m:
             first = len(away) - 2

@@ -89,10 +89,10 @@ def compare(sights: Sights, rig: Rig, limit: Thresholds) -> Witnessed:
     expected = np.isfinite(from_camera_m[..., 0]).all(axis=-1)
     expected &= np.isfinite(sights.view_s)[..., None]
     for c, camera in enumerate(rig):
-        here = expected[:, c]
-        if here.any():
-            place_m = camera.position_m + from_camera_m[:, c][here].mean(axis=1)
-            here[here] = image_margin(camera, place_m) > INSIDE
+        doubtful = expected[:, c] & (found[:, c] < 0)  # who is found there is surely in the image
+        if doubtful.any():
+            place_m = camera.position_m + from_camera_m[:, c][doubtful].mean(axis=1)
+            expected[:, c][doubtful] = image_margin(camera, place_m) > INSIDE
     away_m = np.linalg.norm(np.cross(ray, from_camera_m), axis=-1)
     return Witnessed(middle, ray, found, from_camera_m, _mean(away_m), expected)
 

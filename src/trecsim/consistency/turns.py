@@ -8,6 +8,7 @@ from jaxtyping import Float64
 AHEAD = 0.2  # cosine to the optical axis from which on a turn is measured
 PRIOR_RAD = 0.2  # standard deviation of a turn of which nothing is known
 NOISE_M = 0.05  # usual residual of a torso; beyond twice that, residuals pull less
+SMALL_M = 0.05  # up to this median residual no turn is fitted
 STEPS = 4
 SAME_RAD = 0.04  # offsets of the same turn differ by less
 MOST_VOTES = 256
@@ -50,10 +51,6 @@ def fitted(seen: InCamera, expected_m: InCamera) -> Turn:
         Rays to the middles of shoulders and hips in the camera's frame.
     expected_m
         Where others see them, in the same frame [m].
-
-    Notes
-    -----
-    For a small rotation vector w, ``(u, v, 1)`` moves by ``w x (u, v, 1)``; its image by J w.
     """
     seen, expected_m = seen.reshape(-1, 3), expected_m.reshape(-1, 3)
     with np.errstate(invalid="ignore"):
@@ -64,6 +61,28 @@ def fitted(seen: InCamera, expected_m: InCamera) -> Turn:
     depth_m = expected_m[:, 2]
     u, v = expected_m[:, 0] / depth_m, expected_m[:, 1] / depth_m
     off = seen[:, :2] / seen[:, 2:] - np.stack([u, v], axis=-1)
+    before_m = float(np.median(_length(off) * depth_m))
+    offset_rad = np.median(off, axis=0)
+    count = (len(seen) + 1) // 2
+    if before_m <= SMALL_M:  # nothing to explain
+        return Turn(count, offset_rad, float(_length(offset_rad)), before_m, before_m)
+    moved = _image_of_turn(u, v, depth_m, off)
+    after_m = float(np.median(_length(off - moved) * depth_m))
+    return Turn(count, offset_rad, float(np.median(_length(moved))), before_m, after_m)
+
+
+def _image_of_turn(
+    u: Float64[np.ndarray, " point"],
+    v: Float64[np.ndarray, " point"],
+    depth_m: Float64[np.ndarray, " point"],
+    off: Float64[np.ndarray, "point 2"],
+) -> Float64[np.ndarray, "point 2"]:
+    """Return by how much the turn that explains offsets best moves each point, per unit depth.
+
+    Notes
+    -----
+    For a small rotation vector w, ``(u, v, 1)`` moves by ``w x (u, v, 1)``; its image by J w.
+    """
     J = np.empty((len(u), 2, 3))
     J[:, 0] = np.stack([-u * v, 1 + u * u, -v], axis=-1)
     J[:, 1] = np.stack([-1 - v * v, u * v, u], axis=-1)
@@ -74,14 +93,7 @@ def fitted(seen: InCamera, expected_m: InCamera) -> Turn:
         weighted = J * weight[:, None, None]
         H = np.tensordot(weighted, J, ((0, 1), (0, 1))) + np.eye(3) / PRIOR_RAD**2
         turn = np.linalg.solve(H, np.tensordot(weighted, off, ((0, 1), (0, 1))))
-    moved = J @ turn
-    return Turn(
-        count=(len(seen) + 1) // 2,
-        offset_rad=np.median(off, axis=0),
-        shift_rad=float(np.median(_length(moved))),
-        before_m=float(np.median(_length(off) * depth_m)),
-        after_m=float(np.median(_length(off - moved) * depth_m)),
-    )
+    return np.asarray(J @ turn)
 
 
 def voted(

@@ -16,7 +16,7 @@ class Verdict:
     cameras
         Indices of the cameras of which nothing more needs to be said.
     sure
-        Whether no better reason can be found.
+        Whether the reason is known; if not, a better one may be found.
     clock
         Whether a wrong clock, which is known at the end only, may be the reason.
     """

@@ -1,4 +1,4 @@
-"""Synthetic recordings, and what may be wrong with recordings."""
+"""What may be wrong with a recording: poses and rig that do not fit, made from those that do."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -8,17 +8,11 @@ import numpy as np
 from trecsim.geometry import Rig
 from trecsim.geometry.view import rays
 from trecsim.lab.simulation.failures import Knock
-from trecsim.lab.simulation.scene import Simulation, room_scene, simulate
 from trecsim.tracking import Tally, follow
 from trecsim.values import Poses2D
 
 Change = Callable[[Poses2D], Poses2D]
 Turn = tuple[float, float, float]
-
-
-def room(*, people=3, cameras=4, seconds=6.0, seed=0) -> Simulation:
-    """Return a room in which people wander about."""
-    return simulate(room_scene(people=people, cameras=cameras, seconds=seconds), seed)
 
 
 def remarks(poses: Iterable[Poses2D], rig: Rig, **kwargs) -> tuple[list[str], int]:
@@ -40,10 +34,14 @@ def scaled(x: float, y: float | None = None) -> Change:
     return lambda one: replace(one, xy_px=one.xy_px * factor)
 
 
-def mirrored(width_px: float) -> Change:
-    """Mirror key points as an image is."""
-    last = np.array([width_px - 1, 0.0])
-    return lambda one: replace(one, xy_px=last + one.xy_px * (-1, 1))
+def mirrored(rig: Rig) -> Change:
+    """Mirror key points as images are."""
+
+    def change(one: Poses2D) -> Poses2D:
+        last = np.array([rig[one.camera].size_px[0] - 1, 0.0])
+        return replace(one, xy_px=last + one.xy_px * (-1, 1))
+
+    return change
 
 
 def later(by_s: float) -> Change:
@@ -75,10 +73,19 @@ def turned(rig: Rig, name: str, turn_deg: Turn, shift_m: Turn = (0.0, 0.0, 0.0))
     return Rig(tuple(knock.moved(one) if one.name == name else one for one in rig))
 
 
-def knocked(made: Simulation, name: str, t_s: float, turn_deg: Turn) -> list[Poses2D]:
+def elsewhere(rig: Rig) -> Rig:
+    """Return a rig of other recordings."""
+    for n, name in enumerate(rig.names):
+        turn_deg = (20.0 - 13.0 * n, 31.0 * n - 45.0, 10.0)
+        rig = turned(rig, name, turn_deg, (0.7 * n, 1.0, -0.3 * n))
+    return rig
+
+
+def knocked(
+    poses: Iterable[Poses2D], rig: Rig, name: str, t_s: float, turn_deg: Turn
+) -> list[Poses2D]:
     """Return what a camera sees that is turned at some moment."""
-    before = made.rig[name]
-    after = turned(made.rig, name, turn_deg)[name]
+    before, after = rig[name], turned(rig, name, turn_deg)[name]
 
     def change(one: Poses2D) -> Poses2D:
         if one.t_s < t_s:
@@ -86,4 +93,4 @@ def knocked(made: Simulation, name: str, t_s: float, turn_deg: Turn) -> list[Pos
         far_m = before.position_m + 5.0 * rays(before, one.xy_px)
         return replace(one, xy_px=after.project(far_m))
 
-    return changed(made.poses, change, name)
+    return changed(poses, change, name)
