@@ -11,9 +11,8 @@ Run: ``python benchmarks/fit_remarks.py [NAME...] [--faults FAULT...] [--seeds S
 import argparse
 import logging
 import sys
-import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -214,16 +213,27 @@ def mark(fault: Fault, said: Sequence[str]) -> str:
     return "yes" if any(part in text for part in fault.said for text in said) else "no"
 
 
-def table(rows: dict[str, Row], wanted: Sequence[str]) -> Iterator[str]:
-    """Yield the lines of a table: which faults are named in which recordings."""
+def heading(wanted: Sequence[str]) -> str:
+    """Return the first two lines of the table."""
+    return (
+        f"| recording | cameras | watching / fusion | {' | '.join(wanted)} |\n"
+        + "|---" * (len(wanted) + 3)
+        + "|"
+    )
+
+
+def line(name: str, one: Row, wanted: Sequence[str]) -> str:
+    """Return the line of a recording: which faults are named."""
     every = faults()
-    yield f"| recording | cameras | watching / fusion | {' | '.join(wanted)} |"
-    yield "|---" * (len(wanted) + 3) + "|"
-    for name, one in rows.items():
-        marks = [mark(every[fault], one.said[fault]) for fault in wanted]
-        yield f"| {name} | {one.cameras} | {one.cost:.1%} | {' | '.join(marks)} |"
+    marks = [mark(every[fault], one.said[fault]) for fault in wanted]
+    return f"| {name} | {one.cameras} | {one.cost:.1%} | {' | '.join(marks)} |"
+
+
+def totals(rows: Iterable[Row], wanted: Sequence[str]) -> Iterator[str]:
+    """Yield lines with the number of recordings in which each fault is named."""
+    every = faults()
     for least, most, which in ((2, 2, "two cameras"), (3, 99, "three cameras and more")):
-        some = [one for one in rows.values() if least <= one.cameras <= most]
+        some = [one for one in rows if least <= one.cameras <= most]
         named = (sum(mark(every[f], one.said[f]) == "yes" for one in some) for f in wanted)
         yield f"| **named, {which}** | {len(some)} | | {' | '.join(map(str, named))} |"
 
@@ -239,10 +249,14 @@ def main() -> None:
     given = parser.parse_args()
     known = recordings(given.seeds)
     wanted = {n: known[n] for n in given.names or known}
-    with ProcessPoolExecutor(given.jobs) as pool, tempfile.TemporaryDirectory():
+    rows: dict[str, Row] = {}
+    print(heading(given.faults), flush=True)
+    with ProcessPoolExecutor(given.jobs) as pool:
         found = pool.map(partial(row, wanted=given.faults), wanted.values())
-        rows = dict(zip(wanted, found, strict=True))
-    print(*table(rows, given.faults), sep="\n")
+        for name, one in zip(wanted, found, strict=True):
+            rows[name] = one
+            print(line(name, one, given.faults), flush=True)
+    print(*totals(list(rows.values()), given.faults), sep="\n")
     if given.texts:
         for name, one in rows.items():
             for fault, said in one.said.items():
