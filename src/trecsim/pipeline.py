@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypedDict, cast
 
+from trecsim.callbacks import Progress
 from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D
 from trecsim.fusion import FusionSettings
@@ -38,7 +39,6 @@ from trecsim.store.tracks import kept_of, tracks_writer
 from trecsim.tracking import Follower, Tally, logger
 from trecsim.values import Frame, Poses2D, Snapshot
 
-Progress = Callable[[int, int | None], None]
 LIVE_DELAY_S = 0.1  # a live frame set waits this long for a camera that is late
 
 

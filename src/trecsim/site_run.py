@@ -15,9 +15,10 @@ from typing import Literal
 import numpy as np
 
 from trecsim.calibration import write_rig
+from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.fusion.warmup import warm_up
-from trecsim.pipeline import Progress, flow, recorded, tracks_info
+from trecsim.pipeline import flow, recorded, tracks_info
 from trecsim.sinks import Sinks
 from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator

@@ -15,14 +15,13 @@ from heapq import merge
 from pathlib import Path
 from threading import Lock, Semaphore, Thread
 
+from trecsim.callbacks import Progress
 from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.mailbox import TICK_S, Mailbox
 from trecsim.values import Frame, Poses2D
-
-Progress = Callable[[int, int | None], None]
 
 _LIVE_DEPTH = 16  # poses of a camera that may wait for the fusion
 _BEGUN_PER_WORKER = 2  # enough that no worker waits while the consumer of the poses is busy

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from trecsim.callbacks import Progress
 from trecsim.errors import InputError, SetupError
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
 from trecsim.lab.evaluation.moments import Moments, read_moments, with_empty_moments
@@ -18,8 +19,6 @@ from trecsim.store.names import POSES, RIG
 from trecsim.store.recordings import discard_recording
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth
-
-Progress = Callable[[int, int | None], None]
 
 MARK = "# Made by trecsim demo."
 SITE = f"""{MARK} Run it again as any other site: trecsim run site.toml

@@ -1,19 +1,18 @@
 """Put a scene into files: its rig, what its cameras report, and the truth."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.calibration import write_rig
+from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.lab.simulation.scene import Scene, Simulation, simulate
 from trecsim.store.atomic import disk_faults, partial_path
 from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.truth import write_truth
-
-Progress = Callable[[int, int | None], None]
 
 
 @dataclass(frozen=True, slots=True)

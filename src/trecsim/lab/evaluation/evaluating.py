@@ -1,10 +1,10 @@
 """Evaluation of tracks from a file, with or without ground truth."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.calibration import read_rig
+from trecsim.callbacks import Remark
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
 from trecsim.lab.evaluation.jitter import JitterRow, SupportRow, jitter, support_of_joints
@@ -40,8 +40,6 @@ from trecsim.skeleton import COCO17
 from trecsim.sources import read_poses
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth, read_truth
-
-Remark = Callable[[str], None]
 
 LEFT_OUT_S = 1.0  # longer than a lag, or the late start of a camera
 

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 
+from trecsim.callbacks import Progress
 from trecsim.lab.evaluation.limbs import Given, limb_series, limb_summary, limb_table, true_lengths
 from trecsim.lab.evaluation.measured import read_measured
 from trecsim.lab.evaluation.person_tracks import people_of
@@ -22,7 +23,7 @@ from trecsim.lab.report import (
 from trecsim.lab.report.coverage import facts_of
 from trecsim.lab.report.page import Section, Text, page
 from trecsim.lab.report.places import find
-from trecsim.lab.report.recording import Progress, Recording, read_recording
+from trecsim.lab.report.recording import Recording, read_recording
 from trecsim.lab.report.style import need_matplotlib
 from trecsim.store.atomic import atomic_write
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,17 +10,17 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration import read_rig
+from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.lab.report.places import Places
 from trecsim.lab.report.thinning import Sampler, Stay
+from trecsim.skeleton import COCO17
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.timing_csv import Timing, read_timing
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth, read_truth
-
-Progress = Callable[[int, int | None], None]
 
 EARLIEST_UNIX_S = 1e9  # times from here on are dates, others count from some start
 LONGEST_LAG_S = 10.0  # a longer one means that timing and tracks do not belong together
@@ -190,8 +189,10 @@ def read_recording(
     first_s = math.nan
     for number, snapshot in enumerate(read_tracks(places.tracks), start=1):
         first_s = snapshot.t_s if number == 1 else first_s
-        if snapshot.xyz_m.shape[1] != 17:
-            raise InputError(f"{places.tracks}: expected the 17 joints of coco17")
+        if snapshot.xyz_m.shape[1] != len(COCO17.joints):
+            raise InputError(
+                f"{places.tracks}: expected the {len(COCO17.joints)} joints of {COCO17.name}"
+            )
         sampler.add(snapshot)
         if progress is not None:
             progress(number, None)

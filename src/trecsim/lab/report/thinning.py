@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float32, Int16, Int64
 
 from trecsim.lab.evaluation.moments import Moments
+from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
 MOST_ROWS = 60_000  # person-moments that are kept; beyond, half of the moments are dropped
@@ -108,14 +109,14 @@ class Sampler:
 
     def sample(self) -> Moments:
         """Return the kept moments."""
-        nobody = np.empty((0, 17))
+        nobody = np.empty((0, len(COCO17.joints)))
         columns = zip(*self._kept, strict=True) if self._kept else [()] * 6
         _, t_s, identity, xyz_m, sigma_m, support = columns
         return Moments(
             np.array(t_s, np.float64),
             np.cumsum([0, *map(len, identity)]),
             np.concatenate([np.empty(0, np.int64), *identity]),
-            np.concatenate([np.empty((0, 17, 3), np.float32), *xyz_m]),
+            np.concatenate([np.empty((0, len(COCO17.joints), 3), np.float32), *xyz_m]),
             np.concatenate([nobody.astype(np.float32), *sigma_m]),
             np.concatenate([nobody.astype(np.int16), *support]),
         )

@@ -8,6 +8,7 @@ common to all cameras, so no tracker can distinguish it from the truth.
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.lab.simulation.body_shape import JOINTS
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck
 
 STEP_S = 0.08  # coarse on purpose: the bias adds no jitter
@@ -49,8 +50,8 @@ def _wandering(t_s: Float64[np.ndarray, " time"], people: int, rng: np.random.Ge
     """Return unit processes, made on a grid from 0 and interpolated linearly."""
     grid_s = np.arange(int(np.ceil(t_s.max(initial=0.0) / STEP_S)) + 2) * STEP_S
     of_fast, of_slow = rng.spawn(2)
-    fast = ornstein_uhlenbeck(of_fast, grid_s, FAST_S, people, 17, 3)
-    slow = ornstein_uhlenbeck(of_slow, grid_s, SLOW_S, people, 17, 3)
+    fast = ornstein_uhlenbeck(of_fast, grid_s, FAST_S, people, JOINTS, 3)
+    slow = ornstein_uhlenbeck(of_slow, grid_s, SLOW_S, people, JOINTS, 3)
     grid = np.sqrt(FAST) * fast + np.sqrt(1.0 - FAST) * slow
     step = np.maximum(t_s, 0.0) / STEP_S
     before = np.floor(step).astype(np.intp)

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.skeleton import COCO17
+
+JOINTS = len(COCO17.joints)
 SHORTEST_M, TALLEST_M = 1.55, 1.95
 VARIATION = 0.025  # standard deviation of a limb's length about what the stature suggests
 

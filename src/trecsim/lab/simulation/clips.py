@@ -13,7 +13,7 @@ from jaxtyping import Float64
 
 from trecsim.errors import InputError
 from trecsim.lab.simulation.actions import FARTHEST_M, Point
-from trecsim.lab.simulation.body_shape import Body
+from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.frame_times import even
 from trecsim.lab.simulation.paths import STEP_S, smooth
 from trecsim.lab.simulation.pose import Joints, Pose, blend, cut, joined, pose_of
@@ -90,7 +90,7 @@ def read_clip(path: Path) -> Take:
     """
     arrays = read_arrays(Path(path), ("joints", "fps"), "clip of motion", _shape_faults)
     fps = float(arrays["fps"].reshape(()))
-    xyz_m = arrays["joints"][:, :17]
+    xyz_m = arrays["joints"][:, :JOINTS]
     faults = []
     if not FEWEST_FPS <= fps <= MOST_FPS:
         faults.append(f"fps: expected {FEWEST_FPS:g} to {MOST_FPS:g}, found {fps:g}")
@@ -113,8 +113,8 @@ def _leg_m(xyz_m: Joints) -> float:
 def _shape_faults(shapes: Shapes) -> Iterator[str]:
     """Yield what is wrong with the shapes that the arrays of a clip claim."""
     shape, fps = shapes["joints"], shapes["fps"]
-    if len(shape) != 3 or not 17 <= shape[1] <= MOST_JOINTS or shape[2] != 3:
-        yield f"joints: expected the shape time x 17 to {MOST_JOINTS} x 3, found {shape}"
+    if len(shape) != 3 or not JOINTS <= shape[1] <= MOST_JOINTS or shape[2] != 3:
+        yield f"joints: expected the shape time x {JOINTS} to {MOST_JOINTS} x 3, found {shape}"
     elif not 2 <= shape[0] <= MOST_FRAMES:
         yield f"joints: expected 2 to {MOST_FRAMES} frames, found {shape[0]}"
     if fps not in ((), (1,)):

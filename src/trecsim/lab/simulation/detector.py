@@ -17,6 +17,7 @@ from pydantic.dataclasses import dataclass
 
 from trecsim.geometry.camera import Camera
 from trecsim.lab.simulation.annotation_bias import with_annotation_bias
+from trecsim.lab.simulation.body_shape import JOINTS
 from trecsim.lab.simulation.false_positives import false_positive, with_swaps
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck, spells
 from trecsim.lab.simulation.occlusion import (
@@ -25,11 +26,10 @@ from trecsim.lab.simulation.occlusion import (
     hidden_behind_obstacles,
     hidden_behind_others,
 )
-from trecsim.skeleton import COCO17
 from trecsim.toml_models import TABLE_VALUE, Number
 from trecsim.values import Poses2D
 
-HEAD, LIMBS = slice(0, 5), slice(5, 17)
+HEAD, LIMBS = slice(0, 5), slice(5, JOINTS)
 FEWEST_JOINTS = 6  # with fewer joints in the image a person is not detected
 MOSTLY_HIDDEN = 0.8  # share of occluded joints above which a person is not detected
 
@@ -39,7 +39,6 @@ Values = Float64[np.ndarray, "time person 17"]
 Heights = Float64[np.ndarray, "time person"]
 Flags = Bool[np.ndarray, "time person 17"]
 
-JOINTS = len(COCO17.joints)
 LARGEST = 1e4
 
 
@@ -138,13 +137,13 @@ ANNOTATED = replace(
 """Errors of a real estimator compared with annotated images."""
 
 PERFECT = Detector(
-    sigma=(0.0,) * 17,
-    doubt=(0.0,) * 17,
-    missing_joint=(0.0,) * 17,
+    sigma=(0.0,) * JOINTS,
+    doubt=(0.0,) * JOINTS,
+    missing_joint=(0.0,) * JOINTS,
     missing_person=0.0,
     swapped=0.0,
-    stray=(0.0,) * 17,
-    hidden_missing=(0.0,) * 17,
+    stray=(0.0,) * JOINTS,
+    hidden_missing=(0.0,) * JOINTS,
     hidden_sigma=1.0,
     small_px=0.0,
     false_people=0.0,
@@ -341,13 +340,13 @@ def _strays(
     t_s: Times, people: int, detector: Detector, rng: np.random.Generator
 ) -> tuple[Points, Flags]:
     """Return the outliers as shares of the height, and which of them have a low score."""
-    astray = spells(rng, t_s, STRAY_S, np.array(detector.stray), people, 17)
+    astray = spells(rng, t_s, STRAY_S, np.array(detector.stray), people, JOINTS)
     away = np.zeros((*astray.shape, 2))
     dubious = np.zeros_like(astray)
     if astray.any():
-        away = ornstein_uhlenbeck(rng, t_s, 1.0, people, 17, 2)
+        away = ornstein_uhlenbeck(rng, t_s, 1.0, people, JOINTS, 2)
         away *= detector.stray_sigma * astray[..., None]
-        dubious = astray & spells(rng, t_s, 1.0, STRAY_KNOWN, people, 17)
+        dubious = astray & spells(rng, t_s, 1.0, STRAY_KNOWN, people, JOINTS)
     return away, dubious
 
 

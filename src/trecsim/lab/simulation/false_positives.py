@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from trecsim.lab.simulation.body_shape import JOINTS
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck, spells
 from trecsim.skeleton import COCO17
 
@@ -56,18 +57,18 @@ def false_positive(
     """
     tall_px = rng.uniform(0.15, 0.35) * size_px[1]
     middle_px = rng.uniform(0.15, 0.85, 2) * size_px
-    figure = FIGURE - [0.0, 0.4] + 0.05 * rng.standard_normal((17, 2))
-    wobble = 0.03 * ornstein_uhlenbeck(rng, t_s, 0.3, 1, 17, 2)
+    figure = FIGURE - [0.0, 0.4] + 0.05 * rng.standard_normal((JOINTS, 2))
+    wobble = 0.03 * ornstein_uhlenbeck(rng, t_s, 0.3, 1, JOINTS, 2)
     xy_px = middle_px + tall_px * (figure + wobble)
-    xy_px[spells(rng, t_s, 0.3, 0.25, 1, 17)] = np.nan
-    score = np.clip(0.4 + 0.1 * ornstein_uhlenbeck(rng, t_s, 0.3, 1, 17), 0.1, 0.8)
+    xy_px[spells(rng, t_s, 0.3, 0.25, 1, JOINTS)] = np.nan
+    score = np.clip(0.4 + 0.1 * ornstein_uhlenbeck(rng, t_s, 0.3, 1, JOINTS), 0.1, 0.8)
     return FalsePositive(xy_px, score, spells(rng, t_s, 0.4, share, 1))
 
 
 # What is swapped, and the share of swaps: the whole person, the arms, or the legs.
 _PARTS = (
     (np.array(COCO17.mirror), 0.8),
-    (np.array([*range(7), 8, 7, 10, 9, *range(11, 17)]), 0.1),
+    (np.array([*range(7), 8, 7, 10, 9, *range(11, JOINTS)]), 0.1),
     (np.array([*range(11), 12, 11, 14, 13, 16, 15]), 0.1),
 )
 SWAP_S = 0.1

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.lab.simulation.body_shape import Body
+from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.turns import Place, about, turn_between, unit
 
 STRAIGHT = 0.9995  # a leg never becomes longer than this share of thigh and shin
@@ -60,7 +60,7 @@ def joints(pose: Pose, body: Body) -> Joints:
     body
         Limb lengths; the joints keep to them whatever the pose.
     """
-    xyz_m = np.empty((len(pose.root_m), 17, 3))
+    xyz_m = np.empty((len(pose.root_m), JOINTS, 3))
     neck_m = pose.root_m + body.trunk_m * pose.chest[:, :, 2]
     xyz_m[:, :5] = neck_m[:, None] + np.einsum("tab,jb->tja", pose.head, body.head_m)
     for side, sign in ((0, 1.0), (1, -1.0)):

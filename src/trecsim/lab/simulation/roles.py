@@ -21,7 +21,7 @@ from trecsim.lab.simulation.actions import (
     Stand,
     Walk,
 )
-from trecsim.lab.simulation.body_shape import Body
+from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.motion import motion_of
 from trecsim.lab.simulation.walkers import Motion
 
@@ -204,7 +204,7 @@ class _Visits:
 
     def __call__(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, "time 17 3"]:
         """Return the joints at the times `t_s`: of the newest visit that has begun [m]."""
-        xyz_m = np.full((len(t_s), 17, 3), np.nan)
+        xyz_m = np.full((len(t_s), JOINTS, 3), np.nan)
         ends_s = (*self.from_s[1:], inf)
         for motion, from_s, end_s in zip(self.motions, self.from_s, ends_s, strict=True):
             here = (t_s >= from_s) & (t_s < end_s)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Float64
 
+from trecsim.lab.simulation.body_shape import JOINTS
 from trecsim.lab.simulation.paths import STEP_S
 from trecsim.lab.simulation.walkers import Walker
 
@@ -40,7 +41,7 @@ class Sampled:
         Cubic between the samples (Catmull and Rom): limbs that turn about a joint keep their
         lengths far better than on straight lines.
         """
-        xyz_m = np.full((len(t_s), 17, 3), np.nan)
+        xyz_m = np.full((len(t_s), JOINTS, 3), np.nan)
         here = (t_s >= self.enter_s) & (t_s <= self.leave_s)
         xyz_m[here] = between(self.xyz_m, (t_s[here] - self.enter_s) / self.step_s)
         return xyz_m

@@ -1,12 +1,12 @@
 """Synthetic scenes: cameras, people, detector and clocks; deterministic for a given seed."""
 
-from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
@@ -35,8 +35,6 @@ TRUTH_HZ = 50.0
 LONGEST_S = 24 * 3600.0
 MOST_SIGHTS = 4_000_000
 """Largest number of images times people; they are held in memory, a few GB."""
-
-Progress = Callable[[int, int | None], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

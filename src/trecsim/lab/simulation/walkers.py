@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.lab.simulation.body_shape import Body
+from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
 
 STANCE = 0.55  # share of a stride for which an ankle rests over its foot
@@ -70,7 +70,7 @@ class Walker:
 
     def __call__(self, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
         """Return the COCO-17 joints [m] at the times `t_s`; NaN while the person is absent."""
-        xyz_m = np.full((len(t_s), 17, 3), np.nan)
+        xyz_m = np.full((len(t_s), JOINTS, 3), np.nan)
         here = (t_s >= self.path.enter_s) & (t_s <= self.path.leave_s)
         xyz_m[here] = _joints(self, t_s[here])
         return xyz_m
@@ -182,7 +182,7 @@ def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
 
 def _joints(person: Walker, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
     """Return all joints at times when the person is there [m]."""
-    xyz_m = np.empty((len(t_s), 17, 3))
+    xyz_m = np.empty((len(t_s), JOINTS, 3))
     hips_m = _hips(person, t_s)
     for side, (hip_m, ankle_m) in enumerate(zip(hips_m, _ankles(person, t_s), strict=True)):
         knee_m, ankle_m = _leg(person, t_s, hip_m, ankle_m)
@@ -336,5 +336,5 @@ def poses(motions: Sequence[Motion], t_s: Scalar) -> Float64[np.ndarray, "person
         Times [s].
     """
     if not motions:
-        return np.empty((0, len(t_s), 17, 3))
+        return np.empty((0, len(t_s), JOINTS, 3))
     return np.stack([motion(t_s) for motion in motions])

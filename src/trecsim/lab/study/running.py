@@ -23,6 +23,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
+from trecsim.callbacks import Progress, Remark
 from trecsim.errors import Error, SetupError
 from trecsim.fusion import FusionSettings
 from trecsim.lab.evaluation.ground_truth import compare
@@ -34,9 +35,6 @@ from trecsim.lab.study.scenes import SceneChoice, load, prepare
 from trecsim.lab.study.settings_file_table import toml_of
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.tracking import Tally, follow
-
-Progress = Callable[[int, int | None], None]
-Remark = Callable[[str], None]
 
 _ONE_THREAD = ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _LONGEST_FAULT = 500

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from trecsim.callbacks import Remark
 from trecsim.errors import InputError
 from trecsim.lab.evaluation.assignment import need_scipy
 from trecsim.lab.report.page import Block, Fact, Facts, Section, Table, Text, page
@@ -15,7 +16,6 @@ from trecsim.lab.study.formatting import figure_text, interval_text
 from trecsim.lab.study.ledger import NAME, read_runs
 from trecsim.lab.study.plan import FIRST_REPORTING_SEED, Study
 from trecsim.lab.study.results import settings_that_matter, write_results
-from trecsim.lab.study.running import Remark
 from trecsim.lab.study.sections import default_blocks, measure_blocks, pair_blocks, setting_blocks
 from trecsim.store.atomic import atomic_write
 
