@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import BLOCK, locate, point
 from trecsim.fusion.kernels.ground import learn_level, resting
 from trecsim.fusion.kernels.information import (
@@ -38,7 +38,7 @@ class Held(NamedTuple):
     right: Float64[np.ndarray, "3"]
 
 
-@kernel
+@inner
 def stretch(j, k, x, d, length_m, u):
     """Return by how much the shifted joints `j`, `k` are too close, linearised about no shift.
 
@@ -56,7 +56,7 @@ def stretch(j, k, x, d, length_m, u):
     return rest
 
 
-@kernel
+@inner
 def along_m2(u, cov_m2):
     """Return the variance of a joint in the direction `u`."""
     var = 0.0
@@ -66,7 +66,7 @@ def along_m2(u, cov_m2):
     return var
 
 
-@kernel
+@inner
 def add_limb(A, b, first, second, u, rest, var):
     """Add "the second joint is `rest` further along `u` than the first" to ``A d = b``.
 
@@ -86,7 +86,7 @@ def add_limb(A, b, first, second, u, rest, var):
                 A[second + p, first + q] -= u[p] * u[q] / var
 
 
-@kernel
+@inner(allocates=True)
 def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     """Write the normal equations of the weak joints' shifts to `A`, `b`.
 
@@ -117,7 +117,7 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
         add_limb(A, b, place[j], place[k], u, rest, var)
 
 
-@kernel
+@inner
 def factor(A):
     """Overwrite the lower triangle of the symmetric positive `A` by its Cholesky factor.
 
@@ -136,7 +136,7 @@ def factor(A):
         A[i, i] = 1.0 / math.sqrt(max(s, 1e-12))
 
 
-@kernel
+@inner
 def solve_factored(A, b):
     """Overwrite `b` by the solution of ``A x = b``, with `A` as `factor` leaves it."""
     n = A.shape[0]
@@ -152,7 +152,7 @@ def solve_factored(A, b):
         b[i] = s * A[i, i]
 
 
-@kernel
+@inner
 def invert_factor(A):
     """Overwrite the Cholesky factor that `factor` leaves in `A` by its inverse."""
     n = A.shape[0]
@@ -164,7 +164,7 @@ def invert_factor(A):
             A[i, k] = -s * A[i, i]
 
 
-@kernel
+@inner
 def joint_block(A, first, out):
     """Write a joint's covariance, a diagonal block of ``A^T A``, to `out` (3, 3).
 
@@ -180,7 +180,7 @@ def joint_block(A, first, out):
             out[q, p] = s
 
 
-@kernel
+@inner
 def right_side(R, c, z):
     """Write ``R c`` to `z`: the right side whose solution is `c`."""
     n = R.shape[0]
@@ -190,7 +190,7 @@ def right_side(R, c, z):
             z[i] += R[i, k] * c[k]
 
 
-@kernel
+@inner(allocates=True)
 def believe(R, z, c, x, info, vector, size, quick, lasting, span, weights, tmp):
     """Move a joint as its body says, in place, and keep `lasting` of that as information.
 
@@ -231,7 +231,7 @@ def believe(R, z, c, x, info, vector, size, quick, lasting, span, weights, tmp):
     point(c, span, weights, x)
 
 
-@kernel
+@inner(allocates=True)
 def without_reach(held_m2, cov_m2):
     """Write the covariance of a joint held by its body, without the bound on its step.
 
@@ -244,7 +244,7 @@ def without_reach(held_m2, cov_m2):
     invert3(info, cov_m2)
 
 
-@kernel
+@inner
 def weak_joints(cov_m2, n_seen, quick, place, before_m2):
     """Find the joints that need their body; return the number of their unknowns.
 
@@ -269,7 +269,7 @@ def weak_joints(cov_m2, n_seen, quick, place, before_m2):
     return n
 
 
-@kernel
+@inner(allocates=True)
 def relax_body(
     R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, span, weights, quick, lasting, tmp
 ):
@@ -338,7 +338,7 @@ def relax_body(
         without_reach(after, cov_m2[j])
 
 
-@kernel
+@kernel(allocates=True)
 def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, quick, now, elapsed_s):
     """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner
 
 _NEVER = 1e9
 
 
-@kernel
+@inner
 def cost_of(gain, row, column):
     """Return the cost of a pair; columns past the last are each row's private empty one."""
     n_column = gain.shape[1]
@@ -18,7 +18,7 @@ def cost_of(gain, row, column):
     return 0.0 if column - n_column == row else _NEVER
 
 
-@kernel
+@inner
 def relax(gain, row, column, u, v, used, low, way):
     """Update the shortest ways to the unused columns; return the nearest and its distance."""
     delta, nearest = math.inf, -1
@@ -34,7 +34,7 @@ def relax(gain, row, column, u, v, used, low, way):
     return nearest, delta
 
 
-@kernel
+@inner(allocates=True)
 def assign(gain, best):
     """Assign rows to columns so that the sum of gains is largest; write column or -1 to `best`.
 

@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 
 BLOCK = 3
 ORDER = 4
 
 
-@kernel
+@inner
 def locate(place, live, weights):
     """Write the weights of the four control points active at `place`; return the first of them.
 
@@ -37,7 +37,7 @@ def locate(place, live, weights):
     return span
 
 
-@kernel
+@inner
 def derivative(place, live, knot_s, weights):
     """Write the weights of the control points in the curve's velocity; return the first of them.
 
@@ -60,7 +60,7 @@ def derivative(place, live, knot_s, weights):
     return span
 
 
-@kernel
+@inner
 def point(c, span, weights, xyz_m):
     """Write one joint's place at ``span, weights`` to `xyz_m` (3,)."""
     for a in range(BLOCK):
@@ -72,7 +72,7 @@ def point(c, span, weights, xyz_m):
         )
 
 
-@kernel
+@kernel(allocates=True)
 def evaluate_all(c, place, xyz_m):
     """Write everybody's joints at several times to `xyz_m` (time, track, joint, 3).
 

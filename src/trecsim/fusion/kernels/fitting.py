@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import locate, point
 from trecsim.fusion.kernels.information import (
     control_points,
@@ -29,7 +29,7 @@ from trecsim.fusion.kernels.locating import (
 SURPRISE, USUAL, MOST = 2.5, 1.25, 50.0
 
 
-@kernel(inline="always")
+@inner
 def fold_moments(R, z, c, total, j, tmp):
     """Fold the sums of every moment into a joint's trajectory, at the moment's mean time.
 
@@ -51,7 +51,7 @@ def fold_moments(R, z, c, total, j, tmp):
     control_points(R, z, c)
 
 
-@kernel
+@inner
 def gather_views(seen, cam, place, moment, match, worth):
     """Copy what the matched images of one track have in common to `seen`; return how many."""
     n = 0
@@ -63,7 +63,7 @@ def gather_views(seen, cam, place, moment, match, worth):
     return n
 
 
-@kernel(inline="always")
+@inner
 def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
     """Copy the key points of joint `j` in the matched images of one track to `seen`; count them.
 
@@ -84,7 +84,7 @@ def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
     return known
 
 
-@kernel
+@inner
 def seek_body(
     P,
     focal_px,
@@ -136,7 +136,7 @@ def seek_body(
         spread(match, r, found[j], inlier, j)
 
 
-@kernel
+@inner(allocates=True)
 def surprise(shift_m, cov_m2, prior_m2, found):
     """Return the squared shifts of all joints, next to what the predictions lead to expect.
 
@@ -160,14 +160,14 @@ def surprise(shift_m, cov_m2, prior_m2, found):
     return told / expected if expected > 0.0 else 0.0
 
 
-@kernel
+@inner
 def loosen(R, z, wider):
     """Raise the variances of one person's trajectories by a factor, in place."""
     for j in range(R.shape[0]):
         scale(R[j], z[j], 1.0 / math.sqrt(wider))
 
 
-@kernel
+@kernel(allocates=True)
 def fit_all(
     R, z, c, xyz_m, prior_m2, cam, P, focal_px, place,
     xy_px, factor, match, flip, worth, noise, now, inlier, x_m, cov_m2,
@@ -239,7 +239,7 @@ def fit_all(
             curve_covariance(R[k, j], span, weights, tmp.y, cov_m2[k, j])
 
 
-@kernel
+@inner
 def spread(match, r, found, inlier, j):
     """Write the responsibilities `r` of the matched images, if found, to `inlier` (view, joint)."""
     n = 0

@@ -5,7 +5,7 @@ A body rests on its lowest joint: an ankle of somebody who stands, a hip of some
 
 import math
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner
 
 # How the level of the ground is learnt: spread of one measurement, and time after which the next
 # is new [s].
@@ -19,7 +19,7 @@ _STAIRS_M2 = 0.15**2
 _GATE = 3.0
 
 
-@kernel
+@inner
 def lowest(x, rest_m):
     """Return the joint whose body would touch a level ground first.
 
@@ -32,7 +32,7 @@ def lowest(x, rest_m):
     return best
 
 
-@kernel
+@inner
 def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
     """Update, in place, height and variance of the ground under one person.
 
@@ -70,7 +70,7 @@ def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
     level[1] *= 1.0 - gain
 
 
-@kernel
+@inner
 def resting(x, cov_m2, rest_m, level):
     """Return which joint rests on the ground, how far it must rise, and the variance of that.
 

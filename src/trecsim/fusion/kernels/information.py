@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
 
 REACH = ORDER * BLOCK
@@ -22,14 +22,14 @@ UNSEEN_WEIGHT = 0.05
 KEPT = 0.8
 
 
-@kernel
+@inner
 def clear_row(row):
     """Set a row to zero; explicit loops compile many times faster than array expressions."""
     for k in range(row.shape[0]):
         row[k] = 0.0
 
 
-@kernel
+@inner
 def fold_row(R, z, row, y, first):
     """Fold the equation ``row @ c = y`` into ``R c = z``, in place; `row` is destroyed.
 
@@ -59,7 +59,7 @@ def fold_row(R, z, row, y, first):
         y = c * y - s * r
 
 
-@kernel
+@inner
 def extend(R, z, c, stiffness, memory, drift_m, work):
     """Marginalise the oldest control point of one joint and append a new one, in place.
 
@@ -103,7 +103,7 @@ def extend(R, z, c, stiffness, memory, drift_m, work):
         c[n - 3 + a] = (1.0 + memory) * c[n - 6 + a] - memory * c[n - 9 + a] + step_m
 
 
-@kernel
+@inner
 def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
     """Set up a joint that rests at `xyz_m`, with wide uncertainty, in place.
 
@@ -130,7 +130,7 @@ def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
             fold_row(R, z, work, 0.0, BLOCK * p + a)
 
 
-@kernel
+@inner
 def control_points(R, z, c):
     """Solve ``R c = z`` by back substitution into `c` (n,).
 
@@ -151,7 +151,7 @@ def control_points(R, z, c):
         c[i + 1], c[i + 2] = y, w
 
 
-@kernel
+@inner
 def curve_covariance(R, span, weights, y, cov_m2):
     """Write the covariance of the curve's point at ``span, weights`` to `cov_m2` (3, 3).
 
@@ -183,7 +183,7 @@ def curve_covariance(R, span, weights, y, cov_m2):
     cov_m2[2, 0], cov_m2[2, 1], cov_m2[2, 2] = xz, yz, zz
 
 
-@kernel
+@kernel(allocates=True)
 def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
     """Move every track and joint on by one control point, in place.
 
@@ -210,7 +210,7 @@ def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
             extend(R[k, j], z[k, j], c[k, j], stiffness[j], memory, drift_m, work)
 
 
-@kernel
+@inner
 def body_step(c, seen, torso, step_m):
     """Write how far the body moved between the two newest control points to `step_m` (3,)."""
     n = c.shape[1]
@@ -227,7 +227,7 @@ def body_step(c, seen, torso, step_m):
         step_m[a] *= KEPT / total if most < 2 else 1.0 / total
 
 
-@kernel
+@kernel(allocates=True)
 def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
     """Set up all joints of one new track, in place; see `start`."""
     work = np.empty(R.shape[1])
@@ -236,7 +236,7 @@ def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
         control_points(R[j], z[j], c[j])
 
 
-@kernel
+@kernel(allocates=True)
 def covariance_all(R, place, cov_m2):
     """Write everybody's covariances at one time (in knots) to `cov_m2` (track, joint, 3, 3)."""
     y = np.empty((R.shape[2], BLOCK))
@@ -247,7 +247,7 @@ def covariance_all(R, place, cov_m2):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
 
 
-@kernel
+@inner
 def invert3(A, out):
     """Write the inverse of a symmetric positive 3 x 3 matrix to `out`."""
     a, b, c = A[0, 0], A[0, 1], A[0, 2]
@@ -261,7 +261,7 @@ def invert3(A, out):
     out[2, 0], out[2, 1], out[2, 2] = r, s, (a * d - b * b) * by_det
 
 
-@kernel
+@inner
 def copy(source, out):
     """Copy a matrix; explicit loops compile many times faster than array expressions."""
     for i in range(out.shape[0]):
@@ -269,7 +269,7 @@ def copy(source, out):
             out[i, k] = source[i, k]
 
 
-@kernel
+@inner
 def scale(R, z, factor):
     """Multiply a joint's square-root information by `factor`, in place."""
     for i in range(R.shape[0]):
@@ -278,7 +278,7 @@ def scale(R, z, factor):
             R[i, k] *= factor
 
 
-@kernel
+@inner
 def fold_block(R, z, rows, y, first):
     """Fold the three equations ``rows @ c = y`` into ``R c = z``, in place; both are destroyed.
 
@@ -313,7 +313,7 @@ def fold_block(R, z, rows, y, first):
         y[2] -= w * c
 
 
-@kernel
+@inner
 def fold_gaussian(R, z, info, rhs, least, x, span, weights, rows, y):
     """Fold what is known about a joint's place at one time into its trajectory, in place.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.information import invert3
 
 # How a length is learnt: spread of one measurement, and time after which the next is new [s].
@@ -40,7 +40,7 @@ class Limbs(NamedTuple):
     rest_m: Float64[np.ndarray, " joint"]
 
 
-@kernel
+@inner
 def length_along(x, cov_m2, a, b, d):
     """Write the unit vector from joint `a` to `b` to `d`; return length and its variance."""
     length = 0.0
@@ -59,7 +59,7 @@ def length_along(x, cov_m2, a, b, d):
     return length, var
 
 
-@kernel
+@inner(allocates=True)
 def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
     """Update, in place, one person's limb lengths `limb_m` and their variances `limb_m2`.
 
@@ -82,7 +82,7 @@ def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
         limb_m2[i] = max(limb_m2[i] * (1.0 - gain), _SUREST_M2)
 
 
-@kernel
+@inner(allocates=True)
 def tighten(x, cov_m2, limbs, limb_m, limb_m2):
     """Move one person's joints, in place, towards the lengths of the limbs, by how sure each is.
 
@@ -112,7 +112,7 @@ def tighten(x, cov_m2, limbs, limb_m, limb_m2):
             pull(x[b], cov_m2[b], u, rest, var, sweep == 0, gain)
 
 
-@kernel
+@inner
 def pull(x, cov_m2, u, rest, var, informed, gain):
     """Move one joint along `u` by its share of `rest`, in place; shrink its covariance if told."""
     for p in range(3):
@@ -124,7 +124,7 @@ def pull(x, cov_m2, u, rest, var, informed, gain):
                 cov_m2[p, q] -= gain[p] * gain[q] / var
 
 
-@kernel
+@inner(allocates=True)
 def quotient(before_m2, after_m2, shift_m, info, vector):
     """Write what the body says of a joint beyond its trajectory; return the information of both.
 

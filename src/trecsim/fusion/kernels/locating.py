@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.information import copy, invert3
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
@@ -77,7 +77,7 @@ class Scratch(NamedTuple):
     y: Float64[np.ndarray, "n 3"]
 
 
-@kernel
+@inner(allocates=True)
 def scratch(n):
     """Allocate the scratch arrays for joints of `n` unknowns."""
     return Scratch(
@@ -86,7 +86,7 @@ def scratch(n):
     )  # fmt: skip
 
 
-@kernel
+@inner(allocates=True)
 def sums(n_joint, n_moment):
     """Allocate the sums of one person's joints over `n_moment` moments."""
     return Sums(
@@ -95,7 +95,7 @@ def sums(n_joint, n_moment):
     )  # fmt: skip
 
 
-@kernel
+@inner
 def moments(place, moment):
     """Write the moment each image belongs to, counted back from the newest; return how many."""
     newest = -math.inf
@@ -108,7 +108,7 @@ def moments(place, moment):
     return most + 1
 
 
-@kernel
+@inner
 def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
     """Add an image's equations for the shift to `info` and `rhs`; return their information."""
     along_u = eu + du[0] * shift_m[0] + du[1] * shift_m[1] + du[2] * shift_m[2]
@@ -123,7 +123,7 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
     return size
 
 
-@kernel
+@inner
 def clear(total, j):
     """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
     for m in range(total.weight.shape[1]):
@@ -135,7 +135,7 @@ def clear(total, j):
                 total.info[j, m, p, q] = 0.0
 
 
-@kernel
+@inner
 def locate_joint(
     P, focal_px, seen, n, prior_m2, noise, steps, total, j, shift_m, cov_m2, inlier, tmp
 ):
@@ -205,7 +205,7 @@ def locate_joint(
             return
 
 
-@kernel(inline="always")
+@inner
 def newton_step(total, j, shift_m, cov_m2, tmp):
     """Write the best shift and its covariance given all moments; return how far it moved [m^2].
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.assignment import assign
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
@@ -14,7 +14,7 @@ FREE, TAKEN = -1, -2
 TEMPER = 3.0
 
 
-@kernel
+@inner
 def project_person(P, focal_px, cam, xyz_m, cov_m2, uv, S, depth_m):
     """Write a person's projected joints, their covariances (uu, uv, vv) and depths."""
     for j in range(xyz_m.shape[0]):
@@ -24,7 +24,7 @@ def project_person(P, focal_px, cam, xyz_m, cov_m2, uv, S, depth_m):
         S[j, 0], S[j, 1], S[j, 2] = widened(*spread, w / focal_px[cam])
 
 
-@kernel
+@inner
 def mean_distance_m(uv, depth_m, focal_px, xy_px):
     """Return the mean distance between joints and key points at the person's distance [m]."""
     total, n = 0.0, 0
@@ -37,7 +37,7 @@ def mean_distance_m(uv, depth_m, focal_px, xy_px):
     return total / n if n else math.inf
 
 
-@kernel
+@inner
 def person_log_ratio(uv, S, depth_m, focal_px, xy_px, factor, noise, flipped):
     """Return the log likelihood ratio of one detection and one person to clutter."""
     sigma_m, mirror = noise.sigma_m, noise.mirror
@@ -62,7 +62,7 @@ def person_log_ratio(uv, S, depth_m, focal_px, xy_px, factor, noise, flipped):
     return total + math.log(product)
 
 
-@kernel
+@inner
 def box_of(uv, box):
     """Write the bounds of the points that are known to `box`: least u, v, greatest u, v."""
     box[0] = box[1] = math.inf
@@ -74,7 +74,7 @@ def box_of(uv, box):
         box[2], box[3] = max(box[2], uv[j, 0]), max(box[3], uv[j, 1])
 
 
-@kernel
+@inner
 def gap_px(box, other):
     """Return how far two boxes are apart at least, 0 where they overlap [px]."""
     across = max(0.0, box[0] - other[2], other[0] - box[2])
@@ -82,7 +82,7 @@ def gap_px(box, other):
     return max(across, down)
 
 
-@kernel
+@kernel(allocates=True)
 def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, out, flip):
     """Score every detection of one image against every track: log likelihood ratio to clutter.
 
@@ -129,7 +129,7 @@ def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, o
                     flip[k, d] = f
 
 
-@kernel
+@inner
 def nearest_m(depth_m):
     """Return the least depth of the joints before the camera; infinite if there is none [m]."""
     least = math.inf
@@ -139,7 +139,7 @@ def nearest_m(depth_m):
     return least
 
 
-@kernel
+@kernel(allocates=True)
 def match_view(ratio, best):
     """Write for each track the detection that makes the sum of log ratios largest, or -1.
 
@@ -166,7 +166,7 @@ def match_view(ratio, best):
         settle(ratio, claims, contested, best)
 
 
-@kernel
+@inner(allocates=True)
 def settle(ratio, claims, contested, best):
     """Assign the tracks marked by negative `claims` among the detections that any of them wants."""
     n_track, n_person = ratio.shape
@@ -191,7 +191,7 @@ def settle(ratio, claims, contested, best):
         best[row[i]] = column[found[i]] if found[i] >= 0 else -1
 
 
-@kernel
+@inner
 def responsibility(ratio, track, person, temper):
     """Return a track's responsibility for a detection, next to the others and clutter.
 
@@ -208,7 +208,7 @@ def responsibility(ratio, track, person, temper):
     return math.exp((ratio[track, person] - top) / temper) / total
 
 
-@kernel
+@kernel(allocates=True)
 def associate_all(
     P, focal_px, cam, offset, xyz_m, cov_m2, xy_px, factor, noise, reach_m, match, flip, sure
 ):

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner
 
 # A joint nearer than this to a camera's plane is not compared with its image [m].
 NEAR_M = 0.05
@@ -54,7 +54,7 @@ class Noise(NamedTuple):
     lasting: float
 
 
-@kernel
+@inner
 def project(P, cam, x, y, z):
     """Project a world point by ``P[cam]``; return depth [m], pixel, and the pixel's derivatives.
 
@@ -76,7 +76,7 @@ def project(P, cam, x, y, z):
     return w, u, v, du, dv
 
 
-@kernel
+@inner
 def image_covariance(du, dv, cov_m2):
     """Return ``J cov J^T`` [px^2] as ``uu, uv, vv``, with the rows `du` and `dv` of ``J``."""
     p = du[0] * cov_m2[0, 0] + du[1] * cov_m2[1, 0] + du[2] * cov_m2[2, 0]
@@ -90,7 +90,7 @@ def image_covariance(du, dv, cov_m2):
     return uu, uv, p * dv[0] + q * dv[1] + r * dv[2]
 
 
-@kernel
+@inner
 def widened(uu, uv, vv, m_per_px):
     """Return a prediction's covariance in the image [px^2] as it is when somebody may turn."""
     most_px = LEEWAY_M / m_per_px
@@ -98,7 +98,7 @@ def widened(uu, uv, vv, m_per_px):
     return more * uu, more * uv, more * vv
 
 
-@kernel
+@inner
 def inlier_odds(eu, ev, uu, uv, vv, m_per_px, odds_m2):
     """Return the odds that a key point shows its joint rather than anything else.
 

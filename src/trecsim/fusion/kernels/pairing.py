@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.mixture import NEAR_M, project
 
 # Rays whose angle has a smaller squared sine than this (below 2 degrees) do not meet anywhere.
@@ -24,7 +24,7 @@ _FITS_M = 0.12
 _SQRT_2_PI = math.sqrt(2.0 * math.pi)
 
 
-@kernel
+@inner
 def ray_midpoint(p, u, q, v, out):
     """Write the point halfway between two rays to `out`; return their distance there [m].
 
@@ -75,7 +75,7 @@ def midpoints(p, u, q, v, most_m, out):
     return n
 
 
-@kernel
+@inner
 def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     """Return how well the rays of detections `i` and `k` meet, and how many joints do.
 
@@ -99,7 +99,7 @@ def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
     return total, close
 
 
-@kernel
+@inner
 def limb_score(x, limbs, limb_m):
     """Return how much the limbs of the joints `x` (joint, 3) have the lengths of a body."""
     total = 0.0
@@ -113,7 +113,7 @@ def limb_score(x, limbs, limb_m):
     return total
 
 
-@kernel
+@kernel(allocates=True)
 def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
     """Score how well any two detections of different cameras are one person.
 
@@ -156,7 +156,7 @@ def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
                     flip[i, k] = f
 
 
-@kernel
+@kernel(allocates=True)
 def note_exchanges(
     cam, offset, xy_px, factor, match, ray_of, position_m, limbs, limb_m, noise, clear, most,
     evidence,
@@ -217,7 +217,7 @@ def note_exchanges(
         evidence[k] = max(0.0, evidence[k] + min(gain[k], most))
 
 
-@kernel
+@inner
 def exchange(sight, i, pair, view, own, gain):
     """Raise `gain` of track `i` and others to what is gained if they exchanged a detection."""
     for k in range(pair.shape[0]):
@@ -228,7 +228,7 @@ def exchange(sight, i, pair, view, own, gain):
             gain[k] = max(gain[k], one + other - own[i] - own[k])
 
 
-@kernel
+@inner
 def replaced(sight, offset, held, pair, view):
     """Return how well a pair fits at best if a free detection took the place of one of its own."""
     best = -math.inf
@@ -240,7 +240,7 @@ def replaced(sight, offset, held, pair, view):
     return best
 
 
-@kernel
+@inner
 def hold(match, held, pair, view):
     """Mark a track's detections in `held`; write them and their images down if they are two."""
     n = 0
@@ -254,7 +254,7 @@ def hold(match, held, pair, view):
         pair[0] = pair[1] = -1
 
 
-@kernel
+@inner
 def pair_score(sight, view, i, k):
     """Return how well detections of two images are one person, at least 0: as log ratio to chance.
 
@@ -273,7 +273,7 @@ def pair_score(sight, view, i, k):
     return best
 
 
-@kernel
+@inner
 def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
     """Write where the rays of detection `d` of camera `c` begin and go to, and its factors."""
     for a in range(3):
@@ -326,7 +326,7 @@ def note_needless(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
         looks[k] = looks[k] + 1.0 if explained == 2 else max(0.0, looks[k] - 1.0)
 
 
-@kernel
+@inner
 def fits_another(P, focal_px, c, xyz_m, xy_px, match, confirmed, k):
     """Return whether a detection of track `k` fits somebody whom nothing in the image shows."""
     for i in range(match.shape[0]):
@@ -336,7 +336,7 @@ def fits_another(P, focal_px, c, xyz_m, xy_px, match, confirmed, k):
     return False
 
 
-@kernel
+@inner
 def away_m(P, focal_px, c, xyz_m, xy_px):
     """Return how far key points lie from a person's joints on average, at its distance [m]."""
     total, n = 0.0, 0

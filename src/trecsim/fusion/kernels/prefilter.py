@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.undistortion import undistort
 
 # How the noise of a key point grows as its score falls, and by how much at most.
@@ -18,7 +18,7 @@ TWIN_SHARE = 0.03
 TWIN_JOINTS = 3
 
 
-@kernel
+@inner
 def score_to_factor(score, good_score):
     """Return by how much a key point of this score is less certain than a good one.
 
@@ -70,7 +70,7 @@ def prefilter(
     close_up(xy_px, factor, offset, min_joints, kept)
 
 
-@kernel
+@inner
 def close_up(xy_px, factor, offset, min_joints, kept):
     """Move the detections that have so many key points to the front, in place; see `prefilter`."""
     n = 0
@@ -86,7 +86,7 @@ def close_up(xy_px, factor, offset, min_joints, kept):
         kept[v + 1] = n
 
 
-@kernel
+@inner(allocates=True)
 def blot_out_twins(offset, xy_px, factor):
     """Blot out, in place, what an estimator has found twice; return how many detections are left.
 
@@ -123,7 +123,7 @@ def blot_out_twins(offset, xy_px, factor):
     return left
 
 
-@kernel
+@inner
 def extent_px(xy_px):
     """Return the larger side of the box around the known key points of one detection."""
     extent = 0.0
@@ -136,7 +136,7 @@ def extent_px(xy_px):
     return extent
 
 
-@kernel
+@inner
 def are_twins(one_px, other_px, reach_px):
     """Return whether two detections have enough key points in common, all in one place."""
     common = 0

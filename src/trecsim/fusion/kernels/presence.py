@@ -2,7 +2,7 @@
 
 import math
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 
 # A camera supports a joint or person "now" if it did within this time [s].
 SUPPORT_S = 0.12
@@ -88,7 +88,7 @@ def age(camera_s, match, flip, now_s, elapsed_s, two_s, together_s, mirrored_s):
             mirrored_s[k] = max(0.0, mirrored_s[k] + votes / seen * elapsed_s)
 
 
-@kernel
+@inner
 def supporting(camera_s, now_s):
     """Return how many cameras support a person now."""
     n = 0
@@ -135,7 +135,7 @@ def survive_all(camera_s, two_s, confirmed, expected, x_m, now_s, death_s, doubt
         )
 
 
-@kernel
+@inner
 def patience(expected):
     """Return the share of `death_s` to wait for somebody whom so many cameras should find."""
     if expected == 0:
@@ -143,7 +143,7 @@ def patience(expected):
     return CROWDED_PATIENCE if expected >= CROWDED else 1.0
 
 
-@kernel
+@inner
 def last_seen_s(camera_s):
     """Return when any camera last supported a person [s]."""
     last_s = -math.inf
@@ -165,7 +165,7 @@ def ask_all(camera_s, two_s, now_s, death_s, doubt_s, asked):
     return any_
 
 
-@kernel
+@inner
 def finite(x_m):
     """Return whether all of one person's joints have a finite place."""
     total = 0.0  # a sum with a NaN or infinity in it is not finite

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.information import invert3
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import NEAR_M, project
@@ -18,7 +18,7 @@ _OFF_M, _DRIFT_MPS, _LONG_S = 0.1, 0.1, 5.0
 _WANDER_PER_S, _OFF_MPS = 5.0, 0.2
 
 
-@kernel
+@inner
 def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
@@ -51,7 +51,7 @@ def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
                 info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
 
 
-@kernel
+@inner
 def unseen_sigma_m(last_s, now_s):
     """Return the lasting error of a joint in directions that no camera tells of [m]."""
     latest = second = -math.inf
@@ -61,7 +61,7 @@ def unseen_sigma_m(last_s, now_s):
     return _OFF_M + _DRIFT_MPS * min(max(now_s - SUPPORT_S - second, 0.0), _LONG_S)
 
 
-@kernel
+@inner
 def widen(cov, info, scale, sigma, bounded, lasting):
     """Add the covariance of a lasting error to `cov` (3, 3), in place.
 
@@ -88,7 +88,7 @@ def widen(cov, info, scale, sigma, bounded, lasting):
             cov[p, q] += lasting[p, q]
 
 
-@kernel
+@kernel(allocates=True)
 def state_all(
     P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2, velocity_cov_m2ps2
 ):

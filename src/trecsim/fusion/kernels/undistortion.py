@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner
 from trecsim.geometry.distortion import NEWTON_STEPS, TOLERANCE
 
 IDEAL, BROWN, FISHEYE = 0, 1, 2
@@ -41,7 +41,7 @@ class Undistortion(NamedTuple):
     table: Float64[np.ndarray, "cam 2 start"]
 
 
-@kernel
+@inner
 def look_up(table, bent):
     """Return the ideal radius or angle of a distorted one, by linear interpolation."""
     low, high = 0, table.shape[1] - 1
@@ -57,7 +57,7 @@ def look_up(table, bent):
     return slope * (bent - table[0, low]) + table[1, low]
 
 
-@kernel
+@inner
 def invert_brown(k, limit, table, x_d, y_d):
     """Return the ideal point that a lens of Brown's model images at ``x_d, y_d``, or NaN.
 
@@ -90,7 +90,7 @@ def invert_brown(k, limit, table, x_d, y_d):
     return math.nan, math.nan
 
 
-@kernel
+@inner
 def invert_fisheye(k, limit, table, x_d, y_d):
     """Return the ideal point that a fisheye lens images at ``x_d, y_d``, or NaN."""
     bent = math.sqrt(x_d * x_d + y_d * y_d)
@@ -111,7 +111,7 @@ def invert_fisheye(k, limit, table, x_d, y_d):
     return x_d * scale, y_d * scale
 
 
-@kernel
+@inner
 def undistort(lenses, cam, xy_px):
     """Turn raw pixels into those that the ideal pinhole camera of the same K would see, in place.
 

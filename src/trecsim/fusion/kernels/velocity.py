@@ -7,7 +7,7 @@ from trecsim.fusion.kernels.curve import BLOCK, ORDER, derivative, point
 from trecsim.fusion.kernels.information import curve_covariance
 
 
-@kernel
+@kernel(allocates=True)
 def velocity_all(R, c, place, knot_s, velocity_mps, cov_m2ps2):
     """Write the velocities of all joints of all tracks at one time, and their covariances.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 
 # What `Lenses.kind` says.
 PINHOLE, BROWN, FISHEYE = 0, 1, 2
@@ -102,7 +102,7 @@ def expect_all(lenses, silhouette, looking, torso, x_m, asked, expected):
         expected[k] = visible if visible or not before else -1
 
 
-@kernel
+@inner
 def has_in_view(lenses, c, x_m, torso):
     """Return whether enough of a person's torso is in a camera's image, were nobody before it."""
     inside = 0
@@ -111,7 +111,7 @@ def has_in_view(lenses, c, x_m, torso):
     return inside >= IN_VIEW * torso.shape[0]
 
 
-@kernel
+@inner
 def in_image(lenses, c, x):
     """Return whether the point `x` has an image in a camera's raw picture."""
     T, K = lenses.T_cam_world[c], lenses.K[c]
@@ -129,7 +129,7 @@ def in_image(lenses, c, x):
     return -0.5 <= column < lenses.size_px[c, 0] - 0.5 and -0.5 <= row < lenses.size_px[c, 1] - 0.5
 
 
-@kernel
+@inner
 def bent(kind, k, x, y):
     """Return where a lens images the normalised point (x, y); see `trecsim.geometry.distortion`."""
     s = x * x + y * y
@@ -146,7 +146,7 @@ def bent(kind, k, x, y):
     return x * spread + k[3] * s, y * spread + k[2] * s
 
 
-@kernel
+@inner(allocates=True)
 def hidden_share(eye_m, silhouette, torso, x_m, k):
     """Return which share of the joints of person `k` others hide from a camera at `eye_m`."""
     hidden = np.empty(x_m.shape[1], np.int64)
@@ -168,7 +168,7 @@ def hidden_share(eye_m, silhouette, torso, x_m, k):
     return count / hidden.shape[0]
 
 
-@kernel
+@inner
 def middle_from(eye_m, x_m, torso, out):
     """Write the way from `eye_m` to the middle of a torso to `out`."""
     for a in range(3):
@@ -177,7 +177,7 @@ def middle_from(eye_m, x_m, torso, out):
             out[a] += x_m[j, a] / torso.shape[0]
 
 
-@kernel
+@inner(allocates=True)
 def hide(eye_m, silhouette, other_m, x_m, hidden):
     """Mark, in place, the joints `x_m` that the body with the joints `other_m` hides."""
     start, end, to_joint = np.empty(3), np.empty(3), np.empty(3)
@@ -194,7 +194,7 @@ def hide(eye_m, silhouette, other_m, x_m, hidden):
             hidden[j] = gap_m2(to_joint, start, end) < silhouette.radius_m[p] ** 2
 
 
-@kernel
+@inner
 def gap_m2(ray, start, end):
     """Return the squared distance of two segments: origin to `ray`, `start` to `end`."""
     aa = bb = cc = d = e = 0.0

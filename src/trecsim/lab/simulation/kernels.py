@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import kernel
+from trecsim.compiler import inner, kernel
 from trecsim.lab.simulation.body_volume import ENDS, RADIUS_M, WIDEST_M
 
 
@@ -29,7 +29,7 @@ def remember(values, keep, fresh):
             )
 
 
-@kernel
+@kernel(allocates=True)
 def hidden_by_bodies(position_m, xyz_m, hidden):
     """Find the joints that somebody else's body hides from a camera.
 
@@ -71,7 +71,7 @@ def hidden_by_bodies(position_m, xyz_m, hidden):
                     )
 
 
-@kernel
+@inner
 def _place_parts(seen_m, start_m, along_m, balls):
     """Find where capsules start, the ways to their other ends, and balls about them."""
     for part in range(ENDS.shape[0]):
@@ -85,7 +85,7 @@ def _place_parts(seen_m, start_m, along_m, balls):
         _look_at_ball(balls[part], half_m + RADIUS_M[part])
 
 
-@kernel
+@inner
 def _enclose_body(seen_m, ball):
     """Find a ball about all of a body's joints, and all of its parts."""
     for axis in range(3):
@@ -102,7 +102,7 @@ def _enclose_body(seen_m, ball):
     _look_at_ball(ball, math.sqrt(furthest_m2) + WIDEST_M)
 
 
-@kernel
+@inner
 def _look_at_ball(ball, radius_m):
     """Complete a ball: middle, distance, radius [m], sine and cosine of half its angle of view."""
     ball[3] = math.sqrt(_dot(ball, ball))
@@ -111,7 +111,7 @@ def _look_at_ball(ball, radius_m):
     ball[6] = math.sqrt(1.0 - ball[5] ** 2)
 
 
-@kernel
+@inner
 def _may_hide(other, person):
     """Return whether a ball is not behind another and touches its cone; false for NaN."""
     if not other[3] - other[4] < person[3] + person[4]:
@@ -122,7 +122,7 @@ def _may_hide(other, person):
     return _dot(other, person) > least * other[3] * person[3]
 
 
-@kernel
+@inner(allocates=True)
 def _hide(seen_m, length_m, start_m, along_m, balls, hidden):
     """Mark the joints behind the capsules of one body."""
     to_m = np.empty(3)
@@ -139,12 +139,12 @@ def _hide(seen_m, length_m, start_m, along_m, balls, hidden):
                 hidden[joint] = _to_segment_m2(along_m[part], to_m) > radius_m2
 
 
-@kernel
+@inner
 def _dot(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-@kernel
+@inner
 def _to_segment_m2(ray_m, point_m):
     """Return the squared distance of a point from the segment between the origin and `ray_m`."""
     length_m2 = max(_dot(ray_m, ray_m), 1e-18)
@@ -156,7 +156,7 @@ def _to_segment_m2(ray_m, point_m):
     )
 
 
-@kernel
+@inner
 def _gap_m2(ray_m, start_m, along_m):
     """Return the squared distance of two segments: origin to `ray_m`; `start_m` on `along_m`."""
     a, b, c = _dot(ray_m, ray_m), _dot(ray_m, along_m), _dot(along_m, along_m)
