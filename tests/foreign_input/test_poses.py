@@ -29,7 +29,7 @@ def test_key_points_of_nan_are_missing(case, tmp_path):
 
 def test_a_pose2sim_project_is_read_as_synchronised(case, tmp_path, caplog):
     assert_three_people_are_found(case / "pose2sim-pose-sync", "project", tmp_path)
-    assert "pose-sync is taken, as Pose2Sim does" in caplog.messages[0]
+    assert "pose-sync is read, as Pose2Sim does" in caplog.messages[0]
 
 
 def test_the_frame_number_may_stand_before_the_number_of_the_camera(case, tmp_path):

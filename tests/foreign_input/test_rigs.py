@@ -47,7 +47,7 @@ def test_the_easymocap_cameras_that_have_a_pose_are_read(case):
     rig = read_rig(case / "easymocap-subset" / "calib", remark=remarks.append)
     assert rig.names == ("cam1", "cam2", "cam3")
     np.testing.assert_allclose(positions_m(rig)[:, 2], 2.7, atol=1e-6)
-    assert "left out, for extri.yml has no pose of them: cam4" in remarks[0]
+    assert "cameras without a pose in extri.yml are left out: cam4" in remarks[0]
 
 
 def test_the_mc_calib_cameras_of_the_first_group_are_read(case):

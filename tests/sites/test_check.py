@@ -46,7 +46,7 @@ def test_a_good_site_is_known_before_it_runs(site: Path) -> None:
 
 def test_one_camera_alone_is_remarked(site: Path) -> None:
     site.write_text(site.read_text().partition("[sources.cam1]")[0])
-    assert "one camera alone sees no depth" in check_site(site).remarks[-1]
+    assert "only one camera has a source" in check_site(site).remarks[-1]
 
 
 def test_a_video_of_another_size_than_calibrated_is_refused(site: Path) -> None:

@@ -341,7 +341,7 @@ def test_of_a_pose2sim_project_the_last_step_is_taken_with_a_remark(tmp_path, ta
         write_openpose(tmp_path / name / "cam1_json", made_poses("a", 0, 1), f"cam1_{number}.json")
     (image,) = read_poses(tmp_path, fps=10)
     assert image.t_s == 0.0
-    told = [f"{taken} is taken, as Pose2Sim does" in message for message in caplog.messages]
+    told = [f"{taken} is read, as Pose2Sim does" in message for message in caplog.messages]
     assert told == ([] if taken == "pose" else [True])
 
 
@@ -350,7 +350,7 @@ def test_poses_of_an_earlier_step_that_are_given_are_taken_with_a_remark(tmp_pat
         write_openpose(tmp_path / name / "cam1_json", made_poses("a", 0, 1), f"cam1_{number}.json")
     (image,) = read_poses(tmp_path / "pose", fps=10)
     assert image.t_s == 0.2
-    assert "pose-associated lies beside it" in caplog.messages[0]
+    assert "Pose2Sim would read pose-associated beside it" in caplog.messages[0]
 
 
 def test_two_folders_of_one_camera_are_refused(tmp_path):
@@ -457,7 +457,10 @@ def test_cameras_whose_name_stands_in_that_of_the_rig_are_taken_with_a_remark(tm
         write_openpose(tmp_path / f"{camera}_json", made_poses("a", 0, 1), "a_0.json")
     rig = ["int_cam01_img", "int_cam02_img", "cam3"]
     assert [one.camera for one in read_poses(tmp_path, rig_cameras=rig, fps=25)] == rig[:2]
-    assert "taken 'cam01' as 'int_cam01_img', 'cam02' as 'int_cam02_img'" in caplog.messages[0]
+    assert (
+        "camera names differ from the rig: 'cam01' as 'int_cam01_img', 'cam02' as 'int_cam02_img'"
+        in caplog.messages[0]
+    )
 
 
 @pytest.mark.parametrize("rig", [["cam1", "cam12"], ["a_cam_1", "b_cam1"]])

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from trecsim.calibration.floor import Floor
 from trecsim.calibration.formats.known import FORMATS, Format, format_called, open_rig
-from trecsim.calibration.formats.wishes import Wishes, logger
+from trecsim.calibration.formats.read_options import ReadOptions, logger
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
@@ -50,7 +50,7 @@ def read_rig(
         There is no such rig, or something in it is wrong: every fault in one message.
     """
     found, document = open_rig(Path(path), format)
-    return found.read(document, Wishes(unit_m, floor, size_px, remark))
+    return found.read(document, ReadOptions(unit_m, floor, size_px, remark))
 
 
 def write_rig(
@@ -84,7 +84,7 @@ def write_rig(
     """
     path = Path(path)
     chosen = format_to_write(path, format)
-    Wishes(unit_m)  # refuses what cannot be a unit
+    ReadOptions(unit_m)  # refuses what cannot be a unit
     if chosen.write is not None:
         for text in chosen.write(rig, path, unit_m):
             remark(text)

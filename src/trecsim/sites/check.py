@@ -28,7 +28,7 @@ from trecsim.toml_models.toml_reading import Fault
 
 @dataclass(frozen=True, slots=True)
 class CheckedSite:
-    """A site file of which everything was found to be there.
+    """A site file without faults, and what was found in the files that it names.
 
     Attributes
     ----------
@@ -37,9 +37,9 @@ class CheckedSite:
     rig
         Its cameras.
     videos
-        What its videos say of themselves, by camera.
+        The properties of its videos, by camera.
     remarks
-        What is doubtful without being wrong.
+        Remarks on what is probably wrong but does not prevent a run.
     """
 
     file: SiteFile
@@ -124,7 +124,7 @@ def _source_faults(draft: Draft, rig: Rig | None, videos: dict[str, VideoInfo]) 
 
 
 def _is_cut(found: tuple[int, int], expected: tuple[int, int]) -> bool:
-    """Tell whether images only lack a few rows or columns, as encoders and editors leave them."""
+    """Return whether images only lack a few rows or columns, as after some encoders."""
     return all(0.98 * e <= f <= e for f, e in zip(found, expected, strict=True))
 
 
@@ -183,7 +183,7 @@ def _remarks(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[str
     if unused:
         yield f"cameras of the rig without a source: {', '.join(unused)}"
     if len(site.sources) < 2:
-        yield "one camera alone sees no depth: people are found where two or more see them"
+        yield "only one camera has a source: people are found where at least two cameras see them"
 
 
 def load_estimator(file: SiteFile) -> estimators.Estimator2D:

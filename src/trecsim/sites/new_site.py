@@ -105,7 +105,7 @@ def matched_cameras(
 
 
 def _seen_from(folder: Path, path: Path) -> str:
-    """Return a path as it should stand in a file of a folder."""
+    """Return a path as seen from a folder if it is inside, else the absolute path."""
     absolute = path.expanduser().absolute()
     inside = absolute.is_relative_to(folder)
     return Path(os.path.relpath(absolute, folder) if inside else absolute).as_posix()

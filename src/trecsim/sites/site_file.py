@@ -1,7 +1,6 @@
-"""The site file: what is installed where, and how it shall run.
+"""The keys of the site file; :mod:`trecsim.sites.site_reading` reads a file by them.
 
-This module is the table of all keys; :mod:`trecsim.sites.site_reading` reads a file by it. Paths in
-a site file are relative to the file itself.
+Paths in a site file are relative to the file.
 """
 
 from collections.abc import Callable
@@ -51,13 +50,13 @@ class RigTable(Table):
     file: FilePath
     """File or directory in any format that `trecsim rig show` reads."""
     format: str | None = Field(default=None, json_schema_extra={"enum": [f.name for f in FORMATS]})
-    """Name of the format; without it the content tells."""
+    """Name of the format; recognised by the content if not given."""
     unit_m: float | None = Field(default=None, ge=1e-6, le=1e3)
-    """Length of the file's unit [m]; without it the format tells, or it is guessed."""
+    """Length of the file's unit [m]; if not given, that of the format, or a guess with a remark."""
     size_px: SizePx | None = None
-    """Image width and height of all cameras [px], for formats that do not tell it."""
+    """Image width and height of all cameras [px], for formats that do not have it."""
     floor: FloorTable | None = None
-    """Where the floor is; without it the file's frame is the room's."""
+    """The floor in the file's frame; if not given, the floor is z = 0."""
 
     def read(self, remark: Callable[[str], None]) -> Rig:
         """Read the rig.
@@ -83,7 +82,7 @@ class RigTable(Table):
 
 
 class SourceTable(Table):
-    """What one camera delivers."""
+    """The source of one camera."""
 
     video: FilePath
     """A recording of this camera."""
@@ -95,11 +94,11 @@ class PosesTable(Table):
     file: FilePath
     """A `*.poses.jsonl` file, or what OpenPose or COCO tools wrote: see `trecsim track`."""
     fps: float | None = Field(default=None, ge=FPS_RANGE[0], le=FPS_RANGE[1])
-    """Frames per second, for files that number their frames and tell no time."""
+    """Frames per second, for files with frame numbers instead of times."""
 
 
 class EstimatorTable(Table):
-    """How people are found in images; further keys are settings of the estimator itself."""
+    """The 2D pose estimator; further keys are its own settings."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -142,7 +141,7 @@ else:
     FusionTable = create_model(
         "FusionTable",
         __base__=_FusionTable,
-        __doc__="How people are told apart and followed.",
+        __doc__="Settings of the association and the fit.",
         **fields_of(
             FusionSettings, {field.name: _limits(field.name) for field in fields(FusionSettings)}
         ),
@@ -155,11 +154,11 @@ class OutputTable(Table):
     directory: FilePath | None = None
     """Gets one folder per run; without it `recordings/NAME` beside the site file."""
     lag_s: float = Field(default=0.0, ge=0.0, le=LONGEST_LAG_S)
-    """How long positions wait for later images, which makes them smoother [s]."""
+    """Delay of the reported states behind the newest image [s]; later images make them smoother."""
     poses: bool = False
     """Whether to keep the 2D poses too, as `poses.jsonl`."""
     paths_s: float = Field(default=60.0, gt=0.0)
-    """The picture of paths shows only where people went in so long before the end [s]."""
+    """Length of the paths in the picture of paths, up to the end of the run [s]."""
 
 
 def _file_table(given: Any) -> Any:
@@ -185,7 +184,7 @@ NOT_YET = {
 
 
 class Site(Table):
-    """One site: its cameras, how people are found and followed, and what is kept."""
+    """One site: cameras, sources, settings and output."""
 
     not_yet = NOT_YET
 
@@ -196,13 +195,13 @@ class Site(Table):
     rig: RigPlace
     """The calibration of the cameras: its file, or a table."""
     sources: dict[str, SourceTable] = Field(default_factory=dict)
-    """What each camera delivers, by the name the camera has in the rig."""
+    """The source of each camera, by the name of the camera in the rig."""
     poses: PosesPlace | None = None
     """2D poses of all cameras in place of `sources`: their file, or a table."""
     estimator: EstimatorTable = EstimatorTable()
-    """How people are found in images."""
+    """The 2D pose estimator."""
     fusion: FusionTable = FusionTable()
-    """How people are told apart and followed."""
+    """Settings of the association and the fit."""
     output: OutputTable = OutputTable()
     """What is kept of a run."""
 

@@ -1,4 +1,4 @@
-"""Read a site file; all that is wrong with it comes in one message, with line numbers."""
+"""Read a site file; all faults are in one message, with line numbers."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,7 +95,7 @@ class Draft:
             return None
         try:
             return TypeAdapter(kind).validate_python(value, context=self.context)
-        except ValidationError:  # only together with others is it wrong, and that is told
+        except ValidationError:  # already among the faults
             return None
 
 

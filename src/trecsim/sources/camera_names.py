@@ -1,4 +1,4 @@
-"""Which camera of the rig is meant by a name that is nearly its own."""
+"""Match names of cameras in other files to those of the rig."""
 
 import difflib
 import re
@@ -9,9 +9,9 @@ _WORD = re.compile(r"[A-Za-z]+|[0-9]+")
 
 
 def unknown_camera(name: str, known: Collection[str], elsewhere: str = RENAMED) -> str:
-    """Say that the rig has no camera called `name`, and which one may be meant.
+    """Return the message that the rig has no camera `name`, with the one that may be meant.
 
-    Nothing is guessed where numbers tell cameras apart: taking one for another ruins everything.
+    No suggestion is made for names with numbers: the wrong camera would spoil all results.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def unknown_camera(name: str, known: Collection[str], elsewhere: str = RENAMED) 
     known
         Those of the rig.
     elsewhere
-        Where the name could be changed but in the rig.
+        Where else the name can be changed than in the rig.
 
     Examples
     --------
@@ -36,9 +36,9 @@ def unknown_camera(name: str, known: Collection[str], elsewhere: str = RENAMED) 
 
 
 def candidates(name: str, cameras: Collection[str]) -> list[str]:
-    """Return the cameras whose name stands in another name, or the other way round.
+    """Return the cameras whose name is contained in another name, or contains it.
 
-    Words and numbers must be the same, capitals and what is between them aside.
+    Words and numbers are compared; capitals and separators do not matter.
 
     Examples
     --------

@@ -17,7 +17,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError
-from trecsim.sources.faults import FaultError, sound
+from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.frame_numbers import MAX_FRAME, frame_number, frame_place
 from trecsim.sources.json_stream import JsonStream
 from trecsim.sources.keypoint_layouts import NumberedImages, coco17
@@ -38,7 +38,7 @@ def read_coco(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
     """Yield the images of one file of COCO key point results, in the order of the file.
 
     Time is the image's number / `fps`; the number is ``image_id``, or if that is a file name, the
-    number in it that differs from name to name. Images in which nobody was found have no entry in
+    number in it that differs from name to name. Images without a detection have no entry in
     this format. The list is read piece by piece: a file of any size takes a few megabytes, but
     its entries must be in the order of the images.
 
@@ -68,7 +68,7 @@ def read_coco(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
         first = list(islice(entries, LOOK_AHEAD))
         parse = _Parser(_place(first, camera, path))
         numbered = ((f"entry {index}", e) for index, e in enumerate(chain(first, entries)))
-        detections = sound(str(path), numbered, parse)
+        detections = parse_each(str(path), numbered, parse)
         for frame, group in groupby(detections, key=lambda detection: detection.frame):
             people = list(group)
             yield image(frame, [one.table for one in people], [one.score for one in people])

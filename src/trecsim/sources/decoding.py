@@ -55,7 +55,7 @@ class OpenVideo:
 
     @property
     def fps(self) -> float | None:
-        """Mean frame rate [1/s]; the nominal one if the container tells no duration."""
+        """Mean frame rate [1/s]; the nominal one if the container has no duration."""
         rates = [self.stream.average_rate, self.stream.guessed_rate]
         if self.stream.duration is None and self.container.duration is None:
             rates.reverse()
@@ -64,12 +64,12 @@ class OpenVideo:
 
     @property
     def frame_count(self) -> int | None:
-        """Number of images, if the container tells it."""
+        """Number of images, if the container has it."""
         return self.stream.frames or None
 
     @property
     def duration_s(self) -> float | None:
-        """Length of the video [s], if the container tells it."""
+        """Length of the video [s], if the container has it."""
         if self.stream.duration is not None:
             return float(self.stream.duration * self.stream.time_base)
         if self.container.duration is not None and len(self.container.streams) == 1:
@@ -87,12 +87,12 @@ class OpenVideo:
 
     @property
     def keeps_no_time(self) -> bool:
-        """Whether what passes for time stamps only counts images in the order of coding."""
+        """Whether the time stamps only count images in the order of coding."""
         reordered = bool(self.stream.codec_context.has_b_frames)
         return reordered and self.container.format.name == "avi"
 
     def pictures(self) -> Iterator[Any]:
-        """Yield what can be decoded, in the order of showing; count the rest in `damaged`."""
+        """Yield the images that can be decoded, in display order; count the others in `damaged`."""
         packets = self.container.demux(self.stream)
         while True:
             try:
@@ -119,7 +119,7 @@ def opened(path: Path, threads: int | None) -> Iterator[OpenVideo]:
     path
         The file.
     threads
-        For decoding; as many as there are processors if None.
+        Decoding threads; None uses one per processor.
 
     Raises
     ------
@@ -199,12 +199,12 @@ def check_size(path: Path, width: int, height: int) -> None:
 
 
 def time_s(picture: Any) -> float | None:
-    """Return when `picture` is to be shown [s], if the container tells it."""
+    """Return the presentation time of `picture` [s], if the container has it."""
     return None if picture.pts is None else float(picture.pts * picture.time_base)
 
 
 def orientation(picture: Any) -> Orientation:
-    """Return how `picture` has to be turned."""
+    """Return the rotation that makes `picture` upright."""
     for data in picture.side_data:
         if data.type == SideDataType.DISPLAYMATRIX:
             return from_display_matrix(np.array(struct.unpack("=9i", bytes(data)[:36]), np.int32))

@@ -1,4 +1,4 @@
-"""Images without people, in results that have entries for people only."""
+"""Adds images without people to results that have entries for detections only."""
 
 import math
 from collections import deque
@@ -13,13 +13,12 @@ LOOK_AHEAD = 32  # images, from which the step of a camera's frame numbers is le
 
 
 def with_empty_images(cameras: Mapping[str, Iterator[Poses2D]], fps: float) -> Iterator[Poses2D]:
-    """Merge the images of cameras by time; add the images in which nobody was found.
+    """Merge the images of cameras by time; add the images without a detection.
 
-    Results in COCO's format cover every image of a video, but have no entry for one without
-    people. So where one camera has people in a frame, any other camera whose results go on after
-    that frame has taken it too, and saw nobody: an image without people. Before the first and
-    after the last entry of a camera nothing is known, and nothing is added; nor for frames that
-    are no multiple of the step in which its frame numbers go.
+    COCO results cover every image of a video but have no entry for an image without people. So if
+    one camera has an entry for a frame, every other camera whose results continue after that frame
+    has an image of it too, without people. Nothing is added before the first or after the last
+    entry of a camera, nor between its frames if it uses only every n-th frame.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Everything that is wrong with one input, told in one message."""
+"""All faults of one input, collected in one message."""
 
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
@@ -7,23 +7,23 @@ from typing import TypeVar
 from trecsim.errors import InputError
 
 MAX_FAULTS = 10
-LOOK_ON = 1000  # parts after the first faulty one
+LOOK_ON = 1000  # parts to check after the first fault
 
 Part = TypeVar("Part")
 Value = TypeVar("Value")
 
 
 class FaultError(ValueError):
-    """One thing that is wrong, told for the person who has to mend the file."""
+    """One fault of a file; its text is written for the person who has to correct it."""
 
 
 class Faults:
-    """Collects the faults of one file; the tenth ends the reading.
+    """Collects the faults of one file; reading ends at the tenth.
 
     Parameters
     ----------
     subject
-        What is being read, as it should stand in the message.
+        Name of what is being read, for the message.
     """
 
     def __init__(self, subject: str) -> None:
@@ -31,16 +31,16 @@ class Faults:
         self._found: list[str] = []
 
     def __bool__(self) -> bool:
-        """Whether anything was found so far."""
+        """Whether there is a fault."""
         return bool(self._found)
 
     def add(self, where: str, text: str) -> None:
-        """Note one fault.
+        """Add a fault.
 
         Raises
         ------
         InputError
-            When as many faults as one message can bear have come together.
+            When `MAX_FAULTS` faults are collected.
         """
         self._found.append(f"{where}: {text}" if where else text)
         if len(self._found) == MAX_FAULTS:
@@ -55,17 +55,17 @@ class Faults:
             raise InputError("\n  ".join([f"{self._subject}:", *self._found]))
 
 
-def sound(
+def parse_each(
     subject: str, parts: Iterable[tuple[str, Part]], parse: Callable[[Part], Value]
 ) -> Iterator[Value]:
-    """Yield what `parse` makes of the parts; at the first fault look on for more, and raise all.
+    """Yield the parsed parts; after the first fault look for more, then raise them all.
 
     Parameters
     ----------
     subject
-        What is being read, as it should stand in the message.
+        Name of what is being read, for the message.
     parts
-        Where each part stands, and the part.
+        The place of each part, for the message, and the part.
     parse
         Raises FaultError when a part is wrong.
 

@@ -1,4 +1,4 @@
-"""The frame number in file names that other programs gave: the number that changes."""
+"""The frame number in file names of other programs: the number that differs from name to name."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -13,9 +13,9 @@ _NUMBER = re.compile(r"[0-9]+")
 def frame_place(stems: Sequence[str], camera: str = "") -> int:
     """Return which of the numbers in file names is the frame's, counted from the end: -1, -2, ...
 
-    It is the number that is another in every name. Names that differ in more than their numbers,
-    and a single name, leave only the rule that frame numbers stand last; the name of the camera,
-    as in ``000012_cam1``, does not count then.
+    It is the number that differs in every name. If the names differ in more than their numbers, or
+    there is only one name, the last number is taken; in a single name, numbers in the name of the
+    camera (``000012_cam1``) are ignored.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ _BLANK = re.compile(r"[ \t\r\n]*")
 
 
 class JsonStream:
-    """A JSON text of which only the part at hand is held in memory.
+    """A JSON text of which only a part is in memory at a time.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""Where other programs put the joints of COCO-17: tables of their key point orders.
+"""The key point orders of other programs, and where the joints of COCO-17 are in them.
 
-The number of key points tells the layout. (OpenPose's experimental BODY_25B shares its number
-with BODY_25 and cannot be told from it; BODY_25 is assumed, it is what people have.)
+The number of key points gives the layout. (OpenPose's experimental BODY_25B has as many as BODY_25
+and cannot be distinguished from it; BODY_25 is assumed, since it is common.)
 """
 
 import logging
@@ -31,7 +31,7 @@ def _order(names: str, others: int = 0) -> tuple[str, ...]:
     return (*names.split(), *(f"other_{index}" for index in range(others)))
 
 
-# Orders of key points, as their makers number them; names outside COCO-17 only keep the place.
+# Orders of key points as their authors number them; names outside COCO-17 are placeholders.
 ORDERS: Mapping[str, tuple[str, ...]] = {
     # COCO key points, also what top-down estimators write into OpenPose files
     "COCO_17": _order(_COCO17),
@@ -96,16 +96,16 @@ def coco17(flat: Any, where: str, places: Places | None = None) -> Float64[np.nd
     Parameters
     ----------
     flat
-        The list as it stands in the file.
+        The list in the file.
     where
-        What to call it in a message.
+        Its name in messages.
     places
-        Where the joints of COCO-17 are, if the file names its key points; else their number tells.
+        Where the joints of COCO-17 are, if the file names its key points; else by their number.
 
     Raises
     ------
     FaultError
-        When it is no such list, of no known length, or holds impossible numbers.
+        When it is no such list, has an unknown length, or holds impossible numbers.
 
     Examples
     --------

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.errors import InputError
-from trecsim.sources.faults import FaultError, sound
+from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.frame_numbers import MAX_FRAME
 from trecsim.sources.json_stream import JsonStream
 from trecsim.sources.keypoint_layouts import NumberedImages, Places, coco17, places_of
@@ -65,11 +65,11 @@ def read_mmpose(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
 
 def _images(stream: JsonStream, path: Path, parse: "_Parser") -> Iterator[Poses2D]:
     numbered = ((f"entry {index}", entry) for index, entry in enumerate(stream.items()))
-    yield from sound(str(path), numbered, parse)
+    yield from parse_each(str(path), numbered, parse)
 
 
 def _named_places(meta: Any, path: Path) -> Places | None:
-    """Return where the joints of COCO-17 are, if the names of the key points are told."""
+    """Return where the joints of COCO-17 are, if the file names its key points."""
     names = meta.get("keypoint_id2name") if isinstance(meta, dict) else None
     if not isinstance(names, dict):
         return None

@@ -24,7 +24,7 @@ from jaxtyping import Float64
 
 from trecsim.errors import InputError
 from trecsim.sources import strict_json
-from trecsim.sources.faults import FaultError, sound
+from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.frame_numbers import frame_number, frame_place
 from trecsim.sources.keypoint_layouts import NumberedImages, coco17
 from trecsim.sources.mmpose import flat_keypoints
@@ -55,21 +55,21 @@ def camera_folders(path: Path) -> dict[str, Path]:
     there = [name for name, found in in_project.items() if found]
     if len(there) > 1:
         logger.warning(
-            "%s holds %s; %s is taken, as Pose2Sim does. To take another, give that folder",
+            "%s has %s; %s is read, as Pose2Sim does. To read another, give its folder",
             path, " and ".join(there), there[0],
         )  # fmt: skip
     return in_project[there[0]] if there else {}
 
 
 def _remark_better(path: Path) -> None:
-    """Remark that a folder of a Pose2Sim project was given, where a later step's lies beside it."""
+    """Remark if a folder of a Pose2Sim project was given and a later step has another."""
     name = path.resolve().name
     if name not in _PROJECT_FOLDERS:
         return
     for better in _PROJECT_FOLDERS[: _PROJECT_FOLDERS.index(name)]:
         if _with_frames(_subfolders(path.resolve().parent / better)):
             logger.warning(
-                "%s is taken as given; %s lies beside it, and Pose2Sim would take that",
+                "%s is read as given; Pose2Sim would read %s beside it",
                 path,
                 better,
             )
@@ -99,7 +99,7 @@ def _camera_name(folder: Path) -> str:
 
 
 def _names(folder: Path) -> list[str]:
-    """Return the names of the files with a frame number, which as a rule stands last in them."""
+    """Return the names of the files with a frame number; files with the number last go first."""
     names = os.listdir(folder)
     return [name for name in names if _NUMBER_LAST.search(name)] or [
         name for name in names if _NUMBER.search(name)
@@ -112,7 +112,7 @@ def _frame_files(folder: Path, camera: str) -> list[tuple[int, str]]:
     Raises
     ------
     InputError
-        When the frame number cannot be told, or two files have the same.
+        When the frame number is not clear, or two files have the same.
     """
     names = sorted(_names(folder))
     stems = [name.removesuffix(".json").removesuffix("_keypoints") for name in names]
@@ -159,7 +159,7 @@ def read_openpose(folder: Path, *, camera: str, fps: float) -> Iterator[Poses2D]
         return image(number, people, [None] * len(people))
 
     files = _frame_files(folder, camera)
-    yield from sound(str(folder), ((file[1], file) for file in files), parse)
+    yield from parse_each(str(folder), ((file[1], file) for file in files), parse)
 
 
 def _people(path: Path) -> list[Float64[np.ndarray, "joint 3"]]:
@@ -176,7 +176,7 @@ def _people(path: Path) -> list[Float64[np.ndarray, "joint 3"]]:
     return [
         coco17(person["pose_keypoints_2d"], f"person {index}")
         for index, person in enumerate(people)
-        if person.get("pose_keypoints_2d")  # a place kept for somebody who is not there is empty
+        if person.get("pose_keypoints_2d")  # the entry of an absent person is empty
     ]
 
 

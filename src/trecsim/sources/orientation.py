@@ -1,4 +1,4 @@
-"""How a picture has to be turned to stand upright, as cameras note it in the file."""
+"""The rotation that makes a video image upright, as cameras store it in the file."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""2D poses from files, whatever wrote them."""
+"""2D poses from files of trecsim and of other programs."""
 
 import heapq
 import logging
@@ -39,8 +39,7 @@ def read_poses(
 ) -> Iterator[Poses2D]:
     """Yield the images of all cameras in `path`, one by one.
 
-    A ``*.poses.jsonl`` file comes in its own order; what stands in several files is merged by
-    time.
+    A ``*.poses.jsonl`` file is read in its own order; several files are merged by time.
 
     Parameters
     ----------
@@ -51,8 +50,8 @@ def read_poses(
     rig_cameras
         Names of the cameras that may occur; all, if None.
     fps
-        Frames per second, for files that number their frames and tell no time. If None, 30 with
-        a warning.
+        Frames per second, for files with frame numbers instead of times. If None, 30 with a
+        warning.
 
     Raises
     ------
@@ -160,9 +159,7 @@ def _of_the_rig(
     faults.raise_if_any()
     others = [f"{given!r} as {name!r}" for given, name in names.items() if given != name]
     if others:
-        logger.warning(
-            "%s: cameras are named otherwise in the rig: taken %s", path, ", ".join(others)
-        )
+        logger.warning("%s: camera names differ from the rig: %s", path, ", ".join(others))
     return {names[given]: place for given, place in places.items()}
 
 

@@ -13,7 +13,7 @@ from trecsim.errors import InputError
 from trecsim.skeleton import SKELETONS, Skeleton
 from trecsim.sources import quick_json, strict_json
 from trecsim.sources.camera_names import unknown_camera
-from trecsim.sources.faults import FaultError, sound
+from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.keypoint_layouts import MAX_COORDINATE_PX
 from trecsim.sources.quick_json import SCORE_RANGE, People
 from trecsim.store.atomic import opened_for_reading
@@ -52,7 +52,7 @@ def read_poses_jsonl(
         lines = _whole_lines(file, path)
         _, header = next(lines, ("line 1", b""))
         parse = _LineParser(_read_header(header, path), rig_cameras)
-        yield from sound(str(path), lines, parse)
+        yield from parse_each(str(path), lines, parse)
 
 
 def _whole_lines(file: IO[bytes], path: Path) -> Iterator[tuple[str, bytes]]:

@@ -1,4 +1,4 @@
-"""Let a source work ahead in a thread of its own."""
+"""Iterate over a source in a thread of its own, ahead of the reader."""
 
 from collections import deque
 from collections.abc import Generator, Iterable
@@ -11,19 +11,18 @@ _END: Final = object()
 
 
 def prefetched(items: Iterable[Item], depth: int = 2) -> Generator[Item, None, None]:
-    """Yield `items`, of which up to `depth` are made ahead in another thread.
+    """Yield `items`; up to `depth` of them are made ahead in another thread.
 
-    Worth its thread where making an item releases the interpreter, as decoding video does. The
-    thread starts with the first item asked for. It ends with the items, or with the item in the
-    making when the generator is closed, be it by an error or Ctrl-C in the loop over it. An error
-    in `items` is raised where its item would have come.
+    Useful if making an item releases the interpreter lock, as decoding video does. The thread
+    starts when the first item is requested. It ends after the last item, or after the current item
+    when the generator is closed. An error in `items` is raised in place of its item.
 
     Parameters
     ----------
     items
-        Iterated in the other thread only.
+        Iterated over in the other thread only.
     depth
-        How many items may wait or be in the making, at least 1.
+        Number of items that may wait or be in preparation, at least 1.
 
     Examples
     --------

@@ -29,7 +29,7 @@ _WITH_NAN = json.JSONDecoder(object_pairs_hook=_object, parse_constant=_nan)
 
 
 def loads(data: bytes, *, nan: bool = False) -> Any:
-    """Return the value that `data`, UTF-8 with or without a byte order mark, stands for.
+    """Return the value of a JSON text in UTF-8, with or without a byte order mark.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def loads(data: bytes, *, nan: bool = False) -> Any:
     Raises
     ------
     FaultError
-        It is not.
+        It is not valid, or nested too deeply.
 
     Examples
     --------

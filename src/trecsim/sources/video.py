@@ -1,4 +1,4 @@
-"""Video files as streams of frames, with the times that the file itself gives them."""
+"""Video files as streams of frames with the time stamps of the file."""
 
 import logging
 from collections.abc import Iterator
@@ -24,24 +24,24 @@ MISSED_PERIODS = 1.5  # nor by fewer periods: the last image lasts one
 
 @dataclass(frozen=True, slots=True)
 class VideoInfo:
-    """What a video file says of itself.
+    """The properties of a video file.
 
     Attributes
     ----------
     size_px
         Width and height of the upright images [px].
     fps
-        Mean frame rate [1/s], if it is known.
+        Mean frame rate [1/s], if known.
     frame_count
-        Number of images, if the file tells it.
+        Number of images, if the file has it.
     start_s
         Time of the first image [s].
     duration_s
-        From the start of the first to the end of the last image [s], if the file tells it.
+        From the start of the first to the end of the last image [s], if the file has it.
     codec
-        Name of the coding, such as ``"h264"``.
+        Name of the codec, such as ``"h264"``.
     orientation
-        How the coded pictures have to be turned to be upright.
+        Rotation that makes the coded images upright.
     other_sizes_px
         Sizes of further video tracks in the file; the largest track is the one that is read.
     """
@@ -57,14 +57,14 @@ class VideoInfo:
 
     @property
     def expected_frames(self) -> int | None:
-        """Number of images, estimated from duration and rate if the file does not tell it."""
+        """Number of images; estimated from duration and rate if the file does not have it."""
         if self.frame_count is None and self.fps is not None and self.duration_s is not None:
             return round(self.fps * self.duration_s)
         return self.frame_count
 
 
 def probe(path: Path) -> VideoInfo:
-    """Return what the video file says of itself; decodes its first image.
+    """Return the properties of a video file; decodes its first image.
 
     Raises
     ------
@@ -103,35 +103,34 @@ def _decoding() -> ModuleType:
 
 
 class VideoFile:
-    """The frames of a video file, decoded one after the other as they are iterated over.
+    """The frames of a video file, decoded while iterating.
 
-    Time stamps are those of the file: a container that starts at 10 s gives frames from 10 s on,
-    and where the frame rate varies, so do the steps. Pictures without a time continue at the mean
-    rate; those whose time does not advance are left out; damaged ones are skipped. Each of this
-    is told in one warning at the end. Pictures that a phone or camera marked as turned come
-    upright. Iterating again starts again; several iterations may run at once.
+    Time stamps are those of the file: if the container starts at 10 s, so do the frames, and a
+    variable frame rate is kept. Images without a time stamp continue at the mean rate, images whose
+    time does not advance are left out, damaged images are skipped; each of these is logged once at
+    the end. Of several video tracks the largest is read. Images are rotated upright if the file
+    says how. Each iteration starts from the beginning; several may run at once.
 
     Parameters
     ----------
     path
         The file.
     camera
-        Name of the camera that took it.
+        Name of the camera.
     decode_size_px
         Width and height that the images must fit into [px]; they keep their shape and are never
-        enlarged. Much cheaper than scaling them later. As they are, if None.
+        enlarged. None keeps their size. Cheaper than scaling them later.
     threads
-        For decoding; as many as there are processors if None. Give 1 where several videos are
-        read at once.
+        Decoding threads; None uses one per processor. Use 1 if several videos are read at once.
 
     Attributes
     ----------
     path, camera, info
-        What was given, and what the file says of itself.
+        The arguments, and the properties of the file.
     size_px
-        Width and height of the upright original [px]: what the calibration refers to.
+        Width and height of the upright original [px], to which the calibration refers.
     decoded_size_px
-        Width and height of the images that come out [px].
+        Width and height of the frames [px].
 
     Raises
     ------
@@ -165,7 +164,7 @@ class VideoFile:
     def original_px(
         self, xy_px: Float64[np.ndarray, "*batch 2"]
     ) -> Float64[np.ndarray, "*batch 2"]:
-        """Return where points of a decoded image lie in the original one [px].
+        """Return the positions in the original image of points in a decoded one [px].
 
         Pixel centres are at integers, so it is the borders of the images that coincide, at -0.5.
         """
@@ -197,17 +196,17 @@ class VideoFile:
             )
 
     def _warn(self, frames: int, damaged: int, clock: "_Clock") -> None:
-        told = self.info.frame_count
-        missing = told is not None and frames + clock.left_out < 0.98 * told
+        count = self.info.frame_count
+        missing = count is not None and frames + clock.left_out < 0.98 * count
         end_s = self.info.start_s + (self.info.duration_s or 0.0)
         missed_s = max(MISSED_S, MISSED_PERIODS * clock.period_s)
-        if damaged or (clock.last_s < end_s - missed_s and (missing or told is None)):
+        if damaged or (clock.last_s < end_s - missed_s and (missing or count is None)):
             logger.warning(
                 "video %s is damaged or cut off: %d%s frames could be read, up to %.3f s; they "
                 "are used",
                 self.path,
                 frames,
-                f" of {told}" if told else "",
+                f" of {count}" if count else "",
                 clock.last_s,
             )
         if clock.guessed:
@@ -227,7 +226,7 @@ class VideoFile:
 
 
 class _Clock:
-    """Gives each picture its time; the times it gives always advance."""
+    """Assigns each image its time; the times always increase."""
 
     def __init__(self, fps: float, *, counts_only: bool) -> None:
         self.fps = fps
@@ -240,7 +239,7 @@ class _Clock:
         self._counts_only = counts_only
 
     def __call__(self, stamp_s: float | None) -> float | None:
-        """Return the time of the next picture [s]; None if it is to be left out."""
+        """Return the time of the next image [s]; None to leave it out."""
         t_s = self.last_s + 1.0 / self.fps if stamp_s is None or self._counts_only else stamp_s
         if self._started and t_s <= self.last_s:
             self.left_out += 1
@@ -254,7 +253,7 @@ class _Clock:
 
     @property
     def period_s(self) -> float:
-        """Mean time from one picture to the next [s]."""
+        """Mean time between images [s]."""
         return self._advanced_s / self._steps if self._steps else 1.0 / self.fps
 
 

@@ -1,4 +1,4 @@
-"""Files of tables that people write, in TOML: read by a model, faults told by line."""
+"""TOML files written by hand: validated by a model, with faults by line."""
 
 from trecsim.toml_models.table import TABLE_VALUE, FilePath, Number, SizePx, Table, Vector
 from trecsim.toml_models.toml_reading import (

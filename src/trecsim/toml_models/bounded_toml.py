@@ -4,7 +4,7 @@ import re
 import tomllib
 from typing import Any
 
-DEEPEST = 16  # dots in one key; what people write has three or four
+DEEPEST = 16  # dots in one key; real files have three or four
 
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\[^\n])*+"|'[^'\n]*+')"""
 _TOKEN = re.compile(

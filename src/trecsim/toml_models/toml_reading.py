@@ -1,4 +1,4 @@
-"""Read a file by its model; all that is wrong with it comes in one message, with line numbers."""
+"""Validate a TOML file by its model; all faults are in one message, with line numbers."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
@@ -32,7 +32,7 @@ _EXPECTED = {
 
 
 def read_text(path: Path, kind: str) -> str:
-    """Return the text of a file that somebody wrote by hand.
+    """Return the text of a file that was written by hand.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def schema_of(model: type[Table]) -> dict[str, Any]:
 
 
 def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
-    """Return one error that tells all faults of a file, in the order of their lines.
+    """Return one error with all faults of a file, in the order of their lines.
 
     Parameters
     ----------
@@ -149,17 +149,17 @@ def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
         What is wrong, by the keys that lead there.
     """
     lines = key_lines(text)
-    told = [
+    listed = [
         f"line {line}: {f'{name}: ' if name else ''}{fault}"
         for line, name, fault in sorted(
             (line_of(lines, key), ".".join(map(str, key)), fault) for key, fault in faults
         )
     ]
-    if len(told) == 1:
-        return ConfigError(f"{path}: {told[0]}")
-    if len(told) > _MOST_FAULTS:
-        told[_MOST_FAULTS:] = [f"and {len(told) - _MOST_FAULTS} more"]
-    return ConfigError("\n  ".join([f"{path}: {len(faults)} faults", *told]))
+    if len(listed) == 1:
+        return ConfigError(f"{path}: {listed[0]}")
+    if len(listed) > _MOST_FAULTS:
+        listed[_MOST_FAULTS:] = [f"and {len(listed) - _MOST_FAULTS} more"]
+    return ConfigError("\n  ".join([f"{path}: {len(faults)} faults", *listed]))
 
 
 def _plain_fault(fault: Any, schema: Mapping[str, Any], not_yet: Mapping[str, str]) -> Fault:

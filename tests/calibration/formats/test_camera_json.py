@@ -36,10 +36,10 @@ TABLE = {
 }
 
 
-def read(folder, data, **wishes):
+def read(folder, data, **options):
     path = folder / "calibration.json"
     path.write_text(json.dumps(data))
-    return read_rig(path, **wishes)
+    return read_rig(path, **options)
 
 
 def changed(data, key, value):

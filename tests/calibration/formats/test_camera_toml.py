@@ -25,10 +25,10 @@ def anipose(*shifts):
     return "".join(tables) + "\n[metadata]\nadjusted = false\nerror = 0.26\n"
 
 
-def read(folder, text, **wishes):
+def read(folder, text, **options):
     path = folder / "calibration.toml"
     path.write_text(text)
-    return read_rig(path, **wishes)
+    return read_rig(path, **options)
 
 
 def test_anipose_is_read_and_its_unit_guessed_with_a_remark(tmp_path):
@@ -109,7 +109,7 @@ def test_caliscope_names_cameras_by_number_and_may_have_some_without_a_pose(tmp_
     rig = read(tmp_path, posed + as_matrix + unposed, unit_m=0.001, remark=remarks.append)
     assert rig.names == ("cam_1", "cam_2")
     np.testing.assert_allclose(rig["cam_2"].T_cam_world, rig["cam_1"].T_cam_world, atol=1e-12)
-    assert "left out, for they have no pose: cam_3" in remarks[0]
+    assert "cameras without a pose are left out: cam_3" in remarks[0]
 
 
 def test_a_frame_that_is_not_upright_is_remarked_and_can_be_turned(tmp_path):

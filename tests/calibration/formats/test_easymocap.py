@@ -111,8 +111,8 @@ def test_cameras_without_a_pose_or_without_a_lens_are_left_out_with_a_remark(tmp
     assert rig.names == ("1",)
     told = [remark.partition(": ")[2] for remark in remarks]
     assert told == [
-        "left out, for extri.yml has no pose of them: 1",
-        "left out, for intri.yml has no lens of them: 01",
+        "cameras without a pose in extri.yml are left out: 1",
+        "cameras without a lens in intri.yml are left out: 01",
     ]
 
 

@@ -21,10 +21,10 @@ GOOD = (
 )
 
 
-def read(folder, text, **wishes):
+def read(folder, text, **options):
     path = folder / "Calib.qca.txt"
     path.write_text(text)
-    return read_rig(path, **wishes)
+    return read_rig(path, **options)
 
 
 @pytest.mark.parametrize("scene", ["SinglePerson", "MultiPerson"])

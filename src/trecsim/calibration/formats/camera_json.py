@@ -12,8 +12,8 @@ import numpy as np
 from trecsim.calibration.floor import Floor
 from trecsim.calibration.formats.document import Document
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import FoundCamera, build_rig
-from trecsim.calibration.formats.wishes import Wishes
+from trecsim.calibration.formats.read_options import ReadOptions
+from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
 from trecsim.geometry.rig import Rig
 
 PANOPTIC_UNIT_M = 0.01
@@ -21,7 +21,7 @@ PANOPTIC_FLOOR = Floor(up="-y")
 
 
 def is_panoptic(data: Mapping[str, Any]) -> bool:
-    """Tell whether this has CMU Panoptic's list of cameras."""
+    """Return whether the file has CMU Panoptic's list of cameras."""
     cameras = data.get("cameras")
     return isinstance(cameras, list) and (
         not cameras or (isinstance(cameras[0], Mapping) and "K" in cameras[0])
@@ -29,14 +29,14 @@ def is_panoptic(data: Mapping[str, Any]) -> bool:
 
 
 def is_table(data: Mapping[str, Any]) -> bool:
-    """Tell whether this has a table of cameras with K, R and t."""
+    """Return whether the file has a table of cameras with K, R and t."""
     cameras = data.get("cameras")
     return isinstance(cameras, Mapping) and any(
         isinstance(camera, Mapping) and "K" in camera for camera in cameras.values()
     )
 
 
-def read_panoptic(document: Document, wishes: Wishes) -> Rig:
+def read_panoptic(document: Document, options: ReadOptions) -> Rig:
     """Read a calibration of the CMU Panoptic Studio.
 
     Raises
@@ -53,11 +53,13 @@ def read_panoptic(document: Document, wishes: Wishes) -> Rig:
         name = fields.get("name", index) if isinstance(fields, Mapping) else index
         entry = Entry(f"camera {short(name)}", fields, faults)
         found.append(_camera(entry, str(name), entry.size_px("resolution"), "distCoef"))
-    wishes = Wishes(wishes.unit_m, wishes.floor or PANOPTIC_FLOOR, wishes.size_px, wishes.remark)
-    return build_rig(found, faults, wishes, PANOPTIC_UNIT_M)
+    options = ReadOptions(
+        options.unit_m, options.floor or PANOPTIC_FLOOR, options.size_px, options.remark
+    )
+    return build_rig(found, faults, options, PANOPTIC_UNIT_M)
 
 
-def read_table(document: Document, wishes: Wishes) -> Rig:
+def read_table(document: Document, options: ReadOptions) -> Rig:
     """Read a table of cameras with ``K``, ``R``, ``t``, ``dist``, ``width`` and ``height``.
 
     Raises
@@ -71,11 +73,11 @@ def read_table(document: Document, wishes: Wishes) -> Rig:
         entry = Entry(f"camera {name!r}", fields, faults)
         size = np.array([entry.number("width"), entry.number("height")])
         found.append(_camera(entry, name, entry.whole_size_px(size), "dist"))
-    return build_rig(found, faults, wishes, 1.0, z_up=True)
+    return build_rig(found, faults, options, 1.0, z_up=True)
 
 
-def _camera(entry: Entry, name: str, size_px: tuple[int, int], distortion: str) -> FoundCamera:
-    return FoundCamera(
+def _camera(entry: Entry, name: str, size_px: tuple[int, int], distortion: str) -> CameraInFile:
+    return CameraInFile(
         entry,
         name,
         size_px,

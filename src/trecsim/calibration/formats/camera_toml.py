@@ -1,10 +1,10 @@
 """The TOML files of Pose2Sim, aniposelib, FreeMoCap and caliscope: one table per camera.
 
 All have ``size``, ``matrix``, ``distortions``, ``rotation`` (a rotation vector; in old caliscope
-files a matrix) and ``translation``, world-to-camera. They differ in what they do not write down:
+files a matrix) and ``translation``, world-to-camera. Unit and axes follow from the dialect:
 
 =========  ==============================  ====================================================
-dialect    told by                         unit
+dialect    recognised by                   unit
 =========  ==============================  ====================================================
 Pose2Sim   ``fisheye = false``, sizes      metres, z up
            with a decimal point
@@ -28,11 +28,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
-from trecsim.calibration.formats.doubts import left_out_clocks
 from trecsim.calibration.formats.fields import Entry, Faults, as_numbers
-from trecsim.calibration.formats.found import FoundCamera, build_rig
+from trecsim.calibration.formats.read_options import ReadOptions
+from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
+from trecsim.calibration.formats.rig_remarks import left_out_clocks
 from trecsim.calibration.formats.trecsim_toml import matrix, quoted, vector
-from trecsim.calibration.formats.wishes import Wishes
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import DistortionModel
 from trecsim.geometry.rig import Rig
@@ -41,7 +41,7 @@ from trecsim.store.atomic import atomic_write
 
 
 def _tables(data: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
-    """Return the tables that are cameras, by the name the camera has without its own."""
+    """Return the tables of cameras, by the name that a camera without its own name gets."""
     nested = data.get("cameras")
     if isinstance(nested, Mapping):
         tables = {f"cam_{key}": table for key, table in nested.items()}
@@ -55,7 +55,7 @@ def _tables(data: Mapping[str, Any]) -> dict[str, Mapping[str, Any]]:
 
 
 def is_pose2sim(data: Mapping[str, Any]) -> bool:
-    """Tell whether Pose2Sim wrote the file: then it is in metres."""
+    """Return whether Pose2Sim wrote the file, which means metres."""
     tables = _tables(data).values()
     return any(table.get("fisheye") is False and _decimal_size(table) for table in tables)
 
@@ -66,12 +66,12 @@ def _decimal_size(table: Mapping[str, Any]) -> bool:
 
 
 def is_anipose(data: Mapping[str, Any]) -> bool:
-    """Tell whether a file is of this kind, but not of Pose2Sim."""
+    """Return whether a file is of this kind but not of Pose2Sim."""
     tables = _tables(data).values()
     return any("distortions" in table for table in tables) and not is_pose2sim(data)
 
 
-def read_pose2sim(document: Document, wishes: Wishes) -> Rig:
+def read_pose2sim(document: Document, options: ReadOptions) -> Rig:
     """Read a ``Calib*.toml`` of Pose2Sim.
 
     Raises
@@ -79,10 +79,10 @@ def read_pose2sim(document: Document, wishes: Wishes) -> Rig:
     CalibrationError
         Something is wrong; every fault, with the camera it belongs to.
     """
-    return _read(document, wishes, 1.0, z_up=True)
+    return _read(document, options, 1.0, z_up=True)
 
 
-def read_anipose(document: Document, wishes: Wishes) -> Rig:
+def read_anipose(document: Document, options: ReadOptions) -> Rig:
     """Read a calibration of aniposelib, FreeMoCap or caliscope.
 
     Raises
@@ -90,11 +90,11 @@ def read_anipose(document: Document, wishes: Wishes) -> Rig:
     CalibrationError
         Something is wrong; every fault, with the camera it belongs to.
     """
-    return _read(document, wishes, 0.001 if _is_freemocap(document.data) else None)
+    return _read(document, options, 0.001 if _is_freemocap(document.data) else None)
 
 
 def _is_freemocap(data: Mapping[str, Any]) -> bool:
-    """Tell whether FreeMoCap wrote the file, whose board is given in millimetres."""
+    """Return whether FreeMoCap wrote the file, which means millimetres."""
     metadata = data.get("metadata")
     if not isinstance(metadata, Mapping):
         return False
@@ -104,42 +104,46 @@ def _is_freemocap(data: Mapping[str, Any]) -> bool:
     )
 
 
-def _read(document: Document, wishes: Wishes, unit_m: float | None, *, z_up: bool = False) -> Rig:
+def _read(
+    document: Document, options: ReadOptions, unit_m: float | None, *, z_up: bool = False
+) -> Rig:
     faults = Faults(document.path)
     tables = _tables(document.data)
     posed = {key: table for key, table in tables.items() if _is_posed(table)}
     if left_out := [key for key in tables if key not in posed]:
-        wishes.remark(f"{document.path}: left out, for they have no pose: {', '.join(left_out)}")
+        options.remark(
+            f"{document.path}: cameras without a pose are left out: {', '.join(left_out)}"
+        )
     if not posed:
         faults.add("it has no camera with a matrix, a rotation and a translation")
     found = [_camera(key, table, faults) for key, table in posed.items()]
-    _tell_rotations(posed, wishes)
-    return build_rig(found, faults, wishes, unit_m, z_up=z_up)
+    _remark_rotations(posed, options)
+    return build_rig(found, faults, options, unit_m, z_up=z_up)
 
 
-def _tell_rotations(tables: Mapping[str, Mapping[str, Any]], wishes: Wishes) -> None:
+def _remark_rotations(tables: Mapping[str, Mapping[str, Any]], options: ReadOptions) -> None:
     """Remark which cameras caliscope shows turned: the calibration is of the image as it is."""
     turned = [key for key, table in tables.items() if table.get("rotation_count", 0) not in (0, 4)]
     if turned:
-        wishes.remark(
+        options.remark(
             f"caliscope shows these cameras turned (rotation_count): {', '.join(turned)}. The "
             "calibration is for the image as it is in the video; give 2D poses in those pixels"
         )
 
 
 def _is_posed(table: Mapping[str, Any]) -> bool:
-    """Tell whether a camera was placed; caliscope writes "null", or nothing, if it was not."""
+    """Return whether a camera has a pose; caliscope writes "null" or nothing if it has none."""
     pose = [table.get(key) for key in ("rotation", "translation")]
     return pose != [None, None] and not any(isinstance(part, str) for part in pose)
 
 
-def _camera(key: str, table: Mapping[str, Any], faults: Faults) -> FoundCamera:
+def _camera(key: str, table: Mapping[str, Any], faults: Faults) -> CameraInFile:
     entry = Entry(f"camera {key!r}", table, faults)
     model: DistortionModel = "fisheye" if entry.flag("fisheye") else "brown"
     coefficients = entry.coefficients("distortions")
     if model == "fisheye" and len(coefficients) == 5 and coefficients[4] == 0:
         coefficients = coefficients[:4]  # a fifth that is zero, as some tools pad
-    return FoundCamera(
+    return CameraInFile(
         entry,
         entry.text("name", key),
         entry.size_px("size"),

@@ -1,7 +1,7 @@
 """EasyMocap's pair of files in one directory: ``intri.yml`` and ``extri.yml``.
 
-World-to-camera, metres. The size of the images stands there only in newer files (``W_1``,
-``H_1``); without it, the user gives it, or twice the principal point is taken with a remark.
+World-to-camera, metres. Only newer files have the size of the images (``W_1``, ``H_1``). Without
+it, the size is what the user gives, else twice the principal point, with a remark.
 """
 
 import re
@@ -13,11 +13,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document, read_document
-from trecsim.calibration.formats.doubts import left_out_clocks
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
-from trecsim.calibration.formats.wishes import Wishes
+from trecsim.calibration.formats.read_options import ReadOptions
+from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
+from trecsim.calibration.formats.rig_remarks import left_out_clocks
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import Rotation, rotation_matrix, rotation_vector
 from trecsim.store.atomic import atomic_write, disk_faults
@@ -27,13 +27,13 @@ NAME = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def recognise(data: Mapping[str, Any]) -> bool:
-    """Tell whether this is one of the two files."""
+    """Return whether this is one of the two files."""
     return isinstance(data.get("names"), list) and any(
         key.startswith(("K_", "R_", "Rot_")) for key in data
     )
 
 
-def read(document: Document, wishes: Wishes) -> Rig:
+def read(document: Document, options: ReadOptions) -> Rig:
     """Read the pair of files, of which one is given.
 
     Raises
@@ -47,13 +47,13 @@ def read(document: Document, wishes: Wishes) -> Rig:
     other = read_document(folder / (EXTRINSICS if has_intrinsics else INTRINSICS))
     fields = {**document.data, **other.data}
     faults = Faults(folder)
-    names = _names_in_both(document, other, faults, wishes)
-    found = [_camera(name, fields, faults, wishes) for name in names]
-    return build_rig(found, faults, wishes, 1.0)
+    names = _names_in_both(document, other, faults, options)
+    found = [_camera(name, fields, faults, options) for name in names]
+    return build_rig(found, faults, options, 1.0)
 
 
 def _names_in_both(
-    document: Document, other: Document, faults: Faults, wishes: Wishes
+    document: Document, other: Document, faults: Faults, options: ReadOptions
 ) -> list[str]:
     """Return the cameras that both files name; the others are left out with a remark."""
     mine = [str(name) for name in document.data["names"]]
@@ -72,22 +72,24 @@ def _names_in_both(
     ):
         if left_out and both:
             lack = "pose" if path.name == EXTRINSICS else "lens"
-            wishes.remark(
-                f"{path.parent}: left out, for {path.name} has no {lack} of them: "
+            options.remark(
+                f"{path.parent}: cameras without a {lack} in {path.name} are left out: "
                 f"{', '.join(left_out)}"
             )
     return both
 
 
-def _camera(name: str, fields: Mapping[str, Any], faults: Faults, wishes: Wishes) -> FoundCamera:
+def _camera(
+    name: str, fields: Mapping[str, Any], faults: Faults, options: ReadOptions
+) -> CameraInFile:
     own = {key.removesuffix(f"_{name}"): value for key, value in fields.items() if key != "names"}
     entry = Entry(f"camera {name!r}", {k: v for k, v in own.items() if k not in fields}, faults)
     distortion = next((key for key in ("dist", "D") if entry.has(key)), None)
     K = entry.numbers("K", (3, 3))
-    return FoundCamera(
+    return CameraInFile(
         entry,
         name,
-        _size_px(entry, K, wishes),
+        _size_px(entry, K, options),
         K,
         "brown",
         entry.coefficients(distortion) if distortion else np.zeros(5),
@@ -102,15 +104,15 @@ def _rotation(entry: Entry) -> Rotation:
     return entry.numbers("Rot", (3, 3))
 
 
-def _size_px(entry: Entry, K: Float64[np.ndarray, "3 3"], wishes: Wishes) -> tuple[int, int]:
-    if wishes.size_px is not None:
-        return wishes.size_px
+def _size_px(entry: Entry, K: Float64[np.ndarray, "3 3"], options: ReadOptions) -> tuple[int, int]:
+    if options.size_px is not None:
+        return options.size_px
     if entry.has("W") and entry.has("H") and entry.number("W") > 0:
         return entry.whole_size_px(np.array([entry.number("W"), entry.number("H")]))
     if not np.isfinite(K).all():
         return 0, 0
     size = entry.whole_size_px((2 * K[:2, 2]).round())
-    wishes.remark(
+    options.remark(
         f"{entry.label}: EasyMocap does not say the size of its images; {size[0]} x {size[1]} "
         "taken, twice the principal point. If that is wrong, give it: --size-px 1920 1080"
     )

@@ -1,4 +1,4 @@
-"""What a calibration file says about one camera, taken field by field; faults are collected."""
+"""The fields of one camera in a calibration file, checked one by one; faults are collected."""
 
 import reprlib
 from collections.abc import Iterable, Mapping
@@ -19,23 +19,23 @@ LONGEST_VALUE = 70  # letters of a value that is quoted in a message
 
 
 class Faults:
-    """All that is wrong with one file, told at once."""
+    """The faults of one file, raised in one error."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.texts: list[str] = []
 
     def add(self, text: str) -> None:
-        """Note a fault."""
+        """Add a fault."""
         self.texts.append(text)
 
     def check(self) -> None:
-        """Go on only if there is no fault.
+        """Raise the faults, if there are any.
 
         Raises
         ------
         CalibrationError
-            There are some: one line each.
+            There are faults: one line each.
         """
         if not self.texts:
             return
@@ -47,7 +47,7 @@ class Faults:
 
 
 class Entry:
-    """Named fields of one thing in a file, each checked as it is taken."""
+    """The fields of one table in a file, each checked when it is read."""
 
     def __init__(self, label: str, fields: object, faults: Faults) -> None:
         self.label = label
@@ -57,21 +57,21 @@ class Entry:
             self.fault(f"expected names with values, found {short(fields)}")
 
     def fault(self, text: str) -> None:
-        """Note that something is wrong with this entry."""
+        """Add a fault of this table."""
         self.faults.add(f"{self.label}: {text}")
 
     def has(self, key: str) -> bool:
-        """Tell whether the field is given."""
+        """Return whether the field is given."""
         return key in self.fields
 
     def missing(self, key: str, wanted: str) -> None:
-        """Note that a field is missing, and which given one may have been meant."""
+        """Add the fault that a field is missing, with the key that was probably meant."""
         near = nearest(key, map(str, self.fields))
         hint = f"; it has {near!r}" if near else ""
         self.fault(f"{key} is missing, expected {wanted}{hint}")
 
     def numbers(self, key: str, shape: tuple[int, ...]) -> Float64[np.ndarray, "..."]:
-        """Return an array of one shape; NaN, with the fault noted, if it is not one."""
+        """Return an array of one shape; NaN, and a fault, if the field has another."""
         wanted = " x ".join(map(str, shape)) + " numbers"
         array = self._array(key, wanted)
         if array is None:
@@ -90,19 +90,19 @@ class Entry:
         return np.empty(0) if array is None else array.reshape(-1)
 
     def number(self, key: str, default: float | None = None) -> float:
-        """Return one number; NaN, with the fault noted, if it is not one."""
+        """Return one number; NaN, and a fault, if the field is something else."""
         if default is not None and key not in self.fields:
             return default
         return float(self.numbers(key, ()))
 
     def size_px(self, key: str) -> tuple[int, int]:
-        """Return a width and a height; (0, 0), with the fault noted, if it is not that."""
+        """Return width and height; (0, 0), and a fault, if the field is something else."""
         return self.whole_size_px(self.numbers(key, (2,)), key)
 
     def whole_size_px(
         self, size: Float64[np.ndarray, " 2"], what: str = "the image size"
     ) -> tuple[int, int]:
-        """Return a width and a height as whole numbers."""
+        """Return width and height as whole numbers; (0, 0), and a fault, if they are not."""
         if not np.isfinite(size).all():
             return 0, 0
         if (size != size.round()).any() or (np.abs(size) > 1e9).any():
@@ -111,7 +111,7 @@ class Entry:
         return int(size[0]), int(size[1])
 
     def flag(self, key: str) -> bool:
-        """Return a yes or no; no if it is not given."""
+        """Return true or false; false if the field is not given."""
         value = self.fields.get(key, False)
         if not isinstance(value, bool):
             self.fault(f"{key} must be true or false, found {short(value)}")
@@ -126,7 +126,7 @@ class Entry:
         return str(value)
 
     def unknown(self, known: Iterable[str]) -> None:
-        """Note every field that is not among the known ones, and the nearest of them."""
+        """Add a fault for every unknown key, with the nearest known one."""
         known = tuple(known)
         for key in self.fields:
             if key not in known:

@@ -1,4 +1,4 @@
-"""The rig formats trecsim knows, told apart by what stands in a file, not by its name."""
+"""The rig formats trecsim knows, recognised by the content of a file and not by its name."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from trecsim.calibration.formats import (
 )
 from trecsim.calibration.formats.document import Document, Syntax, read_document
 from trecsim.calibration.formats.fields import nearest
-from trecsim.calibration.formats.wishes import Wishes
+from trecsim.calibration.formats.read_options import ReadOptions
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
@@ -25,29 +25,29 @@ MOST_FILES = 200  # of these suffixes in a directory, for one to be looked for
 
 @dataclass(frozen=True, slots=True)
 class Format:
-    """One way to write down a rig.
+    """One format of a rig.
 
     Attributes
     ----------
     name
-        What it is called here.
+        Its name in trecsim.
     about
-        What it is, for lists.
+        What it is, for messages.
     syntax
-        How it is written.
+        The syntax of its files.
     recognise
-        Tells from the content of a file whether it has this format.
+        Returns whether the content of a file has this format.
     read
-        Makes a rig of such a file.
+        Returns the rig of such a file.
     write
-        Writes a rig to a path in a unit and returns remarks; None where there is only a reader.
+        Writes a rig to a path in a unit and returns remarks; None if the format is only read.
     """
 
     name: str
     about: str
     syntax: Syntax
     recognise: Callable[[Mapping[str, Any]], bool]
-    read: Callable[[Document, Wishes], Rig]
+    read: Callable[[Document, ReadOptions], Rig]
     write: Callable[[Rig, Path, float], list[str]] | None = None
 
 
@@ -193,7 +193,7 @@ def _search(folder: Path, name: str | None) -> tuple[Format, Document]:
     if found:
         listed = "\n  ".join(f"{document.path.name}: {entry.about}" for entry, document in found)
         raise CalibrationError(f"{folder} has several rigs; give the file itself:\n  {listed}")
-    tried = "\n  ".join(reasons) or "it has no such file at all"
+    tried = "\n  ".join(reasons) or "it has no such file"
     raise CalibrationError(
         f"{folder} has no rig that trecsim can read; it looked into {', '.join(SUFFIXES)} files:"
         f"\n  {tried}"
@@ -203,7 +203,7 @@ def _search(folder: Path, name: str | None) -> tuple[Format, Document]:
 def _rigs_among(
     files: list[Path], name: str | None
 ) -> tuple[list[tuple[Format, Document]], list[str]]:
-    """Return the rigs among files, a pair of EasyMocap's as one, and why the others are none."""
+    """Return the rigs among files (an EasyMocap pair is one), and why the others are none."""
     found: dict[object, tuple[Format, Document]] = {}
     reasons = []
     for file in files:

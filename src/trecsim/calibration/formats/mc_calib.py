@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from trecsim.calibration.formats.document import Document
-from trecsim.calibration.formats.doubts import left_out_clocks
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import FoundCamera, build_rig
 from trecsim.calibration.formats.opencv_yaml import format_opencv_yaml
-from trecsim.calibration.formats.wishes import Wishes
+from trecsim.calibration.formats.read_options import ReadOptions
+from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
+from trecsim.calibration.formats.rig_remarks import left_out_clocks
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.distortion import DistortionModel
@@ -29,13 +29,13 @@ DISTORTION_TYPES: dict[float, DistortionModel] = {0: "brown", 1: "fisheye"}
 
 
 def recognise(data: Mapping[str, Any]) -> bool:
-    """Tell whether the names are those that MC-Calib gives."""
+    """Return whether the keys are those of MC-Calib."""
     return "nb_camera" in data or (
         isinstance(first := data.get("camera_0"), Mapping) and "camera_pose_matrix" in first
     )
 
 
-def read(document: Document, wishes: Wishes) -> Rig:
+def read(document: Document, options: ReadOptions) -> Rig:
     """Read a ``calibrated_cameras_data.yml``; the cameras are called ``camera_0`` and so on.
 
     Raises
@@ -45,27 +45,27 @@ def read(document: Document, wishes: Wishes) -> Rig:
     """
     faults = Faults(document.path)
     tables = {key: value for key, value in document.data.items() if key.startswith("camera_")}
-    _check_count(Entry("the file", document.data, faults), tables, wishes)
+    _check_count(Entry("the file", document.data, faults), tables, options)
     entries = {key: Entry(f"camera {key!r}", value, faults) for key, value in tables.items()}
-    found = [_camera(key, entry) for key, entry in _largest_group(entries, faults, wishes).items()]
-    return build_rig(found, faults, wishes, None, "camera 0")
+    found = [_camera(key, entry) for key, entry in _largest_group(entries, faults, options).items()]
+    return build_rig(found, faults, options, None, "camera 0")
 
 
-def _check_count(top: Entry, tables: Mapping[str, Any], wishes: Wishes) -> None:
-    """Compare the number of cameras told with those there: only the first group is written."""
+def _check_count(top: Entry, tables: Mapping[str, Any], options: ReadOptions) -> None:
+    """Compare nb_camera with the cameras in the file: MC-Calib writes only the first group."""
     count = top.number("nb_camera", float(len(tables)))
     if count < len(tables):
         top.fault(f"nb_camera is {short(top.fields['nb_camera'])}, but it has {len(tables)}")
     elif count > len(tables):
-        told = f"{len(tables)} of the {short(top.fields['nb_camera'])} cameras are in it"
-        wishes.remark(
-            f"{top.faults.path}: {told} ({', '.join(tables)}); MC-Calib could not connect the "
+        present = f"{len(tables)} of the {short(top.fields['nb_camera'])} cameras are in it"
+        options.remark(
+            f"{top.faults.path}: {present} ({', '.join(tables)}); MC-Calib could not connect the "
             "others to them, so calibrate again with the board seen by both if you need them"
         )
 
 
 def _largest_group(
-    entries: Mapping[str, Entry], faults: Faults, wishes: Wishes
+    entries: Mapping[str, Entry], faults: Faults, options: ReadOptions
 ) -> Mapping[str, Entry]:
     """Return the cameras of the largest group: poses between groups are unknown."""
     group_of = {key: entry.number("camera_group", 0.0) for key, entry in entries.items()}
@@ -77,14 +77,14 @@ def _largest_group(
         )
     left_out = [key for key, group in group_of.items() if group != largest]
     if left_out and not faults.texts:
-        wishes.remark(
+        options.remark(
             f"{faults.path}: left out, for their poses to the others are unknown "
             f"(camera_group): {', '.join(left_out)}"
         )
     return {key: entry for key, entry in entries.items() if key not in left_out}
 
 
-def _camera(name: str, entry: Entry) -> FoundCamera:
+def _camera(name: str, entry: Entry) -> CameraInFile:
     size = np.array([entry.number("img_width"), entry.number("img_height")])
     model = entry.number("distortion_type", 0.0)
     if np.isfinite(model) and model not in DISTORTION_TYPES:
@@ -93,7 +93,7 @@ def _camera(name: str, entry: Entry) -> FoundCamera:
     if np.isfinite(pose).all() and list(pose[3]) != [0, 0, 0, 1]:
         entry.fault(f"camera_pose_matrix must end with 0 0 0 1, found {short(pose[3])}")
     T_cam_reference = inverse(pose)
-    return FoundCamera(
+    return CameraInFile(
         entry,
         name,
         entry.whole_size_px(size),

@@ -1,14 +1,14 @@
-"""Qualisys' ``.qca.txt``, an XML file: read only.
+"""Qualisys' ``.qca.txt``, an XML file: read only. Millimetres, z up.
 
 Lengths on the sensor are in 1/64 pixel, positions in millimetres. ``transform`` is
 camera-to-world, its matrix written by columns, and the camera there looks along -z with y up:
 half a turn about x makes it ours. The principal point counts from the sensor's corner, so the
 corner of the video's field of view is taken off.
 
-The distortion coefficients are divided by 64 as well: so Pose2Sim reads them, and the reference
-calibrations were made with it. They have no unit, though, and the checkerboard images of its demo
-recording speak for the undivided values (k1 -0.053 found, -0.046 in the file). With lenses as
-straight as those both agree to two pixels; see `SUBPIXELS_OF_DISTORTION`.
+The distortion coefficients are divided by 64 too, as in Pose2Sim, with which the reference
+calibrations were made. They have no unit, however, and the checkerboard images of its demo
+recording support the undivided values (k1 = -0.053 estimated, -0.046 in the file). For lenses with
+so little distortion both agree to two pixels; see `SUBPIXELS_OF_DISTORTION`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,8 +20,8 @@ from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
 from trecsim.calibration.formats.fields import Entry, Faults
-from trecsim.calibration.formats.found import FoundCamera, build_rig
-from trecsim.calibration.formats.wishes import Wishes
+from trecsim.calibration.formats.read_options import ReadOptions
+from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
 from trecsim.geometry.rig import Rig
 
 SUBPIXELS = 64.0
@@ -39,14 +39,14 @@ HALF_TURN = np.diag([1.0, -1.0, -1.0])  # about x
 
 
 def recognise(data: Mapping[str, Any]) -> bool:
-    """Tell whether the root is a calibration with cameras."""
+    """Return whether the root is a calibration with cameras."""
     root = data.get("root")
     return (
         isinstance(root, Element) and root.tag == "calibration" and root.find("cameras") is not None
     )
 
 
-def read(document: Document, wishes: Wishes) -> Rig:
+def read(document: Document, options: ReadOptions) -> Rig:
     """Read a ``.qca.txt``; cameras that give no images are left out with a remark.
 
     Raises
@@ -63,12 +63,12 @@ def read(document: Document, wishes: Wishes) -> Rig:
         if element not in video
     ]
     if left_out:
-        wishes.remark(f"{document.path}: left out, no video: {', '.join(left_out)}")
+        options.remark(f"{document.path}: left out, no video: {', '.join(left_out)}")
     if not video:
         faults.add("it has no active video camera (model 'none', or one with 'video' or 'hybrid')")
     found = [_camera(element, faults) for element in video]
-    _tell_view_rotations(video, wishes)
-    return build_rig(found, faults, wishes, UNIT_M, z_up=True)
+    _remark_view_rotations(video, options)
+    return build_rig(found, faults, options, UNIT_M, z_up=True)
 
 
 def _gives_images(element: Element) -> bool:
@@ -84,22 +84,22 @@ def _why_not(element: Element) -> str:
     return "not active" if _is_video_model(element) else f"model {element.get('model', '')[:40]}"
 
 
-def _tell_view_rotations(elements: Sequence[Element], wishes: Wishes) -> None:
-    """Remark which cameras Qualisys shows turned: the calibration is of the image as recorded."""
+def _remark_view_rotations(elements: Sequence[Element], options: ReadOptions) -> None:
+    """Remark on cameras whose view is turned: the calibration is for the image as recorded."""
     turned = [
         f"{element.get('serial', '?')} ({element.get('viewrotation', '')[:10]} degrees)"
         for element in elements
         if element.get("viewrotation", "0") not in ("0", "")
     ]
     if turned:
-        wishes.remark(
+        options.remark(
             f"the view of these cameras is turned (viewrotation): {', '.join(turned)}. The "
             "calibration is for the image as the camera takes it; 2D poses from a video that was "
             "exported turned do not fit it"
         )
 
 
-def _camera(element: Element, faults: Faults) -> FoundCamera:
+def _camera(element: Element, faults: Faults) -> CameraInFile:
     name = element.get("serial", "")
     entries = {
         tag: Entry(
@@ -115,7 +115,7 @@ def _camera(element: Element, faults: Faults) -> FoundCamera:
     rows = [[pose.number(f"r{row}{column}") for column in (1, 2, 3)] for row in (1, 2, 3)]
     position = np.array([pose.number(key) for key in ("x", "y", "z")])
     R = HALF_TURN @ np.array(rows)
-    return FoundCamera(
+    return CameraInFile(
         lens,
         name,
         field.whole_size_px(np.array([right - left + 1, bottom - top + 1])),

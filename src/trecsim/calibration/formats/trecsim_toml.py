@@ -1,4 +1,4 @@
-"""The rig file of trecsim, ``rig.toml``: metres, z up, floor at z = 0; read strictly."""
+"""The rig file of trecsim, ``rig.toml``: metres, z up, floor at z = 0; unknown keys are faults."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibration.formats.document import Document
-from trecsim.calibration.formats.doubts import tell_camera_doubts
 from trecsim.calibration.formats.fields import Entry, Faults, short
-from trecsim.calibration.formats.found import stand
-from trecsim.calibration.formats.wishes import Wishes
+from trecsim.calibration.formats.read_options import ReadOptions
+from trecsim.calibration.formats.rig_building import apply_floor
+from trecsim.calibration.formats.rig_remarks import remark_on_cameras
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import CLOCK_LIMITS, Camera
 from trecsim.geometry.rig import Rig
@@ -30,11 +30,11 @@ KEYS = (
 
 
 def recognise(data: Mapping[str, Any]) -> bool:
-    """Tell whether the file says that it is one of ours, of any version."""
+    """Return whether the file is a rig file of trecsim, of any version."""
     return str(data.get("format", "")).startswith("trecsim.rig")
 
 
-def read(document: Document, wishes: Wishes) -> Rig:
+def read(document: Document, options: ReadOptions) -> Rig:
     """Read a ``rig.toml``.
 
     Raises
@@ -50,7 +50,7 @@ def read(document: Document, wishes: Wishes) -> Rig:
             f"format must be {FORMAT!r}, found {short(document.data.get('format'))}; "
             "a newer trecsim may have written it"
         )
-    if wishes.unit_m not in (None, 1.0):
+    if options.unit_m not in (None, 1.0):
         top.fault("it is in metres always; do not give a unit")
     if not top.has("cameras"):
         top.missing("cameras", "a table [cameras.NAME] for each camera")
@@ -62,8 +62,10 @@ def read(document: Document, wishes: Wishes) -> Rig:
         top.fault("it has no camera, expected a table [cameras.NAME] for each")
     cameras = [_camera(name, table, faults) for name, table in tables.items()]
     faults.check()
-    rig = stand(Rig(tuple(camera for camera in cameras if camera is not None)), wishes, z_up=True)
-    tell_camera_doubts(rig, wishes)
+    rig = apply_floor(
+        Rig(tuple(camera for camera in cameras if camera is not None)), options, z_up=True
+    )
+    remark_on_cameras(rig, options)
     return rig
 
 

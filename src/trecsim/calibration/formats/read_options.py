@@ -13,7 +13,7 @@ logger = logging.getLogger("trecsim.calibration")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Wishes:
+class ReadOptions:
     """What the user says about a file that does not say it itself.
 
     Attributes
