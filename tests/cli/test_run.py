@@ -10,7 +10,10 @@ from made_site import make_site
 from trecsim import site_run
 
 Command = Callable[..., tuple[int, str, str]]
-LINE = r"trecsim: \d+ frame sets, (1 person|0 people) so far; fusion \d+\.\d\d ms per set"
+LINE = (
+    r"trecsim: \d+ images, (1 person|0 people) so far; fusion: median \d+\.\d\d ms per frame set, "
+    r"95th percentile \d+\.\d\d ms$"
+)
 
 
 @pytest.fixture(autouse=True)

@@ -5,7 +5,7 @@ from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from trecsim.cli.first_run import tell_first_run
-from trecsim.cli.terminal import finish, note, progress_bar
+from trecsim.cli.terminal import finish, fusion_time, note, progress_bar
 from trecsim.extras import has_extra
 
 if TYPE_CHECKING:
@@ -80,11 +80,7 @@ def _told(result: "DemoSummary") -> str:
         ("people", f"{run.people} tracked, {result.people} simulated"),
         ("frame sets", f"{run.frame_sets}, from {run.images} images of {result.cameras} cameras"),
         *(_against_truth(truth) if truth is not None else ()),
-        (
-            "fusion",
-            f"median {run.fusion_ms['median']:.2f} ms per frame set, 95th percentile "
-            f"{run.fusion_ms['p95']:.2f} ms (wall time)",
-        ),
+        ("fusion time", fusion_time(run.fusion_ms).removeprefix("; fusion: ") or "no frame set"),
     ]
     width = max(len(name) for name, _ in rows)
     lines = [f"  {name:<{width}}  {value}" for name, value in rows]

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING
 from trecsim.cli.first_run import tell_first_run
 from trecsim.cli.models_command import fetch_first
 from trecsim.cli.stopping import stopping_in_order
-from trecsim.cli.terminal import counted_people, finish, note, progress_bar
+from trecsim.cli.terminal import (
+    ProgressBar,
+    counted_people,
+    finish,
+    fusion_time,
+    note,
+    progress_bar,
+)
 
 if TYPE_CHECKING:
     from trecsim.site_run import RunSummary
@@ -47,9 +54,10 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     tell_first_run(quiet=json)
     told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
     with progress_bar("images", quiet=json) as bar, stopping_in_order() as stop:
+        lines = _Lines(bar)
         summary = run_site(
-            checked, out, progress=bar, stop=stop,
-            tell=_tell_nothing if told else _tell_how_far,
+            checked, out, progress=lines.passed, stop=stop,
+            tell=_tell_nothing if told else lines.tell,
             picture=partial(_draw_paths, checked),
         )  # fmt: skip
     if summary.ended == "stopped":
@@ -61,16 +69,26 @@ def _tell_nothing(tally: "Tally") -> None:
     pass
 
 
-def _tell_how_far(tally: "Tally") -> None:
-    """Write a line of progress where no bar is shown."""
-    if not tally.frame_sets:
-        note("no frame set yet: waiting for the first 2D poses or for compiled kernels")
-        return
-    ms = tally.fusion_ms()
-    note(
-        f"{tally.frame_sets} frame sets, {counted_people(len(tally.people))} so far; fusion "
-        f"{ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
-    )
+class _Lines:
+    """Writes lines of progress where no bar is shown."""
+
+    def __init__(self, bar: ProgressBar) -> None:
+        self._bar = bar
+        self._images = "0 images"
+
+    def passed(self, done: int, total: int | None) -> None:
+        """Move the bar, and remember how many images are done."""
+        self._bar(done, total)
+        share = f" of {total} ({100 * done / total:.0f} %)" if total else ""
+        self._images = f"{done}{share} images"
+
+    def tell(self, tally: "Tally") -> None:
+        """Write a line."""
+        if not tally.frame_sets:
+            note(f"{self._images}; no frame set yet, the kernels may still be compiling")
+            return
+        people = counted_people(len(tally.people))
+        note(f"{self._images}, {people} so far{fusion_time(tally.fusion_ms())}")
 
 
 def _draw_paths(checked: "CheckedSite", summary: "RunSummary") -> None:
@@ -93,9 +111,7 @@ def _facts(summary: "RunSummary") -> dict[str, object]:
 
 
 def _told(summary: "RunSummary") -> str:
-    ms = summary.fusion_ms
     return (
         f"{summary.out}: {counted_people(summary.people)} in {summary.frame_sets} frame sets "
-        f"of {summary.images} images, {summary.wall_s:.1f} s; fusion {ms['median']:.2f} ms per set "
-        f"(p95 {ms['p95']:.2f})"
+        f"of {summary.images} images, {summary.wall_s:.1f} s{fusion_time(summary.fusion_ms)}"
     )

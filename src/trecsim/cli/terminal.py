@@ -43,6 +43,23 @@ def counted_people(count: int) -> str:
     return "1 person" if count == 1 else f"{count} people"
 
 
+def fusion_time(ms: Mapping[str, float]) -> str:
+    """Return the fusion time per frame set as the end of a sentence; nothing without frame sets.
+
+    Examples
+    --------
+    >>> fusion_time({"median": 0.31, "p95": 0.4})
+    '; fusion: median 0.31 ms per frame set, 95th percentile 0.40 ms'
+    >>> fusion_time({"median": math.nan, "p95": math.nan})
+    ''
+    """
+    if not math.isfinite(ms["median"]):
+        return ""
+    return (
+        f"; fusion: median {ms['median']:.2f} ms per frame set, 95th percentile {ms['p95']:.2f} ms"
+    )
+
+
 @contextmanager
 def progress_bar(
     description: str,

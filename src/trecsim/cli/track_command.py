@@ -7,7 +7,7 @@ from cyclopts import Parameter
 
 from trecsim.cli.first_run import tell_first_run
 from trecsim.cli.rig_options import RigOptions
-from trecsim.cli.terminal import counted_people, finish, progress_bar
+from trecsim.cli.terminal import counted_people, finish, fusion_time, progress_bar
 from trecsim.errors import InputError
 
 _OF_RIGS = (".toml", ".yml", ".yaml", ".xml", ".txt")  # and of no 2D poses
@@ -54,11 +54,8 @@ def track(
     tell_first_run(quiet=json)
     with progress_bar("frame sets", quiet=json) as bar:
         summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
-    ms = summary["fusion_ms"]
-    text = (
-        f"{out}: {counted_people(summary['people'])} in {summary['frame_sets']} frame sets; "
-        f"fusion {ms['median']:.2f} ms per set (p95 {ms['p95']:.2f})"
-    )
+    people, sets = counted_people(summary["people"]), summary["frame_sets"]
+    text = f"{out}: {people} in {sets} frame sets{fusion_time(summary['fusion_ms'])}"
     finish(summary, json, text)
 
 
