@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float64, Int64, Shaped, UInt8
 
 CONFIRMED, COASTING = "confirmed", "coasting"
 """States of a person in a `Snapshot`."""
+_STATES = np.array([COASTING, CONFIRMED])
 
 
 def _not_given() -> np.ndarray:
@@ -145,8 +146,7 @@ class Snapshot:
         if self.velocity_cov_m2ps2.ndim != 4:
             object.__setattr__(self, "velocity_cov_m2ps2", np.full(self.cov_m2.shape, np.nan))
         if self.state.dtype.kind != "U":
-            seen = self.support.any(axis=1)
-            object.__setattr__(self, "state", np.where(seen, CONFIRMED, COASTING))
+            object.__setattr__(self, "state", _STATES.take(self.support.any(axis=1)))
 
     def __repr__(self) -> str:
         people = ", ".join(map(str, self.id[:_LISTED].tolist()))

@@ -1,5 +1,7 @@
 """Confirmation and death of tracks (thesis section 3.6.4)."""
 
+from collections.abc import Callable
+
 import numpy as np
 from jaxtyping import Bool, Int64
 
@@ -18,7 +20,10 @@ def confirm(people: Population, model: Model, t_s: float) -> None:
 
 
 def expected_cameras(
-    people: Population, model: Model, looking: Bool[np.ndarray, " cam"], t_s: float
+    people: Population,
+    model: Model,
+    looking: Callable[[], Bool[np.ndarray, " cam"]],
+    t_s: float,
 ) -> Int64[np.ndarray, " track"]:
     """Return how many of the cameras that deliver images should detect each person.
 
@@ -27,7 +32,7 @@ def expected_cameras(
     people, model
         Tracks, and constants of the run.
     looking
-        Which cameras deliver images.
+        Returns which cameras deliver images; called only if a track may die.
     t_s
         Time of the frame set [s].
 
@@ -43,7 +48,7 @@ def expected_cameras(
         people.last_seen_s, people.last_two_view_s, t_s, s.death_s, s.doubt_s, asked
     ):
         kernels.expect_all(
-            model.lenses, model.silhouette, looking, model.torso, people.xyz_m, asked, expected
+            model.lenses, model.silhouette, looking(), model.torso, people.xyz_m, asked, expected
         )
     return expected
 

@@ -292,9 +292,7 @@ class Tracker:
         pairs = duplicate_pairs(people, self._model, association)
         close = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
         self._duplicate_since_s = {p: self._duplicate_since_s.get(p, self._t_s) for p in close}
-        expected = lifecycle.expected_cameras(
-            people, self._model, self._clocks.looking(), self._t_s
-        )
+        expected = lifecycle.expected_cameras(people, self._model, self._clocks.looking, self._t_s)
         stays = lifecycle.survivors(people, self._model, expected, self._t_s)
         if not close and not replaced and np.count_nonzero(stays) == len(stays):
             return
