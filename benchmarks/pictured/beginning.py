@@ -83,7 +83,15 @@ def search() -> Search:
     score = np.full((len(found), len(found)), -np.inf)
     flip = np.zeros(score.shape, np.int64)
     kernels.pair_scores(
-        found.cam, origin_m, ray, found.factor, model.bones, model.bone_m, model.noise, score, flip
+        found.cam,
+        origin_m,
+        ray,
+        found.sigma_scale,
+        model.bones,
+        model.bone_m,
+        model.noise,
+        score,
+        flip,
     )
     born = tuple(birth.candidates(model, found))
     return Search(run, model, first.t_s, found, ray, score, born)

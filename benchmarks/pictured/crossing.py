@@ -80,7 +80,7 @@ def sight(run: Simulation, model: Model, view: Poses2D, people: Snapshot) -> Sig
     """Compare an image with the people whom the tracker knows then."""
     image, shown = prepare([view], model), owner(run, view)
     cam = model.rig.names.index(view.camera)
-    ratio, _ = score(model, cam, image.xy_px, image.factor, people.xyz_m, people.cov_m2)
+    ratio, _ = score(model, cam, image.xy_px, image.sigma_scale, people.xyz_m, people.cov_m2)
     joints_px = np.array(
         [[kernels.project(model.P, cam, *joint)[1:3] for joint in one] for one in people.xyz_m]
     )

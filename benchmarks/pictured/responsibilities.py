@@ -160,7 +160,7 @@ def draw_people(axes: "Axes", scene: Scene) -> None:
     one, other = (
         int(np.argmin(np.linalg.norm(scene.image.xy_px[:, JOINT] - own, axis=1))) for own in at_px
     )
-    xy_px, factor = scene.image.xy_px[one], scene.image.factor[one]
+    xy_px, factor = scene.image.xy_px[one], scene.image.sigma_scale[one]
     way_px = scene.image.xy_px[other] - xy_px
     percent = np.linspace(0.0, 100.0, 201)
     whole, ankle = np.empty((2, len(percent), 3))

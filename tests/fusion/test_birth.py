@@ -91,7 +91,7 @@ def test_each_new_track_is_fitted_to_its_own_detections_and_no_others():
         assert sorted(order) == list(range(len(member)))
         np.testing.assert_array_equal(images.cam[views], cam[member][order])
         np.testing.assert_array_equal(images.t_s[views], t_s[member][order])
-        np.testing.assert_array_equal(images.factor[rows], pool.factor[member][order])
+        np.testing.assert_array_equal(images.sigma_scale[rows], pool.sigma_scale[member][order])
         np.testing.assert_array_equal(association.flip[k, views], np.array(flip)[order])
 
 

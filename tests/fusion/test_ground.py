@@ -6,12 +6,12 @@ import pytest
 from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import FusionSettings, Tracker
-from trecsim.fusion.body import rest_m
+from trecsim.fusion.body import contact_height_m
 from trecsim.fusion.kernels.ground import learn_level, lowest, resting
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet
 
-REST_M = rest_m(COCO17)
+REST_M = contact_height_m(COCO17)
 SURE = np.tile(np.eye(3) * 0.01**2, (17, 1, 1))
 STEP_S = 0.04
 

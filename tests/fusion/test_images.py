@@ -43,5 +43,5 @@ def test_an_unknown_camera_is_refused():
 
 def test_single_precision_is_taken_in_as_double():
     images = prepare([view(dtype=np.float32), view(people=0)], MODEL)
-    assert images.xy_px.dtype == images.factor.dtype == np.float64
+    assert images.xy_px.dtype == images.sigma_scale.dtype == np.float64
     assert images.offset.tolist() == [0, 2, 2]

@@ -95,15 +95,15 @@ def test_a_filter_with_marginalised_past_equals_the_fit_of_everything(memory):
         for m in range(4):
             B[:, 3 * (span + m) : 3 * (span + m) + 3] = weights[m] * np.eye(3)
         cov, xyz = np.empty((1, 1, 3, 3)), np.empty((1, 1, 1, 3))
-        kernels.covariance_all(R, grid.place(t_s), cov)
-        kernels.evaluate_all(c, np.array([grid.place(t_s)]), xyz)
+        kernels.covariance_all(R, grid.knot_time(t_s), cov)
+        kernels.evaluate_all(c, np.array([grid.knot_time(t_s)]), xyz)
         np.testing.assert_allclose(cov[0, 0], B @ covariance[-24:, -24:] @ B.T, rtol=1e-6)
         np.testing.assert_allclose(xyz[0, 0, 0], B @ expected[-24:], atol=1e-7)
 
 
 def located(grid, t_s):
     weights = np.empty(4)
-    return kernels.locate(grid.place(t_s), grid.live, weights), weights
+    return kernels.locate(grid.knot_time(t_s), grid.live, weights), weights
 
 
 @pytest.mark.parametrize(("seeing", "kept"), [(2, 1.0), (1, KEPT)])

@@ -24,7 +24,7 @@ def test_weights_are_not_negative_and_sum_to_one(place):
 def test_grid_places_times_as_scipys_splines_do(share, knot_s):
     grid = KnotGrid(origin_s=3.0, knot_s=knot_s, live=9)
     t_s = 3.0 + share * 2 * (grid.end_s - 3.0)
-    span, weights = locate(grid.place(t_s), grid.live)
+    span, weights = locate(grid.knot_time(t_s), grid.live)
     row = np.zeros(9)
     row[span : span + 4] = weights
     np.testing.assert_allclose(row, reference.basis_rows([t_s], 3.0, knot_s, 9)[0], atol=1e-9)
@@ -34,7 +34,7 @@ def test_a_straight_line_of_control_points_is_a_straight_line_in_time():
     grid = KnotGrid(origin_s=0.0, knot_s=0.1, live=8)
     points = 2.0 * (np.arange(8) - 1) * 0.1
     for t_s in (0.0, 0.123, 0.4):
-        span, weights = locate(grid.place(t_s), grid.live)
+        span, weights = locate(grid.knot_time(t_s), grid.live)
         assert abs(weights @ points[span : span + 4] - 2.0 * t_s) < 1e-12
 
 
@@ -58,5 +58,5 @@ def test_moving_on_reaches_the_time_and_no_further():
 
 
 def test_unix_times_lose_no_digits():
-    near, far = (KnotGrid(origin, 0.1, 8).place(origin + 0.25) for origin in (0.0, 1.7e9))
+    near, far = (KnotGrid(origin, 0.1, 8).knot_time(origin + 0.25) for origin in (0.0, 1.7e9))
     assert abs(near - far) < 1e-5

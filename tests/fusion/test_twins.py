@@ -35,7 +35,7 @@ def test_the_better_of_two_twins_stays():
     score[1] = 0.8
     images = prepare([Poses2D(MODEL.rig.names[0], 0.0, xy, score, np.ones(3))], MODEL)
     assert images.offset.tolist() == [0, 1]
-    assert (images.factor < 1.2).all()
+    assert (images.sigma_scale < 1.2).all()
 
 
 def test_the_same_person_in_two_images_is_no_twin():

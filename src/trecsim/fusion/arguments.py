@@ -1,4 +1,4 @@
-"""What the fusion is started with, looked at before it is: one line tells what is wrong."""
+"""Check the arguments of a tracker; one line says what is wrong."""
 
 from trecsim.errors import ConfigError, InputError
 from trecsim.fusion.settings import FusionSettings
@@ -6,11 +6,11 @@ from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
 
 LONGEST_LAG_S = 10.0
-"""Everything that young stays open to later images; longer costs time and gains nothing."""
+"""Longest smoothing lag [s]; the live window of the splines grows with it."""
 
 
 def check_arguments(rig: object, settings: object, skeleton: object, lag_s: object) -> None:
-    """Refuse what a tracker cannot be started with.
+    """Raise an error for arguments that a tracker cannot take.
 
     Parameters
     ----------
@@ -20,10 +20,10 @@ def check_arguments(rig: object, settings: object, skeleton: object, lag_s: obje
     Raises
     ------
     InputError
-        The rig or the skeleton is something else.
+        The rig or the skeleton is of another type.
     ConfigError
-        The settings are something else, ask for more joints than there are, or the lag is no
-        length of time.
+        The settings are of another type or need more joints than the skeleton has, or the lag is
+        out of range.
     """
     if not isinstance(rig, Rig):
         raise InputError(
@@ -57,7 +57,7 @@ def _check_lag(lag_s: object) -> None:
 
 
 def called(value: object) -> str:
-    """Return what a wrong argument is, in few words.
+    """Return a short description of a wrong argument.
 
     Examples
     --------

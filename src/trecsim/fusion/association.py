@@ -1,8 +1,8 @@
-"""Who is who: the mixture whose components are whole people (thesis eq. 28-33).
+"""Association: a mixture model whose components are whole people (thesis eq. 28-33).
 
-A detection of a camera belongs to one of the people or to clutter. The log likelihood ratio of
-detection and person, relative to clutter, sums over the key points, so that a person is the
-component and not each type of key point by itself.
+A detection belongs to one of the tracks or to clutter. The log likelihood ratio of detection and
+track, relative to clutter, sums over the key points, so that the person is the component and not
+each type of key point by itself.
 """
 
 from dataclasses import dataclass
@@ -25,9 +25,9 @@ class Association:
     match
         Index of the detection among all of the images, or -1.
     flip
-        1 where it must be read with left and right exchanged.
+        1 where it has left and right exchanged.
     responsibility
-        How surely it belongs to the track, 0 to 1.
+        Probability that it belongs to the track.
     """
 
     match: Int64[np.ndarray, "track view"]
@@ -56,7 +56,7 @@ def associate(
     match, flip, sure = np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(shape)
     kernels.associate_all(
         model.P, model.focal_px, images.cam, images.offset, xyz_m, cov_m2, images.xy_px,
-        images.factor, model.noise, GATE_M, match, flip, sure,
+        images.sigma_scale, model.noise, GATE_M, match, flip, sure,
     )  # fmt: skip
     return Association(match, flip, sure)
 
@@ -69,7 +69,7 @@ def score(
     xyz_m: Float64[np.ndarray, "track joint 3"],
     cov_m2: Float64[np.ndarray, "track joint 3 3"],
 ) -> tuple[Float64[np.ndarray, "track person"], Int64[np.ndarray, "track person"]]:
-    """Return log ratio to clutter and mirror state of detections of one camera for every track."""
+    """Return log ratio to clutter and mirror state of each detection of a camera and each track."""
     ratio = np.empty((len(xyz_m), len(xy_px)))
     flip = np.empty((len(xyz_m), len(xy_px)), np.int64)
     kernels.score_view(

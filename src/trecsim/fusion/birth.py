@@ -1,7 +1,7 @@
-"""How people begin: detections that nobody explains, seen by two or more cameras.
+"""Birth of tracks: unassigned detections of two or more cameras that show one person.
 
-No distance from a camera is assumed (thesis section 3.6.3 had to): the viewing rays of two
-cameras meet, and what they meet in must be a body.
+The viewing rays of two cameras meet in the joints of a body, so that no distance from a camera need
+be assumed (as in thesis section 3.6.3).
 """
 
 from collections.abc import Iterator
@@ -27,18 +27,19 @@ from trecsim.fusion.tuning import (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """Somebody new: which detections show the person, and where that is.
+    """Detections that may start a track.
 
     Attributes
     ----------
     member
-        The detections that show the person, at most one per camera.
+        Indices of the detections, at most one per camera.
     flip
         1 where left and right are exchanged, per member.
     xyz_m
-        The joints that two cameras see; NaN for the others.
+        Joints, triangulated from the first two members; NaN where their rays miss each other.
     sure
-        Whether two cameras agree so well, and nobody else fits, that there is no doubt.
+        Whether the track can be confirmed at once: the first two members agree very well, and
+        neither has another possible partner.
     """
 
     member: Int64[np.ndarray, " member"]
@@ -48,28 +49,28 @@ class Candidate:
 
 
 def rays(model: Model, found: Detections) -> Float64[np.ndarray, "person joint 3"]:
-    """Return unit directions, in the world, of the rays through key points."""
+    """Return the unit directions, in the world frame, of the rays through key points."""
     homogeneous = np.concatenate([found.xy_px, np.ones_like(found.xy_px[..., :1])], axis=-1)
     direction = np.einsum("dab,djb->dja", model.ray_of[found.cam], homogeneous)
     return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True))
 
 
 def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
-    """Find new people, best first.
+    """Yield candidates for births, best pairs first; each detection is in one at most.
 
     Parameters
     ----------
     model
         Constants of the run.
     pool
-        Detections that belong to nobody.
+        Unassigned detections.
     """
     if len(pool) < 2 or (pool.cam == pool.cam[0]).all():
         return
     best = np.arange(len(pool))
     if len(pool) > MOST_UNASSIGNED:
-        worth = (np.isfinite(pool.xy_px[..., 0]) / pool.factor).sum(axis=1)
-        best = np.sort(np.argsort(-worth, kind="stable")[:MOST_UNASSIGNED])
+        information = (np.isfinite(pool.xy_px[..., 0]) / pool.sigma_scale).sum(axis=1)
+        best = np.sort(np.argsort(-information, kind="stable")[:MOST_UNASSIGNED])
         pool = pool.take(best)
     ray, origin = rays(model, pool), model.position_m[pool.cam]
     pair, flip = _pairs(model, pool, origin, ray)
@@ -100,11 +101,11 @@ def _pairs(
     origin: Float64[np.ndarray, "person 3"],
     ray: Float64[np.ndarray, "person joint 3"],
 ) -> tuple[Float64[np.ndarray, "person person"], Int64[np.ndarray, "person person"]]:
-    """Return how well any two detections are one person, and whether one of them is mirrored."""
+    """Return log likelihood ratio and mirror state of every pair of detections as one person."""
     pair = np.full((len(pool), len(pool)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
     kernels.pair_scores(
-        pool.cam, origin, ray, pool.factor, model.bones, model.bone_m, model.noise, pair, flip
+        pool.cam, origin, ray, pool.sigma_scale, model.bones, model.bone_m, model.noise, pair, flip
     )
     return pair, flip
 
@@ -116,14 +117,16 @@ def _absorb(
     xyz_m: Float64[np.ndarray, "joint 3"],
     member: dict[int, int],
 ) -> None:
-    """Add the other cameras' free detections of the same person, with their mirror state."""
+    """Add free detections of the same person in other cameras to `member`, with mirror state."""
     cov = np.broadcast_to(np.eye(3) * CANDIDATE_SIGMA_M**2, (1, len(xyz_m), 3, 3)).copy()
     taken = {int(pool.cam[d]) for d in member}
     for cam in sorted(set(pool.cam.tolist()) - taken):
         here = np.flatnonzero((pool.cam == cam) & free)
         if not len(here):
             continue
-        ratio, mirrored = score(model, cam, pool.xy_px[here], pool.factor[here], xyz_m[None], cov)
+        ratio, mirrored = score(
+            model, cam, pool.xy_px[here], pool.sigma_scale[here], xyz_m[None], cov
+        )
         d = int(np.argmax(ratio[0]))
         if ratio[0, d] >= JOIN_SCORE:
             member[int(here[d])] = int(mirrored[0, d])

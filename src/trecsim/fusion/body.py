@@ -1,4 +1,4 @@
-"""What is known about a body before it is seen: which joints bend how fast, usual limb lengths."""
+"""Prior knowledge of a body: process and measurement noise per joint, usual limb lengths."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -10,9 +10,9 @@ from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.tuning import LENGTH_SPREAD
 from trecsim.skeleton import Skeleton
 
-# Usual distances between an adult's joints [m] and how far posture changes them [m]. The spread
-# over people covers children and tall ones. Keys are the joints' parts; "same" and "other" say
-# on which side of the body they lie to each other.
+# Usual distances between an adult's joints, and their standard deviation over postures [m]. The
+# spread over people covers children and tall adults. Keys are parts of joints' names, and whether
+# both joints are on the same side of the body.
 _USUAL_M = {
     ("nose", "eye", "any"): (0.05, 0.005),
     ("eye", "eye", "other"): (0.065, 0.005),
@@ -34,8 +34,8 @@ _HEAD = ("nose", "eye", "ear")
 _ARM = ("elbow", "wrist")
 _LEG = ("knee", "ankle")
 
-# Error of a detector relative to body height, per joint and axis, measured on OpenPose
-# detections of the Shelf sequence, set in relation to their mean.
+# Standard deviation of a detector's errors relative to body height, per joint and axis, measured
+# on OpenPose detections of the Shelf sequence. Only their ratios to the mean are used.
 _RELATIVE_SIGMA = {
     "ankle": 0.0135,
     "knee": 0.0175,
@@ -46,8 +46,8 @@ _RELATIVE_SIGMA = {
 }
 
 
-# How high a joint is when the body rests on it [m].
-_REST_M = {
+# Height of a joint above the ground when the body rests on it [m].
+_CONTACT_HEIGHT_M = {
     "ankle": 0.08, "knee": 0.06, "hip": 0.10, "shoulder": 0.10, "elbow": 0.05, "wrist": 0.04,
     "nose": 0.10, "eye": 0.10, "ear": 0.08,
 }  # fmt: skip
@@ -64,7 +64,7 @@ def _side(joint: str) -> str:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsualBody:
-    """What is known of anybody's body before the person is seen.
+    """Prior knowledge of the distances between joints.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class UsualBody:
     length_m, spread_m
         The distance: mean over people, and standard deviation.
     slack_m
-        How far posture changes it.
+        Its standard deviation over postures.
     bone
         Whether the pair is a limb of the skeleton.
     """
@@ -114,15 +114,15 @@ def _usual(first: str, second: str) -> tuple[float, float] | None:
     return None
 
 
-def rest_m(skeleton: Skeleton) -> Float64[np.ndarray, " joint"]:
-    """Return how high each joint is when the body rests on it [m]; 2 cm where it is not known."""
-    return np.array([_REST_M.get(_part(joint), 0.02) for joint in skeleton.joints])
+def contact_height_m(skeleton: Skeleton) -> Float64[np.ndarray, " joint"]:
+    """Return the height of each joint when the body rests on it [m]; 2 cm where it is unknown."""
+    return np.array([_CONTACT_HEIGHT_M.get(_part(joint), 0.02) for joint in skeleton.joints])
 
 
 def key_point_sigma_m(
     skeleton: Skeleton, settings: FusionSettings
 ) -> Float64[np.ndarray, " joint"]:
-    """Return each joint's key-point noise as a length at the person's distance [m]."""
+    """Return the measurement noise of each joint, as a length at the person's distance [m]."""
     mean = sum(_RELATIVE_SIGMA.values()) / len(_RELATIVE_SIGMA)
     return np.array(
         [

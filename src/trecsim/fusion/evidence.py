@@ -39,9 +39,9 @@ def check_matches(
         people.confirmed, people.redundant_count,
     )  # fmt: skip
     kernels.note_exchanges(
-        images.cam, images.offset, images.xy_px, images.factor, association.match, model.ray_of,
-        model.position_m, model.bones, model.bone_m, model.noise, CLEAR_PAIR, MOST_SWAP_EVIDENCE,
-        people.swap_evidence,
+        images.cam, images.offset, images.xy_px, images.sigma_scale, association.match,
+        model.ray_of, model.position_m, model.bones, model.bone_m, model.noise, CLEAR_PAIR,
+        MOST_SWAP_EVIDENCE, people.swap_evidence,
     )  # fmt: skip
 
 

@@ -25,7 +25,7 @@ class Prediction:
 
     Attributes
     ----------
-    place, now
+    knot_time, now
         Times of the images and of the frame set [knots].
     xyz_m
         Joints at each image's own time.
@@ -33,7 +33,7 @@ class Prediction:
         Their covariance at the frame set's time.
     """
 
-    place: Float64[np.ndarray, " view"]
+    knot_time: Float64[np.ndarray, " view"]
     now: float
     xyz_m: Float64[np.ndarray, "view track joint 3"]
     cov_m2: Float64[np.ndarray, "track joint 3 3"]
@@ -50,13 +50,13 @@ def independence_weight(since_s: float, model: Model) -> float:
 def predict(people: Population, images: Images, grid: KnotGrid, t_s: float) -> Prediction:
     """Predict the tracks at the times of `images`, and their covariance at `t_s`, the newest."""
     n_track, n_joint = people.z.shape[:2]
-    place = grid.places(images.t_s)
+    knot_time = grid.knot_times(images.t_s)
     xyz_m = np.empty((len(images), n_track, n_joint, 3))
-    kernels.evaluate_all(people.c, place, xyz_m)
-    now = grid.place(t_s)
+    kernels.evaluate_all(people.c, knot_time, xyz_m)
+    now = grid.knot_time(t_s)
     cov_m2 = np.empty((n_track, n_joint, 3, 3))
     kernels.covariance_all(people.R, now, cov_m2)
-    return Prediction(place, now, xyz_m, cov_m2)
+    return Prediction(knot_time, now, xyz_m, cov_m2)
 
 
 def fit(
@@ -81,7 +81,7 @@ def fit(
     observation_weight = association.responsibility * independence
     kernels.fit_all(
         people.R, people.z, people.c, prediction.xyz_m, prediction.cov_m2, images.cam, model.P,
-        model.focal_px, prediction.place, images.xy_px, images.factor, association.match,
+        model.focal_px, prediction.knot_time, images.xy_px, images.sigma_scale, association.match,
         association.flip, observation_weight, model.noise, prediction.now, inlier,
         people.xyz_m, people.cov_m2,
     )  # fmt: skip

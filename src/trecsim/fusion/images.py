@@ -1,4 +1,4 @@
-"""A frame set as arrays: what the kernels read."""
+"""A frame set as arrays for the kernels."""
 
 import math
 from collections.abc import Sequence
@@ -26,44 +26,44 @@ class Images:
         Image ``v`` has the detections ``offset[v] .. offset[v + 1]``.
     xy_px
         Undistorted key points; NaN where missing or not to be used [px].
-    factor
-        By how much each key point is less certain than a good one.
+    sigma_scale
+        Standard deviation of each key point, relative to that of a good one.
     """
 
     cam: Int64[np.ndarray, " view"]
     t_s: Float64[np.ndarray, " view"]
     offset: Int64[np.ndarray, " view_plus_1"]
     xy_px: Float64[np.ndarray, "person joint 2"]
-    factor: Float64[np.ndarray, "person joint"]
+    sigma_scale: Float64[np.ndarray, "person joint"]
 
     def __len__(self) -> int:
         """Return the number of images."""
         return len(self.cam)
 
     def detections(self, which: Bool[np.ndarray, " person"]) -> "Detections":
-        """Return the detections that `which` marks, each by itself."""
+        """Return the detections that `which` marks, without their images."""
         view_of = np.repeat(np.arange(len(self)), np.diff(self.offset))[which]
         return Detections(
-            self.cam[view_of], self.t_s[view_of], self.xy_px[which], self.factor[which]
+            self.cam[view_of], self.t_s[view_of], self.xy_px[which], self.sigma_scale[which]
         )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detections:
-    """Detections that belong to nobody, each with the camera and time of its own image.
+    """Unassigned detections, each with the camera and time of its image.
 
     Attributes
     ----------
     cam, t_s
         Camera (index in the rig) and time.
-    xy_px, factor
+    xy_px, sigma_scale
         Key points, as for `Images`.
     """
 
     cam: Int64[np.ndarray, " person"]
     t_s: Float64[np.ndarray, " person"]
     xy_px: Float64[np.ndarray, "person joint 2"]
-    factor: Float64[np.ndarray, "person joint"]
+    sigma_scale: Float64[np.ndarray, "person joint"]
 
     @classmethod
     def nothing(cls, n_joint: int) -> "Detections":
@@ -78,10 +78,12 @@ class Detections:
 
     def take(self, which: Int64[np.ndarray, " some"] | Bool[np.ndarray, " person"]) -> "Detections":
         """Return the detections `which`."""
-        return Detections(self.cam[which], self.t_s[which], self.xy_px[which], self.factor[which])
+        return Detections(
+            self.cam[which], self.t_s[which], self.xy_px[which], self.sigma_scale[which]
+        )
 
     def still_open(self, cam: Int64[np.ndarray, " view"], since_s: float) -> "Detections":
-        """Return those taken since then by cameras other than `cam`, which have looked again."""
+        """Return those since `since_s` of cameras other than `cam`, which have newer images."""
         again = set(cam.tolist())
         other = [c not in again for c in self.cam.tolist()]
         return self.take(np.array(other, bool) & (self.t_s >= since_s))
@@ -92,11 +94,11 @@ class Detections:
             np.concatenate([self.cam, other.cam]),
             np.concatenate([self.t_s, other.t_s]),
             np.concatenate([self.xy_px, other.xy_px]),
-            np.concatenate([self.factor, other.factor]),
+            np.concatenate([self.sigma_scale, other.sigma_scale]),
         )
 
     def as_images(self) -> tuple[Images, Int64[np.ndarray, " person"]]:
-        """Return the images that the detections are from, and each one's row in them."""
+        """Return the images of the detections, and the row of each detection in them."""
         order = np.lexsort((self.t_s, self.cam))
         cam, t_s = self.cam[order], self.t_s[order]
         starts = np.flatnonzero((np.diff(cam, prepend=-1) != 0) | (np.diff(t_s, prepend=0.0) != 0))
@@ -104,7 +106,7 @@ class Detections:
         row_of[order] = np.arange(len(order))
         return Images(
             cam[starts], t_s[starts], np.append(starts, len(order)), self.xy_px[order],
-            self.factor[order],
+            self.sigma_scale[order],
         ), row_of  # fmt: skip
 
 
@@ -138,7 +140,7 @@ def cameras(views: Sequence[Poses2D], model: Model) -> list[int]:
 
 
 def prepare(views: Sequence[Poses2D], model: Model) -> Images:
-    """Undistort the detections of `views`, leave out what cannot be used or is there twice.
+    """Undistort the detections of `views`; discard unusable ones and duplicates.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What stays the same while people are tracked: cameras, body, settings, as the kernels want it."""
+"""Constants of a tracking run, as arrays for the kernels: cameras, body, settings."""
 
 import math
 from collections.abc import Mapping
@@ -22,29 +22,29 @@ class Model:
     Attributes
     ----------
     rig, skeleton, settings
-        What the run was started with.
+        Arguments of the run.
     cam_of
         Index of each camera by its name.
     undistortion
-        What undistorts key points, per camera.
+        Parameters that undistort key points, per camera.
     P, focal_px
         Projections for undistorted pixels and mean focal lengths, per camera.
     ray_of, position_m
-        What turns a pixel into the direction of its viewing ray, and where the ray begins.
+        Matrix that turns a pixel into the direction of its viewing ray, and the camera's position.
     lenses, silhouette
-        What decides which camera should see whom: its raw image, and who stands before whom.
+        Parameters that decide which camera has whom in view, and who hides whom.
     noise
-        What the kernels assume of the detector.
+        Measurement model of the detector.
     stiffness
         Weight of the smoothing prior, per joint.
     bones, bone_m
         The limbs of the skeleton and their usual lengths, for births.
     body
-        What is known of anybody's body.
+        Prior knowledge of the distances between joints.
     limbs
-        The distances a body keeps, for the kernels.
+        The same, for the kernels.
     torso
-        The joints that stand for the whole person.
+        The joints whose mean is the person's position: shoulders and hips.
     """
 
     rig: Rig
@@ -88,7 +88,7 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         bones=np.ascontiguousarray(usual.joints[usual.bone]),
         bone_m=usual.length_m[usual.bone],
         body=usual,
-        limbs=Limbs(usual.joints, usual.slack_m**2, body.rest_m(skeleton)),
+        limbs=Limbs(usual.joints, usual.slack_m**2, body.contact_height_m(skeleton)),
         torso=np.array(torso or range(len(skeleton.joints)), np.int64),
     )
 

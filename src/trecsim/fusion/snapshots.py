@@ -1,4 +1,4 @@
-"""What the trajectories say about one moment."""
+"""Snapshots: evaluate the trajectories at one time."""
 
 from collections.abc import Sequence
 
@@ -17,16 +17,16 @@ from trecsim.values import Snapshot
 def snapshot_of(
     there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, model: Model
 ) -> Snapshot:
-    """Return everybody who is confirmed and had begun at `t_s`.
+    """Return all confirmed tracks that had been born at `t_s`.
 
     Parameters
     ----------
     there
-        People, with the grids on which their trajectories are.
+        Tracks, with the knot grids of their trajectories.
     t_s
-        The moment, within those grids [s].
+        The time, within those grids [s].
     now_s
-        Time of the last frame set, for which places and covariances are known already [s].
+        Time of the last frame set, at which positions and covariances are known already [s].
     model
         Constants of the run.
     """
@@ -37,7 +37,7 @@ def snapshot_of(
 
 
 def _joined(parts: Sequence[Snapshot]) -> Snapshot:
-    """Return snapshots of the same moment as one."""
+    """Return snapshots of the same time as one."""
     return Snapshot(
         parts[0].t_s,
         np.concatenate([part.id for part in parts]),
@@ -54,7 +54,7 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
     xyz_m, cov_m2 = people.xyz_m, people.cov_m2
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
-        kernels.covariance_all(people.R, grid.place(t_s), cov_m2)
+        kernels.covariance_all(people.R, grid.knot_time(t_s), cov_m2)
     velocity_mps, velocity_cov_m2ps2 = velocity(people, grid, t_s)
     # NumPy takes rows by `take` in a third of the time that an index needs.
     xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
@@ -75,7 +75,9 @@ def velocity(
 ) -> tuple[Float64[np.ndarray, "track joint 3"], Float64[np.ndarray, "track joint 3 3"]]:
     """Return the joints' velocities at one time [m/s], and their covariances [m^2/s^2]."""
     velocity_mps, cov_m2ps2 = np.empty(people.xyz_m.shape), np.empty(people.cov_m2.shape)
-    kernels.velocity_all(people.R, people.c, grid.place(t_s), grid.knot_s, velocity_mps, cov_m2ps2)
+    kernels.velocity_all(
+        people.R, people.c, grid.knot_time(t_s), grid.knot_s, velocity_mps, cov_m2ps2
+    )
     return velocity_mps, cov_m2ps2
 
 
@@ -84,12 +86,12 @@ def evaluated(
 ) -> Float64[np.ndarray, "time track joint 3"]:
     """Return the joints at several times, from their control points [m]."""
     xyz_m = np.empty((len(t_s), *c.shape[:2], 3))
-    kernels.evaluate_all(c, np.array([grid.place(t) for t in t_s]), xyz_m)
+    kernels.evaluate_all(c, np.array([grid.knot_time(t) for t in t_s]), xyz_m)
     return xyz_m
 
 
 def nobody_at(t_s: float, n_joint: int) -> Snapshot:
-    """Return a moment without anybody."""
+    """Return a snapshot of nobody."""
     return Snapshot(
         t_s,
         np.empty(0, np.int64),

@@ -16,7 +16,7 @@ ORDER = 4
 
 @dataclass(frozen=True, slots=True)
 class KnotGrid:
-    """The grid of knots that all trajectories share.
+    """The grid of knots common to all trajectories.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class KnotGrid:
     knot_s
         Distance between knots [s].
     live
-        Number of control points kept per joint; older ones are marginalised.
+        Number of live control points per joint; older ones are marginalised.
     first
         Index of the oldest live control point.
 
@@ -35,7 +35,7 @@ class KnotGrid:
     >>> grid.end_s, grid.start_s
     (0.30000000000000004, 0.0)
     >>> moved = grid.moved_to(0.45)
-    >>> moved.first, round(moved.place(0.45), 9)
+    >>> moved.first, round(moved.knot_time(0.45), 9)
     (2, 2.5)
     """
 
@@ -64,10 +64,10 @@ class KnotGrid:
         first = self.first + self.steps_to(t_s)
         return KnotGrid(self.origin_s, self.knot_s, self.live, first)
 
-    def place(self, t_s: float) -> float:
-        """Return `t_s` in knots since the oldest live one, as the kernels want it."""
+    def knot_time(self, t_s: float) -> float:
+        """Return `t_s` in knots since the oldest live one, as the kernels take it."""
         return (t_s - self.origin_s) / self.knot_s - self.first
 
-    def places(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
-        """Return `place` of several times."""
-        return np.array([self.place(one_s) for one_s in t_s.tolist()], np.float64)
+    def knot_times(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
+        """Return `knot_time` of several times."""
+        return np.array([self.knot_time(one_s) for one_s in t_s.tolist()], np.float64)

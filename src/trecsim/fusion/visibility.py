@@ -1,4 +1,4 @@
-"""The cameras' lenses and the bodies that block their view, as the kernels want them."""
+"""Lenses of the cameras and bodies that hide others, as arrays for the kernels."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -9,7 +9,7 @@ from trecsim.geometry.distortion import lens
 from trecsim.skeleton import Skeleton
 
 _KIND = {"none": PINHOLE, "brown": BROWN, "fisheye": FISHEYE}
-# Radii of what blocks the view [m]: a neck with the head, a trunk, both legs together.
+# Capsules that hide what is behind them, with radii [m]: head and neck, trunk, both legs.
 _PARTS = (
     ("shoulder", "ear", 0.11),
     ("shoulder", "hip", 0.16),
@@ -18,7 +18,7 @@ _PARTS = (
 
 
 def lenses(rig: Rig) -> Lenses:
-    """Return what decides whether points are in the cameras' raw images."""
+    """Return the parameters that decide whether points are in the cameras' raw images."""
     return Lenses(
         T_cam_world=np.array([camera.T_cam_world[:3] for camera in rig], order="C"),
         position_m=np.array([camera.position_m for camera in rig], order="C"),
@@ -39,7 +39,7 @@ def _coefficients(camera: Camera) -> Float64[np.ndarray, "8"]:
 
 
 def silhouette(skeleton: Skeleton) -> Silhouette:
-    """Return what of a body blocks the view; nothing where a skeleton lacks the joints."""
+    """Return the capsules of a body that hide others; none for which the skeleton lacks joints."""
     ends, radius_m = [], []
     for first, last, radius in _PARTS:
         names = [f"{side}_{joint}" for joint in (first, last) for side in ("left", "right")]

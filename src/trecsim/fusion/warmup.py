@@ -7,7 +7,7 @@ from trecsim.fusion.tracker import Tracker
 from trecsim.geometry import Camera, Rig
 from trecsim.values import FrameSet, Poses2D
 
-# Somebody with arms a little out, facing along y, (x, z) per joint of COCO-17 [m].
+# A person with arms a little out, facing along y: (x, z) per joint of COCO-17 [m].
 _STANDING_M = [
     (0.0, 1.6), (0.03, 1.63), (-0.03, 1.63), (0.07, 1.61), (-0.07, 1.61), (0.17, 1.4),
     (-0.17, 1.4), (0.25, 1.15), (-0.25, 1.15), (0.28, 0.9), (-0.28, 0.9), (0.12, 0.9),
@@ -17,7 +17,7 @@ _K = np.array([[1000.0, 0.0, 640.0], [0.0, 1000.0, 360.0], [0.0, 0.0, 1.0]])
 
 
 def warm_up() -> None:
-    """Run every kernel once on a made scene; later frame sets then take their usual time."""
+    """Run every kernel once on a synthetic scene; later frame sets then take their usual time."""
     rig = Rig((_camera("first", 0.0), _camera("second", 1.2)))
     tracker = Tracker(rig)
     xyz_m = np.array([(x, 0.0, z) for x, z in _STANDING_M])
@@ -32,7 +32,7 @@ def warm_up() -> None:
             )
             for camera in rig
         )
-        # Then one camera alone, so that the body has to hold what the other saw.
+        # Then one camera alone, so that limbs must constrain what only the other had in view.
         tracker.step(FrameSet(0.04 * n, views if n < 8 else views[:1]))
     kernels.match_view(np.ones((2, 2)), np.empty(2, np.int64))
 
