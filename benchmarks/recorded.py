@@ -19,9 +19,30 @@ THESIS_INFERENCE_MS = {
     2: (11.39, 6.33, 93.12, 9.03),
     3: (10.57, 1.69, 23.50, 9.29),
 }
+# Our default estimator on a processor with AVX2 but neither AVX-512 nor bfloat16, images of four
+# cameras of 1080 x 1920 with two people: processor time per image, median.
+ESTIMATOR_AVX2_MS = 135.0
 # The thesis author's program, run on a server processor like ours, two cameras: ms per fit.
 AUTHORS_FIT_MS = {1: 1.6, 2: 4.7, 3: 6.6, 4: 13.6, 6: 34.6}
 AUTHORS_GROWTH = 1.75  # about this power of the people
+
+
+class BesideAuthor(NamedTuple):
+    """Ours and the thesis author's program, measured in turn in one run on the same key points."""
+
+    scene: str
+    built: str  # how the author's program was compiled
+    ours_ms: float  # median per frame set
+    theirs_ms: tuple[float, float]  # per fit, over the settings its author gives
+
+
+# At commit ed2252f, one thread of a processor with avx2, least time of each step over the rounds.
+BESIDE_AUTHOR = (
+    BesideAuthor("2 cameras, 3 people", "-Ofast", 0.378, (9.36, 11.9)),
+    BesideAuthor("4 cameras, 3 people", "-Ofast", 0.544, (8.13, 9.93)),
+    BesideAuthor("2 cameras, 4 people", "-O3", 0.796, (18.5, 19.4)),
+    BesideAuthor("2 cameras, 6 people", "-O3", 0.623, (30.9, 44.4)),
+)
 
 
 class AuthorsScene(NamedTuple):

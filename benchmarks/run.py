@@ -31,6 +31,7 @@ _IN_ORDER = (
     "real_video",
     "estimator_speed",
     "pipeline_cost",
+    "beside_pose2sim",
 )
 ALL = tuple(name for name in _IN_ORDER if (running.FOLDER / f"{name}.py").exists())
 QUICK = ("accuracy", "thesis", "shelf", "scenes", "close", "speed", "simulating", "startup")

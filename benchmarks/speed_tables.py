@@ -5,8 +5,14 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from harness.figures import Result
-from harness.markdown import NOTHING, busy, fixed, number, table, value_of
-from recorded import AUTHORS_FIT_MS, THESIS_FIT_MS, THESIS_INFERENCE_MS
+from harness.markdown import NOTHING, busy, fixed, machine_of, number, table, value_of
+from recorded import (
+    AUTHORS_FIT_MS,
+    BESIDE_AUTHOR,
+    ESTIMATOR_AVX2_MS,
+    THESIS_FIT_MS,
+    THESIS_INFERENCE_MS,
+)
 from speed import LENSED, cell_name
 
 Results = Mapping[str, Result]
@@ -47,8 +53,6 @@ def pipeline_short(results: Results) -> str:
     result = results["pipeline_cost"]
     machine = result.about["machine"]
     rate = value_of(result.figures, "images per second", "all cameras")
-    instructions = machine.get("instructions")
-    told = "not recorded" if instructions is None else " ".join(instructions) or "none of note"
     rows = [
         ["images per second, all cameras together", number(rate)],
         ["that is, with 4 cameras, for each", number(rate / 4)],
@@ -58,8 +62,7 @@ def pipeline_short(results: Results) -> str:
         ],
         ["peak memory [MB]", number(value_of(result.figures, "peak memory", "8 s of video"))],
     ]
-    on = f"{machine['cores']} cores of {machine['processor']} (vector instructions: {told})"
-    head = ["whole pipeline, videos of 1920 x 1080", on]
+    head = ["whole pipeline, videos of 1920 x 1080", machine_of(result)]
     return table(head, rows) + busy(result)
 
 
@@ -95,6 +98,38 @@ def thesis_rate(results: Results) -> str:
     return table(head, rows)
 
 
+def beside_author(_: Results) -> str:
+    """Return ours beside the thesis author's program, cell by cell; recorded in one run."""
+    rows = []
+    for cell in BESIDE_AUTHOR:
+        least, most = cell.theirs_ms
+        rows.append(
+            [cell.scene, number(cell.ours_ms), f"{number(least)} to {number(most)}",
+             f"{fixed(least / cell.ours_ms, 0)} to {fixed(most / cell.ours_ms, 0)}", cell.built]
+        )  # fmt: skip
+    head = ["thesis' scene", "trecsim [ms]", "author's program [ms]", "ratio", "built with"]
+    return table(head, rows)
+
+
+def beside_pose2sim(results: Results) -> str:
+    """Return ours beside Pose2Sim, cell by cell, measured in one run."""
+    result = results["beside_pose2sim"]
+    rows = []
+    for name in result.figures:
+        at = partial(value_of, result.figures, name)
+        rows.append(
+            [name, number(at("trecsim, from the files on")), number(at("trecsim, fusion alone")),
+             number(at("Pose2Sim, second call")),
+             fixed(at("Pose2Sim / trecsim, from the files on"), 0),
+             fixed(at("Pose2Sim / trecsim's fusion"), 0)]
+        )  # fmt: skip
+    head = ["recording", "trecsim, files to people [ms]", "of it fusion [ms]",
+            f"Pose2Sim {result.about['input']['pose2sim']}, files to people [ms]",
+            "ratio, files to people", "ratio to the fusion alone"]  # fmt: skip
+    told = "Processor time per frame set, both one thread, warm."
+    return f"{table(head, rows)}\n\nOn {machine_of(result)}. {told}{busy(result)}"
+
+
 def growth(results: Results) -> str:
     """Return the exponents of growth."""
     result = results["speed"]
@@ -118,15 +153,21 @@ def estimator(results: Results) -> str:
     """Return the thesis' tables 7 and 8 with ours beside them."""
     result = results["estimator_speed"]
     rows = []
-    for people, name in ((1, "one person"), (2, "two people")):
-        at = partial(value_of, result.figures, "per image", name)
-        ours = _mean_std(at("mean"), at("std"), at("max"), at("min"))
-        rows.append(
-            [name, *ours, fixed(1e3 / at("mean"), 0), *_recorded(THESIS_INFERENCE_MS[people])]
-        )
+    for group in ("per image", "per image, in 32 bits"):
+        for people, name in ((1, "one person"), (2, "two people")):
+            at = partial(value_of, result.figures, group, name)
+            ours = _mean_std(at("mean"), at("std"), at("max"), at("min"))
+            rows.append(
+                [f"{name}{group.removeprefix('per image')}", *ours, fixed(1e3 / at("mean"), 0),
+                 *(_recorded(THESIS_INFERENCE_MS[people]) if group == "per image"
+                   else [NOTHING] * 3)]
+            )  # fmt: skip
+    median = number(ESTIMATOR_AVX2_MS)
+    rows.append([f"two people, avx2 alone (recorded, median {median})", *[NOTHING] * 3,
+                 fixed(1e3 / ESTIMATOR_AVX2_MS, 0), *[NOTHING] * 3])  # fmt: skip
     head = ["in the image", "mean ± std [ms]", "max", "min", "images per second",
             "thesis (YOLOv7, GPU): mean ± std [ms]", "max", "min"]  # fmt: skip
-    return table(head, rows) + busy(result)
+    return table(head, rows) + f"\n\nOn {machine_of(result)}. Processor time." + busy(result)
 
 
 def grid(results: Results) -> tuple[list[int], list[int], Callable[[int, int, str], float]]:

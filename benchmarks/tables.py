@@ -75,6 +75,8 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "thesis-speed": ("speed", fast.thesis_speed),
     "thesis-rate": ("speed", fast.thesis_rate),
     "growth": ("speed", fast.growth),
+    "beside-author": (ANY, fast.beside_author),
+    "beside-pose2sim": ("beside_pose2sim", fast.beside_pose2sim),
     "estimator": ("estimator_speed", fast.estimator),
     "ablation": ("ablation", ablation.ablation),
     "ablation-instead": ("ablation", ablation.instead),

@@ -85,6 +85,14 @@ def listed(result: Result) -> str:
     return table(["figure", "value", "unit", "spread"], rows)
 
 
+def machine_of(result: Result) -> str:
+    """Return the processor that something was measured on, with its vector instructions."""
+    machine = result.about["machine"]
+    instructions = machine.get("instructions")
+    told = "not recorded" if instructions is None else " ".join(instructions) or "none of note"
+    return f"{machine['cores']} cores of {machine['processor']} (vector instructions: {told})"
+
+
 def measured_on(result: Result) -> str:
     """Return one line on where and when something was measured."""
     about = result.about
