@@ -6,8 +6,8 @@ from pathlib import Path
 
 SRC = Path(__file__).parents[1] / "src" / "trecsim"
 
-# A concept of the fusion whose wrapper and kernel still carry one name.
-STILL_TWICE = {"assignment", "fitting", "undistortion", "visibility"}
+# Names that still stand twice: a concept of the fusion and its kernel, or two rooms.
+STILL_TWICE = {"assignment", "fitting", "undistortion", "visibility", "evidence", "turns"}
 # The Protocol of a room stands in its `base`.
 ROOMS = {"base"}
 STILL_OF_THE_STANDARD_LIBRARY = {"mailbox"}
