@@ -5,7 +5,7 @@ import pytest
 
 from trecsim.errors import InputError
 from trecsim.lab.simulation.body_shape import body
-from trecsim.lab.simulation.body_volume import (
+from trecsim.lab.simulation.kernels.body_volume import (
     COVER_M,
     HEAD_M,
     MASS_KG,

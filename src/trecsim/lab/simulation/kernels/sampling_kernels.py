@@ -1,4 +1,4 @@
-"""Compiled kernels of the simulation; each has a slow, obvious twin in the tests.
+"""Correlated noise and mutual occlusion of people.
 
 Arrays are C-contiguous float64.
 """
@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from trecsim.compiler import inner, kernel
-from trecsim.lab.simulation.body_volume import ENDS, RADIUS_M, WIDEST_M
+from trecsim.lab.simulation.kernels.body_volume import ENDS, RADIUS_M, WIDEST_M
 
 
 @kernel
