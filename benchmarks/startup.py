@@ -1,4 +1,4 @@
-"""How long ``trecsim --help`` takes, and the demo with and without compiled kernels.
+"""Cold start: time of ``trecsim --help``, the demo and the first people, compiled and not.
 
 Run: ``python benchmarks/startup.py``
 """
@@ -14,11 +14,21 @@ from pathlib import Path
 
 from harness.calibration import calibration_ms
 from harness.command import alone
-from harness.figures import Figure, Figures, timed
+from harness.figures import Figure, Figures, once, timed
 from harness.options import Options
 
 TRECSIM = Path(sys.executable).with_name("trecsim")
 ROUNDS = 9
+# The processor time of this loop tells how fast the machine runs Python, as the compiler does.
+ADDITIONS = """
+total = 0
+for number in range(20_000_000):
+    total += number
+"""
+FIRST_PEOPLE = """
+from trecsim.fusion.warmup import warm_up
+warm_up()
+"""
 
 
 def seconds(
@@ -33,6 +43,30 @@ def seconds(
         env={**os.environ, **(environment or {})},
     )
     return time.perf_counter() - began_s, children_s() - used_s
+
+
+def used_by_python_s(code: str, environment: Mapping[str, str] | None = None) -> float:
+    """Return the processor time of a new Python process that runs `code` [s]."""
+    used_s = children_s()
+    settings = {**os.environ, **(environment or {})}
+    subprocess.run([sys.executable, "-c", code], check=True, env=settings)
+    return children_s() - used_s
+
+
+def cold_start(folder: str) -> Figures:
+    """Measure the processor time until the first people, with an empty cache and a full one."""
+    cache, calibrated_ms = {"NUMBA_CACHE_DIR": f"{folder}/first"}, calibration_ms()
+    loop_s = used_by_python_s(ADDITIONS)
+    cold_s, warm_s = (used_by_python_s(FIRST_PEOPLE, cache) for _ in range(2))
+    loop_s = min(loop_s, used_by_python_s(ADDITIONS))
+    return {
+        "processor time": {
+            "first people, nothing compiled": timed([cold_s], [calibrated_ms], "s", watched=False),
+            "first people, kernels in the cache": timed([warm_s], [calibrated_ms], "s"),
+            "20 million additions in Python": timed([loop_s], [calibrated_ms], "s", watched=False),
+            "nothing compiled / additions": once(cold_s / loop_s, "", watched=False),
+        }
+    }
 
 
 def children_s() -> float:
@@ -57,6 +91,7 @@ def measure(options: Options) -> Figures:
                 cache = {"NUMBA_CACHE_DIR": f"{folder}/cache"}
                 took, _ = seconds(["demo", "--out", f"{folder}/{len(figures)}"], cache)
                 figures[name] = timed([took], [calibrated_ms], "s", watched=False)
+            return {"wall time": figures, **cold_start(folder)}
     return {"wall time": figures}
 
 

@@ -116,7 +116,7 @@ def _kernels() -> Finding:
         return Finding(name, "missing", text, remedy)
     kept = len(list(folder.glob("*.nbc")))
     state = f"{kept} kept in {folder}" if kept else f"none yet in {folder}"
-    remedy = "" if kept else "the first run compiles them, once, in about a minute"
+    remedy = "" if kept else "trecsim warmup (the first run does so too)"
     return Finding(name, "ok" if kept else "missing", state, remedy)
 
 

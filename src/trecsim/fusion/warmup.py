@@ -1,23 +1,52 @@
 """Compile the kernels, or load them from their cache, before the first frame set."""
 
+from collections.abc import Callable
+
 import numpy as np
 
-from trecsim.fusion import kernels
+from trecsim.compiler import compiling
 from trecsim.fusion.tracker import Tracker
 from trecsim.geometry import Camera, Rig
 from trecsim.values import FrameSet, Poses2D
 
-# A person with arms a little out, facing along y: (x, z) per joint of COCO-17 [m].
+# Somebody with arms a little out, facing along y, (x, z) per joint of COCO-17 [m].
 _STANDING_M = [
     (0.0, 1.6), (0.03, 1.63), (-0.03, 1.63), (0.07, 1.61), (-0.07, 1.61), (0.17, 1.4),
     (-0.17, 1.4), (0.25, 1.15), (-0.25, 1.15), (0.28, 0.9), (-0.28, 0.9), (0.12, 0.9),
     (-0.12, 0.9), (0.13, 0.48), (-0.13, 0.48), (0.14, 0.08), (-0.14, 0.08),
 ]  # fmt: skip
+# Kernels that this runs; a test counts them.
+COUNT = 24
 _K = np.array([[1000.0, 0.0, 640.0], [0.0, 1000.0, 360.0], [0.0, 0.0, 1.0]])
 
 
-def warm_up() -> None:
-    """Run every kernel once on a synthetic scene; later frame sets then take their usual time."""
+def warm_up(progress: Callable[[int, int | None], None] | None = None) -> None:
+    """Run every kernel that any site needs, on a synthetic scene of one person.
+
+    What is not in the cache yet is compiled; later frame sets then take their usual time. Kernels
+    that few sites need are compiled when they are needed.
+
+    Parameters
+    ----------
+    progress
+        Called after each kernel with how many are ready and how many there are.
+    """
+    ready = 0
+
+    def tell() -> None:
+        nonlocal ready
+        ready += 1
+        if progress is not None:
+            progress(min(ready, COUNT), COUNT)
+
+    with compiling(tell):
+        _follow_somebody()
+    if progress is not None:
+        progress(COUNT, COUNT)
+
+
+def _follow_somebody() -> None:
+    """Follow one person with two cameras, then with one, so that limbs and ground place it."""
     rig = Rig((_camera("first", 0.0), _camera("second", 1.2)))
     tracker = Tracker(rig)
     xyz_m = np.array([(x, 0.0, z) for x, z in _STANDING_M])
@@ -32,9 +61,7 @@ def warm_up() -> None:
             )
             for camera in rig
         )
-        # Then one camera alone, so that limbs must constrain what only the other had in view.
         tracker.step(FrameSet(0.04 * n, views if n < 8 else views[:1]))
-    kernels.match_view(np.ones((2, 2)), np.empty(2, np.int64))
 
 
 def _camera(name: str, angle_rad: float) -> Camera:

@@ -1,0 +1,23 @@
+"""`trecsim warmup` compiles the kernels and says where they are."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from trecsim import cli
+from trecsim.cli import warmup_command
+from trecsim.errors import SetupError
+
+
+def test_it_says_how_many_kernels_are_kept_and_where(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["warmup", "--json"])
+    told = json.loads(capsys.readouterr().out)
+    assert told["kernels"] == len(list(Path(told["folder"]).glob("*.nbc"))) > 20
+
+
+def test_it_fails_where_nothing_can_be_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trecsim.compiler.cache_folder", lambda sources: None)
+    with pytest.raises(SetupError, match="set NUMBA_CACHE_DIR"):
+        warmup_command.warmup()

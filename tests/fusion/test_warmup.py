@@ -1,0 +1,47 @@
+"""The kernels are compiled before the first frame set, all that any site needs, and no more."""
+
+import gc
+import os
+import subprocess
+import sys
+
+from trecsim.fusion import warmup
+from trecsim.fusion.warmup import warm_up
+from trecsim.warming import warm_up_in_background
+
+# In a process of its own, as kernels that other tests have run are ready already.
+PROBE = """
+from trecsim.compiler import InnerKernel
+from trecsim.fusion import kernels, warmup
+seen = []
+warmup.warm_up(lambda done, total: seen.append((done, total)))
+print(len(seen), len(set(seen)), seen[0] == (1, warmup.COUNT), seen[-1][0] == warmup.COUNT)
+entries = [k for k in vars(kernels).values() if hasattr(k, "signatures")]
+entries = [k for k in entries if not isinstance(k, InnerKernel)]
+print(max(len(k.signatures) for k in entries))
+print(*sorted(k.__name__ for k in entries if not k.signatures))
+"""
+
+
+def test_progress_counts_every_kernel_and_none_is_compiled_twice_or_left_out() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", PROBE], capture_output=True, text=True, check=True, env=os.environ
+    )
+    counted, signatures, missing = done.stdout.splitlines()
+    # The last call says that all is done; it repeats the one before if the count is right.
+    assert counted == f"{warmup.COUNT + 1} {warmup.COUNT} True True"
+    assert signatures == "1"
+    # Needed only when somebody is not seen for a while, or where two tracks claim one detection.
+    assert missing.split() == ["expect_all"]
+
+
+def test_the_garbage_collector_is_left_as_it_was() -> None:
+    before = gc.get_threshold()
+    warm_up()
+    assert gc.get_threshold() == before
+
+
+def test_kernels_can_be_compiled_in_the_background() -> None:
+    kernels = warm_up_in_background()
+    assert kernels.wait()
+    assert kernels.done == kernels.total == warmup.COUNT
