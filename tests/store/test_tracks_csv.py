@@ -7,6 +7,7 @@ import pytest
 
 from made_tracks import snapshot, walk
 from trecsim.errors import InputError
+from trecsim.store import rows as rows_module
 from trecsim.store.tracks_csv import CsvWriter, read_csv
 
 HEADER = b"t_s,person,joint,x_m,y_m,z_m,sigma_m,support\n"
@@ -90,7 +91,7 @@ def test_several_faults_are_told_at_once_and_the_rest_counted(tmp_path: Path) ->
 
 
 def test_a_fault_far_into_a_long_file_has_the_right_line(tmp_path: Path) -> None:
-    rows = b"".join(b"%d,1,nose,1.0,2.0,3.0,0.02,4\n" % i for i in range(60_000))
+    rows = b"".join(b"%d,%d,nose,1.0,2.0,3.0,0.02,4\n" % (i // 100, i % 100) for i in range(60_000))
     path = table(tmp_path, HEADER + rows + b"60000,1,nose,1.0,2.0,3.0,zzz,4\n")
     with pytest.raises(InputError, match="line 60002: sigma_m"):
         list(read_csv(path))
@@ -120,8 +121,11 @@ def test_a_first_line_of_one_endless_word_is_told(tmp_path: Path) -> None:
         list(read_csv(table(tmp_path, b"x" * 200_000)))
 
 
-def test_a_moment_without_end_does_not_fill_the_memory(tmp_path: Path) -> None:
-    rows = b"".join(b"0,%d,nose,1,2,3,0,1\n" % i for i in range(1_100_000))
+def test_a_moment_without_end_does_not_fill_the_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rows_module, "_MOST_ROWS_AT_ONE_TIME", 50_000)
+    rows = b"".join(b"0,%d,nose,1,2,3,0,1\n" % i for i in range(110_000))
     with pytest.raises(InputError, match="more than a million"):
         list(read_csv(table(tmp_path, HEADER + rows)))
 
