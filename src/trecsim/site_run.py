@@ -164,11 +164,15 @@ def _begun(items: Iterator[Poses2D]) -> Iterator[Poses2D]:
     return chain(list(islice(items, 1)), items)
 
 
+def _checked_before(remark: str) -> None:
+    """Drop a remark that `check_site` has returned before."""
+
+
 def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
     site = checked.file.site
     if site.poses is not None:
         names, fps = checked.rig.names, site.poses.fps
-        yield from read_poses(site.poses.file, rig_cameras=names, fps=fps)
+        yield from read_poses(site.poses.file, rig_cameras=names, fps=fps, remark=_checked_before)
         return
     from trecsim.estimators.pool import estimate_videos, open_videos
 

@@ -182,3 +182,9 @@ def test_a_file_with_an_equals_sign_in_its_name_is_a_file(folder: Path) -> None:
     path = folder / "a=b.mp4"
     path.touch()
     assert cameras_of((str(path),)) == {"a=b": path}
+
+
+def test_a_directory_of_images_is_told_from_one_of_videos(tmp_path):
+    (tmp_path / "0001.jpg").write_bytes(b"\xff\xd8\xff")
+    with pytest.raises(InputError, match=r"no video .*; sequences of images are not read: make a"):
+        cameras_of((str(tmp_path),))

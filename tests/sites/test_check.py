@@ -133,6 +133,18 @@ def test_poses_of_a_camera_that_the_rig_lacks_are_told(tmp_path: Path) -> None:
     assert "line 4: poses: " in faults_of(site, "made", "other")
 
 
+def test_a_rate_of_poses_that_is_assumed_is_remarked(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    site = make_site(tmp_path)
+    site.write_text(site.read_text().replace("walk.poses.jsonl", "results"))
+    (tmp_path / "results").mkdir()
+    for name in ("cam0", "cam1"):
+        (tmp_path / "results" / f"{name}.json").write_text("[]")
+    assert "30 frames per second assumed" in check_site(site).remarks[0]
+    assert caplog.messages == []
+
+
 def test_settings_outside_of_what_is_sensible_are_remarked(site: Path) -> None:
     site.write_text(site.read_text() + "[fusion]\njoint_sigma_m = 20\nmin_joints = 9\n")
     assert check_site(site).remarks[-2:] == (

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 _VIDEOS = {".mp4", ".mov", ".mkv", ".avi", ".ts", ".mts", ".m2ts", ".webm", ".m4v", ".mpg"}
 
+_IMAGES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff"}
+
 
 def estimate(
     *videos: str,
@@ -186,7 +188,9 @@ def _named(given: str, faults: list[str]) -> list[tuple[str, Path]]:
     if path.is_dir():
         found = sorted(file for file in path.iterdir() if file.suffix.lower() in _VIDEOS)
         if not found:
-            faults.append(f"there is no video in the directory {path}")
+            images = any(file.suffix.lower() in _IMAGES for file in path.iterdir())
+            hint = "; sequences of images are not read: make a video of them" if images else ""
+            faults.append(f"there is no video in the directory {path}{hint}")
         return [(file.stem, file) for file in found]
     name, equals, rest = given.partition("=")
     if equals and not path.exists():

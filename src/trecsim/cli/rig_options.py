@@ -29,8 +29,8 @@ class RigOptions:
     floor_translation_m
         Translation after that rotation, in metres.
     floor_up
-        The axis that points up after both (default: the axis about which the cameras are most
-        upright).
+        The axis that points up after both (default: z, unless the file does not say its axes and
+        the cameras are clearly upright about another).
     size_px
         Width and height of the images, for formats that do not hold them.
     """

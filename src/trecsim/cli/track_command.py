@@ -35,7 +35,8 @@ def track(
     rig
         Calibration: a file or directory in any format that `trecsim rig show` reads.
     poses
-        2D poses: a `*.poses.jsonl` file, a directory of OpenPose results, or COCO results.
+        2D poses: a `*.poses.jsonl` file, a directory of OpenPose results or a Pose2Sim project, or
+        results of MMPose or COCO tools.
     out
         The file to write: `*.csv` or `*.parquet`.
     lag_s

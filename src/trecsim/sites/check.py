@@ -73,7 +73,7 @@ def check_site(path: Path | str) -> CheckedSite:
         faults += _source_faults(draft, rig, videos)
     except SetupError as error:
         lacking = error
-    faults += _poses_faults(draft, rig)
+    faults += _poses_faults(draft, rig, remarks)
     faults += _estimator_faults(draft)
     faults += _fusion_faults(draft, rig)
     if faults:
@@ -135,13 +135,14 @@ def _sizes(found: tuple[int, int], expected: tuple[int, int]) -> str:
     )
 
 
-def _poses_faults(draft: Draft, rig: Rig | None) -> Iterator[Fault]:
+def _poses_faults(draft: Draft, rig: Rig | None, remarks: list[str]) -> Iterator[Fault]:
     table = draft.part(("poses",), PosesPlace)
     if table is None:
         return
     names = rig.names if rig is not None else None
     try:
-        next(read_poses(table.file, rig_cameras=names, fps=table.fps), None)
+        images = read_poses(table.file, rig_cameras=names, fps=table.fps, remark=remarks.append)
+        next(images, None)
     except InputError as error:
         yield ("poses",), str(error)
 

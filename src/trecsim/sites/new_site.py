@@ -59,7 +59,7 @@ def write_site(
     cameras = read_rig(rig, remark=remark).names
     matched = matched_cameras(videos or {}, cameras, remark)
     if poses is not None:
-        next(read_poses(poses, rig_cameras=cameras, fps=fps), None)
+        next(read_poses(poses, rig_cameras=cameras, fps=fps, remark=lambda text: None), None)
     folder = out.absolute().parent
     lines = _head(name or folder.name, _seen_from(folder, rig))
     if poses is not None:

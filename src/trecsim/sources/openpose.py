@@ -10,10 +10,9 @@
             ...
 """
 
-import logging
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from reprlib import repr as brief
@@ -31,8 +30,6 @@ from trecsim.sources.mmpose import flat_keypoints
 from trecsim.store.atomic import opened_for_reading
 from trecsim.values import Poses2D
 
-logger = logging.getLogger(__name__)
-
 MAX_FILE_BYTES = 16 * 2**20
 _NUMBER_LAST = re.compile(r"[0-9](?:_keypoints)?\.json$")
 _NUMBER = re.compile(r"[0-9].*\.json$", re.DOTALL)
@@ -40,7 +37,7 @@ _FOLDER_SUFFIXES = ("_json", "_keypoints", "_pose")
 _PROJECT_FOLDERS = ("pose-associated", "pose-sync", "pose")  # of Pose2Sim, which takes the first
 
 
-def camera_folders(path: Path) -> dict[str, Path]:
+def camera_folders(path: Path, remark: Callable[[str], None]) -> dict[str, Path]:
     """Return the folder of each camera below `path`, or nothing if there is none.
 
     `path` may be the folder of one camera, hold the cameras' folders, or be a project of Pose2Sim
@@ -49,30 +46,26 @@ def camera_folders(path: Path) -> dict[str, Path]:
     """
     for folders in ([path], _subfolders(path)):
         if found := _with_frames(folders):
-            _remark_better(path)
+            _remark_better(path, remark)
             return found
     in_project = {name: _with_frames(_subfolders(path / name)) for name in _PROJECT_FOLDERS}
     there = [name for name, found in in_project.items() if found]
     if len(there) > 1:
-        logger.warning(
-            "%s has %s; %s is read, as Pose2Sim does. To read another, give its folder",
-            path, " and ".join(there), there[0],
-        )  # fmt: skip
+        remark(
+            f"{path} has {' and '.join(there)}; {there[0]} is read, as Pose2Sim does. To read "
+            "another, give its folder"
+        )
     return in_project[there[0]] if there else {}
 
 
-def _remark_better(path: Path) -> None:
+def _remark_better(path: Path, remark: Callable[[str], None]) -> None:
     """Remark if a folder of a Pose2Sim project was given and a later step has another."""
     name = path.resolve().name
     if name not in _PROJECT_FOLDERS:
         return
     for better in _PROJECT_FOLDERS[: _PROJECT_FOLDERS.index(name)]:
         if _with_frames(_subfolders(path.resolve().parent / better)):
-            logger.warning(
-                "%s is read as given; Pose2Sim would read %s beside it",
-                path,
-                better,
-            )
+            remark(f"{path} is read as given; Pose2Sim would read {better} beside it")
             return
 
 

@@ -3,7 +3,7 @@
 import heapq
 import logging
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -34,8 +34,15 @@ _ANNOTATION_KEYS = {b"info", b"licenses", b"images", b"annotations", b"categorie
 Kind = Literal["coco", "mmpose", "annotations", "other"]
 
 
+Remark = Callable[[str], None]
+
+
 def read_poses(
-    path: Path | str, *, rig_cameras: Collection[str] | None = None, fps: float | None = None
+    path: Path | str,
+    *,
+    rig_cameras: Collection[str] | None = None,
+    fps: float | None = None,
+    remark: Remark = logger.warning,
 ) -> Iterator[Poses2D]:
     """Yield the images of all cameras in `path`, one by one.
 
@@ -51,7 +58,10 @@ def read_poses(
         Names of the cameras that may occur; all, if None.
     fps
         Frames per second, for files with frame numbers instead of times. If None, 30 with a
-        warning.
+        remark.
+    remark
+        Is called with each remark on how the files are read, before the first image; the default
+        logs it.
 
     Raises
     ------
@@ -68,14 +78,14 @@ def read_poses(
     if not path.exists():
         raise InputError(f"{path}: no such file or folder; expected {_KINDS}")
     if path.is_dir():
-        return _read_folder(path, rig_cameras, fps)
+        return _read_folder(path, rig_cameras, fps, remark)
     if path.suffix == ".json":
-        return _read_results({path: _kind(path)}, path, rig_cameras, fps)
+        return _read_results({path: _kind(path)}, path, rig_cameras, fps, remark)
     return read_poses_jsonl(path, rig_cameras=rig_cameras)
 
 
 def _read_folder(
-    path: Path, rig_cameras: Collection[str] | None, fps: float | None
+    path: Path, rig_cameras: Collection[str] | None, fps: float | None, remark: Remark
 ) -> Iterator[Poses2D]:
     jsonl = sorted(path.glob("*.poses.jsonl"))
     if jsonl:
@@ -83,14 +93,14 @@ def _read_folder(
     kinds = {file: _kind(file) for file in sorted(path.glob("*.json"))}
     results = {file: kind for file, kind in kinds.items() if kind in ("coco", "mmpose")}
     if results:
-        return _read_results(results, path, rig_cameras, fps)
+        return _read_results(results, path, rig_cameras, fps, remark)
     annotations = [file for file, kind in kinds.items() if kind == "annotations"]
     if annotations:
         raise InputError(f"{annotations[0]}: {_ANNOTATIONS}")
-    folders = camera_folders(path)
+    folders = camera_folders(path, remark)
     if folders:
-        folders = _of_the_rig(folders, path, rig_cameras)
-        fps = _rate(path, fps)
+        folders = _of_the_rig(folders, path, rig_cameras, remark)
+        fps = _rate(path, fps, remark)
         return _merged([read_openpose(at, camera=name, fps=fps) for name, at in folders.items()])
     raise InputError(f"{path}: no 2D poses in this folder; expected {_KINDS}")
 
@@ -113,6 +123,7 @@ def _read_results(
     path: Path,
     rig_cameras: Collection[str] | None,
     fps: float | None,
+    remark: Remark,
 ) -> Iterator[Poses2D]:
     """Yield the images of files of which each has the results of one camera."""
     if "annotations" in kinds.values():
@@ -121,7 +132,7 @@ def _read_results(
     if len(files) < len(kinds):
         names = ", ".join(file.name for file in kinds)
         raise InputError(f"{path}: two files are of one camera, by their names: {names}")
-    files, fps = _of_the_rig(files, path, rig_cameras), _rate(path, fps)
+    files, fps = _of_the_rig(files, path, rig_cameras, remark), _rate(path, fps, remark)
     images = []
     results = {}
     for camera, file in files.items():
@@ -146,7 +157,7 @@ def _camera(file: Path, kind: Kind, rig_cameras: Collection[str] | None) -> str:
 
 
 def _of_the_rig(
-    places: Mapping[str, Path], path: Path, rig_cameras: Collection[str] | None
+    places: Mapping[str, Path], path: Path, rig_cameras: Collection[str] | None, remark: Remark
 ) -> dict[str, Path]:
     """Return the places by the cameras of the rig, when it has them all."""
     if rig_cameras is None:
@@ -159,18 +170,16 @@ def _of_the_rig(
     faults.raise_if_any()
     others = [f"{given!r} as {name!r}" for given, name in names.items() if given != name]
     if others:
-        logger.warning("%s: camera names differ from the rig: %s", path, ", ".join(others))
+        remark(f"{path}: camera names differ from the rig: {', '.join(others)}")
     return {names[given]: place for given, place in places.items()}
 
 
-def _rate(path: Path, fps: float | None) -> float:
+def _rate(path: Path, fps: float | None, remark: Remark) -> float:
     if fps is not None:
         return fps
-    logger.warning(
-        "%s has frame numbers but no times: %g frames per second assumed; give the true rate "
-        "(--fps) if it is another",
-        path,
-        DEFAULT_FPS,
+    remark(
+        f"{path} has frame numbers but no times: {DEFAULT_FPS:g} frames per second assumed; give "
+        "the true rate (--fps) if it is another"
     )
     return DEFAULT_FPS
 
