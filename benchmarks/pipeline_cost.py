@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -150,6 +151,11 @@ def figures_of(rounds: list[list[dict[str, float]]], peak_long_mb: float) -> Fig
         runs = {n: whole[name] / alone_[name] for n, (alone_, whole) in enumerate(rounds, start=1)}
         return over_seeds(runs, "", matters=0.1)
 
+    def per_image(which: int) -> Figure:
+        runs = {n: 1e3 * one[which]["cpu_s"] / one[which]["images"]
+                for n, one in enumerate(rounds, start=1)}  # fmt: skip
+        return replace(over_seeds(runs, "ms"), watched=False)
+
     fps = {n: whole["images"] / whole["wall_s"] for n, (_, whole) in enumerate(rounds, start=1)}
     peak = {n: whole["peak_mb"] for n, (_, whole) in enumerate(rounds, start=1)}
     name_short, name_long = (f"{seconds:g} s of video" for seconds in SECONDS)
@@ -157,6 +163,10 @@ def figures_of(rounds: list[list[dict[str, float]]], peak_long_mb: float) -> Fig
         "whole pipeline / estimation alone": {
             "wall time": ratio("wall_s"),
             "processor time": ratio("cpu_s"),
+        },
+        "processor time per image": {
+            "estimation alone": per_image(0),
+            "whole pipeline": per_image(1),
         },
         "images per second": {"all cameras": over_seeds(fps, "1/s", "higher", matters=20.0)},
         "peak memory": {
