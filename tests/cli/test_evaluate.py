@@ -89,7 +89,7 @@ def test_what_is_wrong_is_one_line(trecsim: Run, case: Path) -> None:
     truth = truth_of([0.0] * 4)
     write_truth(case / "later.npz", truth.t_s + 100, truth.xyz_m)
     for arguments, told in (
-        ((case / "newest.csv", "--truth", case / "later.npz"), "no moment in common"),
+        ((case / "newest.csv", "--truth", case / "later.npz"), "no time in common"),
         ((case / "newest.csv", "--truth", case / "none.npz"), "none.npz"),
         ((case / "none.csv",), "there are no tracks at"),
         ((case / "newest.csv", "--rig", case / "rig.toml"), "both rig and poses"),

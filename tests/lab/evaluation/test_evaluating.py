@@ -113,10 +113,10 @@ def test_empty_tracks_are_a_stated_zero(tmp_path: Path) -> None:
 def test_the_truth_of_another_recording_is_remarked(tmp_path: Path) -> None:
     remarks: list[str] = []
     evaluate(write(tmp_path, [{1: 50.0, 2: 60.0}] * 10), TWO, remark=remarks.append)
-    assert [text for text in remarks if "is this the truth of this recording?" in text]
+    assert [text for text in remarks if "is it the ground truth of this recording?" in text]
     remarks.clear()
     evaluate(write(tmp_path, [{1: 0.0}] + [{}] * 9), TWO, remark=remarks.append)
-    assert not [text for text in remarks if "is this the truth" in text]
+    assert not [text for text in remarks if "is it the ground truth" in text]
 
 
 def test_a_time_before_the_beginning_is_refused(tmp_path: Path) -> None:
@@ -165,9 +165,9 @@ def test_errors_are_told_joint_by_joint() -> None:
 def test_tracks_of_another_time_are_refused(tmp_path: Path) -> None:
     path = write(tmp_path, [{1: 0.0}] * 10)
     late = Truth(TWO.t_s + 1.7e9, TWO.xyz_m)
-    with pytest.raises(InputError, match=r"no moment in common: the tracks go from 0 s to 0.9 s"):
+    with pytest.raises(InputError, match=r"no time in common: the tracks go from 0 s to 0.9 s"):
         evaluate(path, late)
-    with pytest.raises(InputError, match="outside the time asked for"):
+    with pytest.raises(InputError, match="outside the time to evaluate"):
         evaluate(path, TWO, from_s=5.0)
     with pytest.raises(InputError, match="must run forwards"):
         evaluate(path, TWO, from_s=5.0, until_s=1.0)
@@ -182,7 +182,7 @@ def test_tracks_of_another_time_are_refused(tmp_path: Path) -> None:
         ("0,1,left_horn,0,0,0,0.1,1\n", "not in the skeleton"),
         ("nan,1,nose,0,0,0,0.1,1\n", "t_s: a value is missing"),
         ("0,1,nose,nan,0,0,0.1,1\n", "all there or all NaN"),
-        ("0,1,nose,inf,0,0,0.1,1\n", "must not be infinite"),
+        ("0,1,nose,inf,0,0,0.1,1\n", "must be within"),
         ("1,1,nose,0,0,0,0.1,1\n0,1,nose,0,0,0,0.1,1\n", "time runs backwards"),
     ],
 )

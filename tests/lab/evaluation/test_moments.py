@@ -125,5 +125,5 @@ def test_a_stretch_in_which_nobody_is_there_at_all_is_filled(tmp_path: Path) -> 
 
 def test_millions_of_moments_without_anybody_are_refused(tmp_path: Path) -> None:
     path = write(tmp_path, [0.0, 0.1, 0.2, 1e9])
-    with pytest.raises(InputError, match="are the times of tracks and truth right"):
+    with pytest.raises(InputError, match="check the times of tracks and ground truth"):
         moments_of(path, 0.0, 2e9)

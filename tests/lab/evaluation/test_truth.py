@@ -113,7 +113,7 @@ def test_moments_outside_the_truth_do_not_count() -> None:
 
 
 def test_nothing_in_common_is_no_perfect_score() -> None:
-    with pytest.raises(InputError, match="no moment in common"):
+    with pytest.raises(InputError, match="no time in common"):
         compare([snapshot(5.0, [1], people(0.0))], T_S, standing(0.0))
     with pytest.raises(InputError, match="same joints"):
         compare([snapshot(0.5, [1], people(0.0))], T_S, standing(0.0)[:, :, :13])
@@ -123,5 +123,5 @@ def test_nothing_in_common_is_no_perfect_score() -> None:
 
 def test_thousands_of_people_at_one_moment_do_not_fill_the_memory() -> None:
     many = people(*np.zeros(3000))
-    with pytest.raises(InputError, match="3000 people at one moment and the truth 3000"):
+    with pytest.raises(InputError, match="3000 people in one frame and the ground truth 3000"):
         compare([snapshot(0.0, list(range(3000)), many)], np.zeros(1), many[:, None])

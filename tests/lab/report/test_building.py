@@ -152,6 +152,6 @@ def test_joints_that_nobody_knows_do_no_harm(tmp_path: Path) -> None:
 def test_a_truth_of_another_time_is_refused_and_no_page_written(tmp_path: Path) -> None:
     walk = make_recording(tmp_path / "walk", 20)
     write_truth(walk / "truth.npz", np.arange(5) + 900.0, np.zeros((1, 5, 17, 3)))
-    with pytest.raises(InputError, match="no moment in common"):
+    with pytest.raises(InputError, match="no time in common"):
         report(walk, tmp_path / "r.html")
     assert not (tmp_path / "r.html").exists()

@@ -210,22 +210,22 @@ def _scores(
     from_s, until_s = max(from_s, float(truth.t_s[0])), min(until_s, float(truth.t_s[-1]))
     if from_s > until_s:
         raise InputError(
-            f"the truth goes from {truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, "
-            "outside the time asked for"
+            f"the ground truth goes from {truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, "
+            "outside the time to evaluate"
         )
     moments = with_empty_moments(recorded, from_s, until_s, truth.t_s)
     for text in _remarks(recorded, moments, from_s, until_s):
         remark(f"{recorded.path}: {text}")
     if not len(moments.t_s):
         raise InputError(
-            f"{recorded.path}: no moment lies between {from_s:g} s and {until_s:g} s; "
-            f"one comes each {interval_s(found):.3g} s"
+            f"{recorded.path}: no frame lies between {from_s:g} s and {until_s:g} s; "
+            f"the frame period is {interval_s(found):.3g} s"
         )
     scores = score(moments, truth, from_s, until_s)
     if scores.elsewhere:
         remark(
-            f"{recorded.path}: hardly anybody in the tracks is near anybody in the truth: is this "
-            "the truth of this recording?"
+            f"{recorded.path}: hardly any track is near a person of the ground truth; is it the "
+            "ground truth of this recording?"
         )
     return scores
 
@@ -233,8 +233,8 @@ def _scores(
 def _check_joints(recorded: Recorded, truth: Truth) -> None:
     if truth.xyz_m.shape[2] != len(COCO17.joints):
         raise InputError(
-            f"the truth has {truth.xyz_m.shape[2]} joints, expected the {len(COCO17.joints)} of "
-            f"{COCO17.name}"
+            f"the ground truth has {truth.xyz_m.shape[2]} joints, expected the "
+            f"{len(COCO17.joints)} of {COCO17.name}"
         )
 
 
@@ -243,9 +243,9 @@ def _check_overlap(recorded: Recorded, truth: Truth) -> None:
     t_s = recorded.moments.t_s
     if len(t_s) and (t_s[-1] < truth.t_s[0] or t_s[0] > truth.t_s[-1]):
         raise InputError(
-            f"{recorded.path}: tracks and truth have no moment in common: the tracks go from "
-            f"{t_s[0]:.9g} s to {t_s[-1]:.9g} s, the truth from {truth.t_s[0]:.9g} s to "
-            f"{truth.t_s[-1]:.9g} s; were they made of the same recording, by the same clock?"
+            f"{recorded.path}: tracks and ground truth have no time in common: the tracks go from "
+            f"{t_s[0]:.9g} s to {t_s[-1]:.9g} s, the ground truth from {truth.t_s[0]:.9g} s to "
+            f"{truth.t_s[-1]:.9g} s; are they of the same recording, with the same clock?"
         )
 
 

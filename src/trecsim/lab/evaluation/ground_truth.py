@@ -1,4 +1,4 @@
-"""Tracks against a known truth: how far, how many missed, whose identity was lost."""
+"""Comparison of tracks with ground truth: errors, missed people, identity switches."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
@@ -17,28 +17,28 @@ NEAR_M = 0.15
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """How tracks agree with the truth.
+    """Comparison of tracks with ground truth.
 
-    A person-frame is one person at the time of one snapshot.
+    A person-frame is one true person in one snapshot.
 
     Attributes
     ----------
     frames
-        Snapshots within the time of the truth.
+        Number of snapshots within the ground truth.
     person_frames
-        How often somebody was truly there.
+        Number of person-frames.
     matched
-        How often somebody was found within half a metre, mean over the joints.
+        Person-frames with a track within 0.5 m, mean over the joints.
     missed
-        How often somebody was there and not found.
+        Person-frames without a match.
     false_positives
-        How often somebody was found where nobody was.
+        Tracks without a match, over all snapshots.
     switches
-        How often a true person came to bear another identity than when last found.
+        Number of times a person's identity changed since the last match.
     mean_m, median_m, p95_m
-        Error of the joints of people found [m]; NaN when nobody was.
+        Error of the joints of matched people [m]; NaN without any.
     recall_15cm
-        Share of the true joints that were found within 15 cm; NaN when nobody was there.
+        Share of the true joints found within 15 cm; NaN without any.
     """
 
     frames: int
@@ -62,35 +62,35 @@ def compare(
     truth_t_s: Float64[np.ndarray, " time"],
     truth_xyz_m: Float64[np.ndarray, "truth time joint 3"],
 ) -> Comparison:
-    """Return how tracks agree with the truth.
+    """Compare tracks with ground truth.
 
     Parameters
     ----------
     snapshots
-        The tracks, in order of time; those before or after the truth do not count.
+        The tracks in order of time; those outside the ground truth do not count.
     truth_t_s
-        Times at which the truth is known, increasing [s].
+        Times of the ground truth, increasing [s].
     truth_xyz_m
-        Joints of everybody then, NaN while absent [m].
+        Joints of all people, NaN while absent [m].
 
     Raises
     ------
     InputError
-        The two have another number of joints, or no moment in common.
+        The numbers of joints differ, or there is no time in common.
 
     Notes
     -----
-    Between its times the truth is interpolated linearly; somebody who is absent at either end is
-    absent. In each snapshot people are paired exactly: as many pairs as can be within the gate,
-    then the smallest sum of distances. Pairs of earlier snapshots have no say, so an identity
-    that is passed on counts as a switch at once.
+    Ground truth is interpolated linearly; a person who is absent at either end is absent. Each
+    snapshot is matched by an optimal assignment: as many pairs as possible within the gate, then
+    the smallest sum of distances. Earlier matches are not preferred, so a swapped identity counts
+    as a switch at once.
     """
     truth = Truth(truth_t_s, truth_xyz_m)
     return compare_moments(in_common(gather(snapshots), truth), truth)
 
 
 def compare_moments(moments: Moments, truth: Truth) -> Comparison:
-    """Return how tracks agree with a truth that is known at all their moments."""
+    """Compare tracks with ground truth that covers all their frames."""
     matcher = Matcher(moments, truth)
     for near in nearness(moments, truth):
         matcher.add(near)
@@ -98,25 +98,25 @@ def compare_moments(moments: Moments, truth: Truth) -> Comparison:
 
 
 def in_common(found: Moments, truth: Truth) -> Moments:
-    """Return the moments of tracks that lie within the time of the truth.
+    """Return the frames of tracks within the time of the ground truth.
 
     Raises
     ------
     InputError
-        There is none, or the joints are others.
+        There is none, or the joints differ.
     """
     if not len(truth.t_s):
-        raise InputError("the truth is empty: it has no moment at all")
+        raise InputError("the ground truth is empty")
     moments = within(found, float(truth.t_s[0]), float(truth.t_s[-1]))
     if not len(moments.t_s):
         raise InputError(
-            "tracks and truth have no moment in common: the truth goes from "
+            "tracks and ground truth have no time in common: the ground truth goes from "
             f"{truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, the tracks {_extent(found)}"
         )
     if moments.xyz_m.shape[1] != truth.xyz_m.shape[2] and len(moments.id):
         raise InputError(
-            f"tracks and truth need the same joints: the tracks have "
-            f"{moments.xyz_m.shape[1]}, the truth {truth.xyz_m.shape[2]}"
+            f"tracks and ground truth need the same joints: the tracks have "
+            f"{moments.xyz_m.shape[1]}, the ground truth {truth.xyz_m.shape[2]}"
         )
     return moments
 
@@ -128,7 +128,7 @@ def _extent(found: Moments) -> str:
 
 
 def comparison(moments: Moments, matches: Matches) -> Comparison:
-    """Return the counts and errors of tracks that are matched with the truth."""
+    """Return the counts and errors of matched tracks."""
     person_frames, matched = int(matches.there.sum()), len(matches.moment)
     errors_m = matches.error_m[np.isfinite(matches.error_m)]
     some = errors_m if errors_m.size else np.full(1, np.nan)
@@ -148,7 +148,7 @@ def comparison(moments: Moments, matches: Matches) -> Comparison:
 
 
 def switches(moments: Moments, matches: Matches) -> Bool[np.ndarray, " pair"]:
-    """Return for each pair whether the person bears another identity than when last found."""
+    """Return for each match whether the identity changed since the person's last match."""
     identity = moments.id[matches.pair_row]
     order = np.lexsort((matches.moment, matches.person))
     person, borne = matches.person[order], identity[order]

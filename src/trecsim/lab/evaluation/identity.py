@@ -1,4 +1,4 @@
-"""Scores of identities as the literature counts them: IDF1, MOTA, HOTA."""
+"""Identity scores of the literature: IDF1, MOTA, HOTA."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,29 +13,29 @@ from trecsim.lab.evaluation.assignment import heaviest_pairs
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.lab.evaluation.truth_matching import GATE_M, NOBODY, Nearness
 
-REACH_M = 2 * GATE_M  # from here on two people have nothing in common: similarity 0
+REACH_M = 2 * GATE_M  # distance from which the similarity is 0
 THRESHOLD = 0.5  # of similarity; the same as GATE_M of distance
 
-_KEEP = 1000.0  # worth more than all similarities of a moment together
-_FEW = 64  # pairs in a moment; more are given to HOTA in parts that have nothing to do with another
+_KEEP = 1000.0  # more than all similarities of a frame together
+_FEW = 64  # pairs in a frame; larger frames are split into independent parts
 
 Frame = tuple[list[int], list[int], list[list[float]]]
 
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """How well identities are kept; NaN when nobody was ever there.
+    """Identity scores; NaN without any person-frame.
 
     Attributes
     ----------
     switches
-        How often a true person came to bear another identity than when last found.
+        Number of times a person's identity changed since the last match.
     idf1
-        Share of person-moments with the right identity, one identity for each person (Ristani).
+        F1 of person-frames with the right identity, one identity per person (Ristani).
     mota
         1 minus the shares of missed people, false positives and switches (CLEAR MOT, Bernardin).
     mota_switches
-        The switches in it: a pair is kept there as long as it stays within the gate.
+        Switches as MOTA counts them: a pair is kept while it stays within the gate.
     hota, deta, assa
         Geometric mean of the accuracies of detection and association, over all thresholds
         (Luiten), and these two.
@@ -51,14 +51,14 @@ class Identity:
 
 
 class IdentityCount:
-    """Takes distances as they come and hands them to the library that scores identities.
+    """Passes distances to the library that computes identity scores.
 
     Similarity is ``max(0, 1 - d / 1 m)``, `d` the mean distance over the joints.
 
     Raises
     ------
     SetupError
-        The library is not installed.
+        motrics is not installed.
     """
 
     def __init__(self, moments: Moments) -> None:
@@ -70,7 +70,7 @@ class IdentityCount:
         self._truly = 0
 
     def add(self, near: Nearness) -> None:
-        """Take the next stretch of time."""
+        """Add the next stretch of time."""
         similarity = np.nan_to_num(np.maximum(0.0, 1.0 - near.mean_m / REACH_M), nan=0.0)
         there = np.asarray(near.known.any(axis=2))
         for now, row, alike in zip(there, near.row, similarity, strict=True):
@@ -118,11 +118,11 @@ class IdentityCount:
 def clear_pairs(
     alike: Float64[np.ndarray, "truth person"], kept: Bool[np.ndarray, "truth person"]
 ) -> tuple[tuple[int, int], ...]:
-    """Return the pairs of a moment as CLEAR MOT wants them.
+    """Return the pairs of a frame by the definition of CLEAR MOT.
 
-    First come the pairs of the moment before that are still within the gate, then the rest with
-    the largest sum of similarities. The library would rather make more pairs than keep one; it is
-    given these alone.
+    Pairs of the previous frame that are still within the gate come first, then the rest with the
+    largest sum of similarities. The library would prefer more pairs to kept ones, so it is given
+    only these.
     """
     allowed = alike >= THRESHOLD
     if (allowed.sum(axis=0) <= 1).all() and (allowed.sum(axis=1) <= 1).all():
@@ -135,10 +135,10 @@ def _parts(
     found: Int64[np.ndarray, " person"],
     alike: Float64[np.ndarray, "truth person"],
 ) -> Iterator[Frame]:
-    """Yield a moment, a large one in parts; IDF1 and HOTA look at pairs and counts only.
+    """Yield a frame, large ones in independent parts; IDF1 and HOTA use pairs and counts only.
 
-    In a crowd most people are alone with their match; without the zeros between them an hour of
-    fifty people fits into the memory.
+    In a crowd most people have exactly one candidate; without the zeros between them an hour of
+    fifty people fits into memory.
     """
     if alike.size > _FEW:
         near = alike > 0

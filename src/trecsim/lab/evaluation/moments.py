@@ -1,4 +1,4 @@
-"""Recorded people as flat arrays, moment by moment, with the moments in which nobody was there."""
+"""Tracks as flat arrays, frame by frame, with the frames in which nobody was tracked."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -14,28 +14,28 @@ from trecsim.store.timing_csv import Timing, read_timing, timing_in
 from trecsim.store.tracks import read_tracks
 from trecsim.values import Snapshot
 
-_MOST_EMPTY = 5_000_000  # two days at 25 a second; more is a slip of a clock
+_MOST_EMPTY = 5_000_000  # two days at 25 per second; more means wrong times
 _SAME_S = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moments:
-    """Everybody at every moment; the rows of a moment are those of the people there.
+    """Tracks in all frames; each frame has one row per person.
 
     Attributes
     ----------
     t_s
-        The moments, increasing [s].
+        Times of the frames, increasing [s].
     first
-        The rows of moment `i` are ``first[i]`` to ``first[i + 1]``.
+        The rows of frame `i` are ``first[i]`` to ``first[i + 1]``.
     id
         Identity of each row.
     xyz_m
         Joints in the world frame, NaN where unknown [m].
     sigma_m
-        One standard deviation of each [m].
+        Standard deviation of each [m].
     support
-        Cameras that support each.
+        Number of cameras that support each.
     """
 
     t_s: Float64[np.ndarray, " moment"]
@@ -47,29 +47,29 @@ class Moments:
 
     @property
     def people(self) -> Int64[np.ndarray, " moment"]:
-        """How many people are there at each moment."""
+        """Number of people in each frame."""
         return np.diff(self.first)
 
     @property
     def moment(self) -> Int64[np.ndarray, " row"]:
-        """The moment of each row."""
+        """Frame of each row."""
         return np.repeat(np.arange(len(self.t_s)), self.people)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """Tracks from a file, and the times at which the file may have left somebody out.
+    """Tracks from a file, and the times of all frames.
 
     Attributes
     ----------
     path
-        Where they came from.
+        The file.
     moments
-        Those in the file: at each of them somebody is there.
+        Frames of the file: all have at least one person.
     frame_set_t_s
-        The times of all moments, with those when nobody was there; None where nothing tells.
+        Times of all frames, empty ones included; None if unknown.
     other_timing
-        A file with times that are not those of the tracks; None when there is none.
+        A file with times that belong to other tracks; None if there is none.
     """
 
     path: Path
@@ -79,19 +79,19 @@ class Recorded:
 
 
 def gather(snapshots: Iterable[Snapshot], dtype: npt.DTypeLike = np.float64) -> Moments:
-    """Lay snapshots out flat.
+    """Convert snapshots to flat arrays.
 
     Parameters
     ----------
     snapshots
         In order of time.
     dtype
-        Of positions and uncertainties; float32 is what files keep.
+        Of positions and standard deviations; files have float32.
 
     Raises
     ------
     InputError
-        Their people have different numbers of joints.
+        The numbers of joints differ.
     """
     t_s: list[float] = []
     people: list[int] = []
@@ -126,7 +126,7 @@ def _nobody(
 
 
 def read_moments(path: Path | str) -> Recorded:
-    """Read tracks and, where a ``timing.csv`` lies beside them, the times of all frame sets.
+    """Read tracks, and the times of all frame sets if there is a ``timing.csv`` beside them.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def read_moments(path: Path | str) -> Recorded:
     Raises
     ------
     InputError
-        When one of the files is not right.
+        One of the files is invalid.
     """
     path = Path(path)
     moments = gather(read_tracks(path), np.float32)
@@ -148,7 +148,7 @@ def read_moments(path: Path | str) -> Recorded:
 
 
 def _times_of(moments: Moments, timing: Timing) -> Float64[np.ndarray, " step"] | None:
-    """Return the times of all frame sets less the lag, or None when these are other tracks."""
+    """Return the times of all frame sets minus the lag; None if they belong to other tracks."""
     for lag_s in (_lag_s(moments, timing), 0.0):
         times_s = np.unique(timing.t_s) - lag_s
         if len(times_s) and (_nearest_s(moments.t_s, times_s) <= _SAME_S).all():
@@ -157,9 +157,9 @@ def _times_of(moments: Moments, timing: Timing) -> Float64[np.ndarray, " step"] 
 
 
 def _lag_s(moments: Moments, timing: Timing) -> float:
-    """Return by how much the tracks lag behind the frame sets, if they are of the same run.
+    """Return the lag of the tracks behind the frame sets, if they are of the same run.
 
-    Wherever a frame set left somebody, the tracks have a moment; the lag is what lies between.
+    Each frame set with people has a frame in the tracks; the lag is the time between the two.
     """
     with_somebody_s = timing.t_s[timing.people > 0]
     if not len(moments.t_s) or len(with_somebody_s) != len(moments.t_s):
@@ -170,25 +170,25 @@ def _lag_s(moments: Moments, timing: Timing) -> float:
 def with_empty_moments(
     recorded: Recorded, from_s: float, until_s: float, otherwise_s: Float64[np.ndarray, " time"]
 ) -> Moments:
-    """Return the moments from one time until another, those without anybody among them.
+    """Return the frames from one time until another, empty ones included.
 
-    A file of tracks has no row for a moment in which nobody was there; left out, everybody who was
-    missed then would be forgotten. The times are those of the frame sets where they are known.
-    Elsewhere the moments lie one median interval apart, from the beginning to the end.
+    A file of tracks has no row for a frame without people; without these frames, people who were
+    missed in them would not count. The times are those of the frame sets where known. Otherwise
+    frames are one median interval apart, from the beginning to the end.
 
     Parameters
     ----------
     recorded
         The tracks.
     from_s, until_s
-        The time that counts [s].
+        The time to evaluate [s].
     otherwise_s
-        The moments of tracks too short to have an interval [s].
+        The frames of tracks too short to have an interval [s].
 
     Raises
     ------
     InputError
-        There would be millions of moments without anybody.
+        There would be millions of empty frames.
     """
     there = within(recorded.moments, from_s, until_s)
     if recorded.frame_set_t_s is not None:
@@ -204,12 +204,12 @@ def with_empty_moments(
 
 
 def interval_s(moments: Moments) -> float:
-    """Return the median time from one moment to the next [s]; NaN with fewer than two."""
+    """Return the median frame period [s]; NaN with fewer than two frames."""
     return float(np.median(np.diff(moments.t_s))) if len(moments.t_s) > 1 else float("nan")
 
 
 def within(moments: Moments, from_s: float, until_s: float) -> Moments:
-    """Return the moments from one time until another, both included [s]."""
+    """Return the frames from one time until another, both included [s]."""
     begin = int(np.searchsorted(moments.t_s, from_s))
     end = max(int(np.searchsorted(moments.t_s, until_s, side="right")), begin)
     rows = slice(moments.first[begin], moments.first[end])
@@ -223,7 +223,7 @@ def within(moments: Moments, from_s: float, until_s: float) -> Moments:
 def _nearest_s(
     t_s: Float64[np.ndarray, " one"], others_s: Float64[np.ndarray, " other"]
 ) -> Float64[np.ndarray, " one"]:
-    """Return how far from each time the nearest of the others is."""
+    """Return the distance of each time to the nearest of the others."""
     if not len(others_s):
         return np.full(len(t_s), np.inf)
     after = np.searchsorted(others_s, t_s).clip(0, len(others_s) - 1)
@@ -236,7 +236,7 @@ def _nearest_s(
 def _missing_s(
     t_s: Float64[np.ndarray, " moment"], step_s: float, from_s: float, until_s: float
 ) -> Float64[np.ndarray, " empty"]:
-    """Return the moments that are missing before, between and behind those there are."""
+    """Return the times of empty frames before, between and after the given ones."""
     if not len(t_s):
         return from_s + step_s * np.arange(_steps(until_s - from_s, step_s) + 1)
     before = np.arange(_steps(t_s[0] - from_s, step_s), 0, -1)
@@ -253,12 +253,12 @@ def _missing_s(
 
 
 def _steps(span_s: float, step_s: float) -> int:
-    """Return how many whole steps fit into a span of time."""
+    """Return the number of whole steps in a span of time."""
     steps = span_s / step_s + 1e-6
     if steps > _MOST_EMPTY:
         raise InputError(
-            f"at one moment each {step_s:.3g} s, as in the tracks, nobody would be there at "
-            f"{steps:.3g} moments: are the times of tracks and truth right?"
+            f"with one frame every {step_s:.3g} s, as in the tracks, {steps:.3g} frames would be "
+            "empty: check the times of tracks and ground truth"
         )
     return int(steps)
 

@@ -1,4 +1,4 @@
-"""Every score that tracks get against a known truth."""
+"""All scores of tracks against ground truth."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -26,25 +26,25 @@ _FORMER_KEYS = {
     "honesty": "uncertainty_calibration",
     "honesty_by_support": "calibration_by_support",
 }
-_HARDLY = 0.1  # fewer matches than this share: tracks and truth have nothing to do with each other
+_HARDLY = 0.1  # with a smaller share of matches, tracks and ground truth do not belong together
 
 
 @dataclass(frozen=True, slots=True)
 class JointScore:
-    """How far one joint is from the truth.
+    """Errors of one joint.
 
     Attributes
     ----------
     joint
-        Its name, or that of all together.
+        Name of the joint, or of all together.
     truly
-        How often it was truly known.
+        Number of true positions.
     found
-        How often it was known in the track of the person as well.
+        Number of these with a position in the matched track.
     mean_m, median_m, p95_m
-        Error of those found [m]; NaN if there are none.
+        Error of these [m]; NaN without any.
     recall_15cm
-        Share of those truly known that were found within 15 cm; NaN if there are none.
+        Share of the true positions found within 15 cm; NaN without any.
     """
 
     joint: str
@@ -58,34 +58,34 @@ class JointScore:
 
 @dataclass(frozen=True, slots=True)
 class Scores:
-    """How tracks agree with the truth; what cannot be told is NaN.
+    """Scores of tracks against ground truth; undefined ones are NaN.
 
-    A person-moment is one person at one moment.
+    A person-moment (person-frame) is one true person in one frame.
 
     Attributes
     ----------
     from_s, until_s
-        The time that counts [s].
+        The evaluated time [s].
     moments
-        How many there are in it.
+        Number of frames.
     without_anybody
-        At how many of them the tracks have nobody.
+        Number of frames without tracks.
     person_moments
-        How often somebody was truly there.
+        Number of person-frames.
     matched
-        How often somebody was found within half a metre, mean over the joints.
+        Person-frames with a track within 0.5 m, mean over the joints.
     missed, missed_share
-        How often not, and that as a share of `person_moments`.
+        Person-frames without a match, also as a share of `person_moments`.
     false_positives, false_positives_share
-        How often somebody was found where nobody was, and that as a share of `person_moments`.
+        Tracks without a match, also as a share of `person_moments`.
     right_count
-        Share of the moments with exactly as many people as are truly there.
+        Share of the frames with the right number of people.
     error
-        Over all joints.
+        Errors over all joints.
     joints
-        The same joint by joint.
+        Errors joint by joint.
     identity, uncertainty_calibration, calibration_by_support, latency
-        See there.
+        See these classes.
     """
 
     from_s: float
@@ -113,28 +113,28 @@ class Scores:
 
     @property
     def elsewhere(self) -> bool:
-        """Whether there are people in both, but hardly any of them near each other."""
+        """Whether both have people, but hardly any match."""
         return self.matched < _HARDLY * min(
             self.person_moments, self.matched + self.false_positives
         )
 
 
 def score(moments: Moments, truth: Truth, from_s: float, until_s: float) -> Scores:
-    """Return every score of tracks.
+    """Return all scores of tracks.
 
     Parameters
     ----------
     moments
-        The tracks from `from_s` until `until_s`, with the moments in which nobody was there.
+        The tracks from `from_s` until `until_s`, empty frames included.
     truth
-        Known over that time, with the same joints.
+        Ground truth that covers this time, with the same joints.
     from_s, until_s
-        The time that counts [s].
+        The evaluated time [s].
 
     Raises
     ------
     SetupError
-        The library that scores identities is not installed.
+        SciPy or motrics is not installed.
     """
     matcher, identities = Matcher(moments, truth), IdentityCount(moments)
     for near in nearness(moments, truth):

@@ -1,4 +1,4 @@
-"""Who of the tracks is who of the truth, moment by moment."""
+"""Matching of tracks and ground truth, frame by frame."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,31 +11,31 @@ from trecsim.lab.evaluation.assignment import best_pairs
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.store.truth import Truth
 
-GATE_M = 0.5  # a person further from somebody than this, mean over the joints, is not that one
+GATE_M = 0.5  # largest distance of a match, mean over the joints
 NOBODY = -1
 
-_MANY_DISTANCES = 1 << 20  # so many are held at a time, unless one moment has more
-_MOST_DISTANCES = 1 << 25  # in one moment: a thousand people and as many found
+_MANY_DISTANCES = 1 << 20  # in memory at a time, unless one frame has more
+_MOST_DISTANCES = 1 << 25  # in one frame: a thousand people and as many tracks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearness:
-    """How far everybody in the tracks is from everybody in truth, for some moments on end.
+    """Distances of all tracks to all people of the ground truth, for consecutive frames.
 
     Attributes
     ----------
     begin
-        Number of the first moment.
+        Number of the first frame.
     person
-        The people of the truth who are there at one of these moments at least.
+        The true people who are present in at least one of these frames.
     known
-        Which of their joints are truly known.
+        Which of their joints are known.
     row
-        The rows of the tracks at each moment; :data:`NOBODY` fills up.
+        The rows of the tracks in each frame, padded with :data:`NOBODY`.
     apart_m
-        Distances; NaN where one of the two is unknown [m].
+        Distances; NaN where either is unknown [m].
     mean_m
-        Their mean over the joints both know; NaN where there is none [m].
+        Mean over the joints that both know; NaN without any [m].
     """
 
     begin: int
@@ -48,20 +48,20 @@ class Nearness:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Matches:
-    """Who was found as whom.
+    """Matches of all frames.
 
     Attributes
     ----------
     there
-        Who was truly there at each moment.
+        Who is present in each frame.
     row
-        The row of the tracks in which each of them was found; :data:`NOBODY` where missed.
+        The row of the matched track of each person; :data:`NOBODY` where missed.
     true_joints
-        How often each joint was truly known.
+        How often each joint is known in the ground truth.
     moment, person
-        Of each pair, in order of time.
+        Frame and person of each match, in order of time.
     error_m
-        How far each joint of a pair is off; NaN where one of the two is unknown [m].
+        Error of each joint of a match; NaN where either is unknown [m].
     """
 
     there: Bool[np.ndarray, "moment truth"]
@@ -73,7 +73,7 @@ class Matches:
 
     @property
     def pair_row(self) -> Int64[np.ndarray, " pair"]:
-        """The row of the tracks of each pair."""
+        """The row of the tracks of each match."""
         row: Int64[np.ndarray, " pair"] = self.row[self.moment, self.person]
         return row
 
@@ -81,15 +81,14 @@ class Matches:
 def truth_at(
     t_s: Float64[np.ndarray, " moment"], truth: Truth
 ) -> Float64[np.ndarray, "truth moment joint 3"]:
-    """Return where everybody truly is at some moments, NaN who is absent [m].
+    """Return the ground truth at given times, NaN while absent [m].
 
     Parameters
     ----------
     t_s
-        The moments, within the truth [s].
+        The times, within the ground truth [s].
     truth
-        Between its times it is interpolated linearly; somebody who is absent at either end is
-        absent.
+        Interpolated linearly; a person who is absent at either end is absent.
 
     Examples
     --------
@@ -110,14 +109,14 @@ def truth_at(
 
 
 def nearness(moments: Moments, truth: Truth) -> Iterator[Nearness]:
-    """Yield the distances between tracks and truth, a few moments at a time.
+    """Yield the distances between tracks and ground truth, a few frames at a time.
 
     Parameters
     ----------
     moments
-        The tracks, within the time of the truth.
+        The tracks, within the time of the ground truth.
     truth
-        With the same joints.
+        Ground truth with the same joints.
 
     Raises
     ------
@@ -139,8 +138,8 @@ def _nearness(moments: Moments, truth: Truth, begin: int, end: int) -> Nearness:
     column = np.arange(people.max(initial=0))
     if truth_m[0, ..., 0].size * len(column) > _MOST_DISTANCES:
         raise InputError(
-            f"about {moments.t_s[begin]:g} s the tracks have {len(column)} people at one moment "
-            f"and the truth {len(person)}: too many to compare; are they right?"
+            f"near {moments.t_s[begin]:g} s the tracks have {len(column)} people in one frame and "
+            f"the ground truth {len(person)}: too many to compare; check both files"
         )
     row = np.where(column < people[:, None], moments.first[begin:end, None] + column, NOBODY)
     found_m = np.full((*row.shape, *moments.xyz_m.shape[1:]), np.nan)
@@ -150,10 +149,10 @@ def _nearness(moments: Moments, truth: Truth, begin: int, end: int) -> Nearness:
 
 
 def match(near: Nearness) -> tuple[Int64[np.ndarray, " pair"], ...]:
-    """Return moment, person of the truth and person of the tracks of each pair, as they are there.
+    """Return frame, true person and track of each match, as indices into the arrays.
 
-    In each moment people are paired exactly: as many pairs as can be within half a metre, then
-    the smallest sum of distances. Other moments have no say.
+    Each frame is matched on its own by an optimal assignment: as many pairs as possible within
+    0.5 m, then the smallest sum of distances.
     """
     allowed = near.mean_m <= GATE_M
     disputed = (allowed.sum(axis=2) > 1).any(axis=1) | (allowed.sum(axis=1) > 1).any(axis=1)
@@ -165,7 +164,7 @@ def match(near: Nearness) -> tuple[Int64[np.ndarray, " pair"], ...]:
 
 
 class Matcher:
-    """Collects who was found as whom, from one stretch of time after the other."""
+    """Collects the matches of consecutive stretches of time."""
 
     def __init__(self, moments: Moments, truth: Truth) -> None:
         shape = (len(moments.t_s), len(truth.xyz_m))
@@ -175,7 +174,7 @@ class Matcher:
         self._pairs: list[tuple[np.ndarray, np.ndarray, np.ndarray]] = []
 
     def add(self, near: Nearness) -> None:
-        """Take the next stretch."""
+        """Add the next stretch."""
         moment, person, column = match(near)
         stretch = slice(near.begin, near.begin + len(near.row))
         self._there[stretch, near.person] = near.known.any(axis=2)
@@ -185,7 +184,7 @@ class Matcher:
         self._pairs.append((near.begin + moment, near.person[person], error_m))
 
     def result(self) -> Matches:
-        """Return all of it."""
+        """Return all matches."""
         nobody = (
             np.empty(0, np.int64),
             np.empty(0, np.int64),
@@ -200,7 +199,7 @@ class Matcher:
 def _mean(
     apart_m: Float64[np.ndarray, "moment truth person joint"],
 ) -> Float64[np.ndarray, "moment truth person"]:
-    """Return the mean over the joints both know; NaN where there is none."""
+    """Return the mean over the joints that both know; NaN without any."""
     known = np.isfinite(apart_m)
     total_m = np.where(known, apart_m, 0.0).sum(axis=-1)
     count = known.sum(axis=-1)
