@@ -19,6 +19,7 @@ Fault = tuple[KeyPath, str]
 ALIKE = 0.7  # share of letters; below this, a known name is another word
 _LARGEST_BYTES = 1 << 20
 _MOST_FAULTS = 20
+_LONGEST_KEY = 64  # letters of a key in a message
 _EXPECTED = {
     "path_type": "a path",
     "model_type": "a table",
@@ -152,7 +153,7 @@ def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
     listed = [
         f"line {line}: {f'{name}: ' if name else ''}{fault}"
         for line, name, fault in sorted(
-            (line_of(lines, key), ".".join(map(str, key)), fault) for key, fault in faults
+            (line_of(lines, key), ".".join(map(_short, key)), fault) for key, fault in faults
         )
     ]
     if len(listed) == 1:
@@ -160,6 +161,11 @@ def file_faults(path: Path, text: str, faults: Sequence[Fault]) -> ConfigError:
     if len(listed) > _MOST_FAULTS:
         listed[_MOST_FAULTS:] = [f"and {len(listed) - _MOST_FAULTS} more"]
     return ConfigError("\n  ".join([f"{path}: {len(faults)} faults", *listed]))
+
+
+def _short(part: str | int) -> str:
+    text = str(part)
+    return text if len(text) <= _LONGEST_KEY else f"{text[:_LONGEST_KEY]}..."
 
 
 def _plain_fault(fault: Any, schema: Mapping[str, Any], not_yet: Mapping[str, str]) -> Fault:
@@ -189,7 +195,7 @@ def _plain_fault(fault: Any, schema: Mapping[str, Any], not_yet: Mapping[str, st
 def nearest(name: str, known: Iterable[str]) -> str:
     """Return a hint for a name that is not among the known ones."""
     known = sorted(known)
-    near = get_close_matches(name, known, n=1, cutoff=ALIKE)
+    near = get_close_matches(name[:_LONGEST_KEY], known, n=1, cutoff=ALIKE)
     return f"did you mean {near[0]!r}?" if near else f"known: {', '.join(known)}"
 
 
