@@ -17,6 +17,7 @@ EXTRAS = {
     "plot": ("matplotlib",),
     "evaluate": ("motrics", "scipy"),
     "report": ("jinja2", "matplotlib"),
+    "pandas": ("pandas",),
 }
 """The modules that each optional extra of the package brings."""
 

@@ -2,14 +2,15 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
+from trecsim.store.frames import tidy_frame, wide_frame
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.rows import confirmed_only
 from trecsim.store.tracks_csv import CsvWriter, read_csv
@@ -22,6 +23,9 @@ from trecsim.store.tracks_parquet import (
     write_parquet,
 )
 from trecsim.values import Snapshot
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 SUFFIXES = (".csv", ".parquet")
 
@@ -119,14 +123,92 @@ def kept_of(path: Path) -> Path:
     return partial_path(path) if _suffix(path) == ".csv" else parts_of(path)
 
 
+@dataclass(slots=True, repr=False)
+class Tracks(Iterator[Snapshot]):
+    r"""Recorded tracks, which yield one moment after the other or become a table.
+
+    Each of them can be gone through once, like a file; `to_dataframe` reads the file anew.
+
+    Attributes
+    ----------
+    path
+        Where they are.
+    from_s, until_s
+        The times between which they are read [s].
+    provisional
+        Whether people who are not confirmed yet are among them.
+
+    Examples
+    --------
+    >>> path = getfixture("tmp_path") / "walk.csv"
+    >>> _ = path.write_text("t_s,person,joint,x_m,y_m,z_m,sigma_m,support\n"
+    ...                     "0.5,3,nose,1.0,2.0,1.6,0.02,4\n")
+    >>> tracks = read_tracks(path)
+    >>> tracks
+    <Tracks of walk.csv>
+    >>> next(tracks)
+    <Snapshot t_s=0.5, 1 person: 3>
+    """
+
+    path: Path
+    from_s: float = -math.inf
+    until_s: float = math.inf
+    provisional: bool = False
+    _snapshots: Iterator[Snapshot] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._snapshots = self._read()
+
+    def _read(self) -> Iterator[Snapshot]:
+        if _suffix(self.path) == ".csv":
+            everything = read_csv(self.path, COCO17)
+            return (one for one in everything if self.from_s <= one.t_s <= self.until_s)
+        snapshots = read_parquet(self.path, self.from_s, self.until_s)
+        return snapshots if self.provisional else confirmed_only(snapshots)
+
+    def __next__(self) -> Snapshot:
+        return next(self._snapshots)
+
+    def __repr__(self) -> str:
+        span = ""
+        if math.isfinite(self.from_s) or math.isfinite(self.until_s):
+            span = f", {self.from_s:g} to {self.until_s:g} s"
+        return f"<Tracks of {self.path.name}{span}>"
+
+    def to_dataframe(self, *, wide: bool = False, details: bool = False) -> "DataFrame":
+        """Return all of them as a pandas table.
+
+        Parameters
+        ----------
+        wide
+            One row per time and person, with columns like ``nose_x_m``, in place of one row per
+            time, person and joint with the columns of the CSV file.
+        details
+            Also everybody's state, and the velocity and covariance of every joint. CSV files do not
+            hold these: velocities are NaN then, and covariances the spheres of `sigma_m`.
+
+        Raises
+        ------
+        InputError
+            When the file is not right.
+        SetupError
+            When pandas is not installed.
+        """
+        info = TracksInfo(details=details)
+        tables = list(tables_of(self._read(), info))
+        return wide_frame(tables, details) if wide else tidy_frame(tables, details)
+
+
 def read_tracks(
     path: Path | str,
     *,
     from_s: float = -math.inf,
     until_s: float = math.inf,
     provisional: bool = False,
-) -> Iterator[Snapshot]:
+) -> Tracks:
     """Read recorded tracks one moment at a time; moments without anybody are not recorded.
+
+    ``read_tracks(path).to_dataframe()`` returns them as a pandas table.
 
     Parameters
     ----------
@@ -144,12 +226,7 @@ def read_tracks(
     InputError
         When it is not there or not right.
     """
-    path = _file_of(Path(path))
-    if _suffix(path) == ".csv":
-        everything = read_csv(path, COCO17)
-        return (one for one in everything if from_s <= one.t_s <= until_s)
-    snapshots = read_parquet(path, from_s, until_s)
-    return snapshots if provisional else confirmed_only(snapshots)
+    return Tracks(_file_of(Path(path)), from_s, until_s, provisional)
 
 
 def export_tracks(
