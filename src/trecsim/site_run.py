@@ -1,6 +1,8 @@
 """A site from its recordings to a folder with everything that came of it."""
 
 import json
+import logging
+import math
 import platform
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -18,6 +20,7 @@ from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.fusion.warmup import warm_up
+from trecsim.geometry import Rig
 from trecsim.pipeline import flow, recorded, tracks_info
 from trecsim.sinks import Sinks
 from trecsim.sites import fusion_settings
@@ -26,15 +29,19 @@ from trecsim.sources import prefetched, read_poses
 from trecsim.store.atomic import atomic_write
 from trecsim.store.names import RIG
 from trecsim.store.recordings import (
+    Stored,
     claim_folder,
     discard_recording,
     poses_recorder,
+    stored_in,
     timing_recorder,
     tracks_recorder,
 )
 from trecsim.store.rig_digest import rig_sha256
 from trecsim.tracking import Follower, Tally
-from trecsim.values import Poses2D, Snapshot
+from trecsim.values import Frame, Poses2D, Snapshot
+
+logger = logging.getLogger(__name__)
 
 TELL_EVERY_S = 60.0
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
@@ -63,6 +70,9 @@ class RunSummary:
         How long the run took [s].
     fusion_ms
         Median, 95th percentile, largest and mean time of a step of the fusion [ms].
+    gaps_s
+        Where the recording was continued: the last time before and the first time after, each [s].
+        Numbers of images, frame sets and people count from the last of these on.
     """
 
     site: str
@@ -76,12 +86,14 @@ class RunSummary:
     last_s: float | None
     wall_s: float
     fusion_ms: dict[str, float]
+    gaps_s: tuple[tuple[float, float], ...] = ()
 
 
 def run(
     checked: CheckedSite,
     out: Path | None = None,
     *,
+    resume: bool = False,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
     tell: Callable[[Tally], None] = lambda tally: None,
@@ -95,6 +107,9 @@ def run(
         What `trecsim.sites.check.check_site` returns.
     out
         Directory to make for this run; None makes one where the site file says.
+    resume
+        Go on with the recording in `out`, if there is one. Images up to its end are left out,
+        identities go on above its highest.
     progress
         Told the number of images done and, if it is known, of all images.
     stop
@@ -115,35 +130,62 @@ def run(
     """
     began_s = time.monotonic()
     watch = _Watch(progress, stop, tell, _image_count(checked))
-    with claim_folder(_folder_for(out, checked)) as claim:
+    with claim_folder(_folder_for(out, checked), resume=resume) as claim:
         folder = claim.folder
+        watch.stored = _stored(folder, checked.rig) if resume else Stored()
+        watch.gaps_s = _gaps_before(folder) if resume else ()
         try:
-            fault = _record(checked, folder, watch)
+            fault = _record(checked, folder, watch, resume=resume)
             if fault is not None and watch.tally.frame_sets == 0:
-                discard_recording(folder)
+                if not watch.resumed:
+                    discard_recording(folder)
                 raise fault
             summary = watch.summary(checked.file.site.name, folder, began_s, fault)
             _write_summary(summary, checked)
             picture(summary)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_interrupted(folder, watch.tally)) from None
+            raise KeyboardInterrupt(_interrupted(folder, watch)) from None
     if fault is not None:
         raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
     return summary
 
 
-def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError | None:
+def _stored(folder: Path, rig: Rig) -> Stored:
+    """Return what a recording to go on with holds; its cameras must be these."""
+    stored = stored_in(folder)
+    if stored.rig_sha256 not in (None, rig_sha256(rig)):
+        raise InputError(
+            f"{folder} was recorded with other cameras than {rig.names}, or they have been "
+            "calibrated anew since; begin another recording: give another --out"
+        )
+    return stored
+
+
+def _gaps_before(folder: Path) -> tuple[tuple[float, float], ...]:
+    """Return the gaps that the last summary of a recording tells of."""
+    try:
+        gaps = json.loads((folder / "summary.json").read_bytes())["gaps_s"]
+        return tuple((float(low), float(high)) for low, high in gaps)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return ()  # it ended without a summary
+
+
+def _record(
+    checked: CheckedSite, folder: Path, watch: "_Watch", *, resume: bool
+) -> InputError | None:
     """Pass everything through the fusion into files; return the fault that ended it early."""
     site, rig = checked.file.site, checked.rig
     write_rig(rig, folder / RIG)
     with ExitStack() as files:
-        tracks = files.enter_context(tracks_recorder(folder, tracks_info(rig)))
-        steps = files.enter_context(timing_recorder(folder))
-        kept = [files.enter_context(poses_recorder(folder))] if site.output.poses else []
+        tracks = files.enter_context(tracks_recorder(folder, tracks_info(rig), resume=resume))
+        steps = files.enter_context(timing_recorder(folder, resume=resume))
+        kept = []
+        if site.output.poses:
+            kept.append(files.enter_context(poses_recorder(folder, resume=resume)))
         sinks = Sinks([tracks, watch], [steps], kept)
         try:
             images = _begun(
-                files.enter_context(closing(prefetched(_poses(checked), _IMAGES_AHEAD)))
+                files.enter_context(closing(prefetched(_poses(checked, watch), _IMAGES_AHEAD)))
             )
             warm_up()
             follower = Follower(
@@ -152,8 +194,14 @@ def _record(checked: CheckedSite, folder: Path, watch: "_Watch") -> InputError |
                 lag_s=site.output.lag_s,
                 tally=watch.tally,
                 step=sinks.take_step,
+                first_id=watch.stored.next_person,
             )
             flow(recorded(watch.images(images)), follower, sinks)
+            if watch.resumed and watch.done == 0:
+                logger.warning(
+                    "%s: nothing to go on with: no image is later than %.3f s, where the recording "
+                    "ends", folder, watch.stored.last_s,
+                )  # fmt: skip
         except InputError as error:
             return error
     return None
@@ -168,17 +216,33 @@ def _checked_before(remark: str) -> None:
     """Drop a remark that `check_site` has returned before."""
 
 
-def _poses(checked: CheckedSite) -> Generator[Poses2D, None, None]:
+def _poses(checked: CheckedSite, watch: "_Watch") -> Generator[Poses2D, None, None]:
     site = checked.file.site
+    wanted = _Later(checked.rig, watch.stored.last_s)
     if site.poses is not None:
         names, fps = checked.rig.names, site.poses.fps
-        yield from read_poses(site.poses.file, rig_cameras=names, fps=fps, remark=_checked_before)
+        poses = read_poses(site.poses.file, rig_cameras=names, fps=fps, remark=_checked_before)
+        yield from filter(wanted, poses)
         return
     from trecsim.estimators.pool import estimate_videos, open_videos
 
     estimator = load_estimator(checked.file)
     videos = {camera: source.video for camera, source in site.sources.items()}
-    yield from estimate_videos(open_videos(videos, estimator), estimator)
+    yield from estimate_videos(open_videos(videos, estimator), estimator, wanted=wanted)
+
+
+class _Later:
+    """Tells which images a recording that is continued does not hold yet."""
+
+    def __init__(self, rig: Rig, last_s: float | None) -> None:
+        self._rig = rig
+        self._last_s = -math.inf if last_s is None else last_s
+
+    def __call__(self, image: Frame | Poses2D) -> bool:
+        if self._last_s == -math.inf:
+            return True
+        camera = self._rig[image.camera]
+        return image.t_s + camera.time_offset_s + camera.drift_s(image.t_s) > self._last_s
 
 
 @dataclass(slots=True)
@@ -194,6 +258,8 @@ class _Watch:
     done: int = 0
     first_s: float | None = None
     last_s: float | None = None
+    stored: Stored = field(default_factory=Stored)
+    gaps_s: tuple[tuple[float, float], ...] = ()
     told_s: float = field(default_factory=time.monotonic)
 
     def images(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
@@ -209,9 +275,18 @@ class _Watch:
                 self.stopped = True
                 return
 
+    @property
+    def resumed(self) -> bool:
+        return self.stored.last_s is not None
+
     def write(self, snapshot: Snapshot, /) -> None:
+        if self.stored.last_s is not None and snapshot.t_s <= self.stored.last_s:
+            return
         self.last_s = snapshot.t_s
-        self.first_s = snapshot.t_s if self.first_s is None else self.first_s
+        if self.first_s is None:
+            self.first_s = snapshot.t_s
+            if self.stored.last_s is not None:
+                self.gaps_s = (*self.gaps_s, (self.stored.last_s, snapshot.t_s))
 
     def summary(self, site: str, out: Path, began_s: float, fault: InputError | None) -> RunSummary:
         ended: Ended = "failed" if fault else "stopped" if self.stopped else "complete"
@@ -227,6 +302,7 @@ class _Watch:
             last_s=self.last_s,
             wall_s=time.monotonic() - began_s,
             fusion_ms=self.tally.fusion_ms(),
+            gaps_s=self.gaps_s,
         )
 
 
@@ -244,8 +320,11 @@ def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
     return (site.output.directory or beside) / started
 
 
-def _interrupted(folder: Path, tally: Tally) -> str:
+def _interrupted(folder: Path, watch: _Watch) -> str:
     """Say what an interruption leaves; remove what holds nothing."""
+    tally = watch.tally
+    if tally.frame_sets == 0 and watch.resumed:
+        return f"stopped before the first new frame set; what was in {folder} is kept"
     if tally.frame_sets == 0:
         with suppress(OSError):
             discard_recording(folder)

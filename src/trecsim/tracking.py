@@ -121,6 +121,8 @@ class Follower:
         How long a frame set waits for a camera that is late [s].
     step
         Is told what each frame set cost, as soon as it is known.
+    first_id
+        Identity of the first person.
 
     Raises
     ------
@@ -137,8 +139,9 @@ class Follower:
         tally: Tally | None = None,
         max_delay_s: float = 1.0,
         step: Callable[[StepTiming], None] = lambda step: None,
+        first_id: int = 0,
     ) -> None:
-        self._tracker = Tracker(rig, settings, lag_s=lag_s)
+        self._tracker = Tracker(rig, settings, lag_s=lag_s, first_id=first_id)
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}

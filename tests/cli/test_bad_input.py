@@ -204,7 +204,7 @@ def test_a_signal_ends_tracking_and_says_what_is_kept(
     )
     kept = folder / (f"{name}.partial" if name.endswith("csv") else f"{name}.parts")
     while running.poll() is None and not (
-        list(kept.glob("*.parquet"))
+        list(kept.glob("*/*.parquet"))
         if kept.is_dir()
         else kept.is_file() and kept.stat().st_size > 5_000
     ):

@@ -16,6 +16,7 @@ from trecsim.cli.terminal import (
     note,
     progress_bar,
 )
+from trecsim.errors import InputError
 
 if TYPE_CHECKING:
     from trecsim.site_run import RunSummary
@@ -23,7 +24,9 @@ if TYPE_CHECKING:
     from trecsim.tracking import Tally
 
 
-def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
+def run(
+    site: Path, /, *, out: Path | None = None, resume: bool = False, json: bool = False
+) -> None:
     """Run the pipeline of a site file: videos in, people in 3D out.
 
     Writes to one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), the time of
@@ -40,12 +43,17 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     out
         Directory to write to. Without it: a directory named by the time, under `recordings`
         beside the site file or where the site file says.
+    resume
+        Go on with the recording in the directory `--out`, if there is one: after a crash, or where
+        it ended. Images up to its end are left out; people get new identities.
     json
         Print the summary as one JSON object.
     """
     from trecsim.site_run import run as run_site
     from trecsim.sites.check import check_site
 
+    if resume and out is None:
+        raise InputError("--resume needs the directory of the recording: give --out DIRECTORY")
     checked = check_site(site)
     for remark in checked.remarks:
         note(remark)
@@ -56,7 +64,7 @@ def run(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
     with progress_bar("images", quiet=json) as bar, stopping_in_order() as stop:
         lines = _Lines(bar)
         summary = run_site(
-            checked, out, progress=lines.passed, stop=stop,
+            checked, out, resume=resume, progress=lines.passed, stop=stop,
             tell=_tell_nothing if told else lines.tell,
             picture=partial(_draw_paths, checked),
         )  # fmt: skip
@@ -111,7 +119,11 @@ def _facts(summary: "RunSummary") -> dict[str, object]:
 
 
 def _told(summary: "RunSummary") -> str:
+    gap = ""
+    if summary.gaps_s:
+        before_s, after_s = summary.gaps_s[-1]
+        gap = f"; continued at {after_s:.2f} s, {after_s - before_s:.2f} s after what was there"
     return (
         f"{summary.out}: {counted_people(summary.people)} in {summary.frame_sets} frame sets "
-        f"of {summary.images} images, {summary.wall_s:.1f} s{fusion_time(summary.fusion_ms)}"
+        f"of {summary.images} images, {summary.wall_s:.1f} s{fusion_time(summary.fusion_ms)}{gap}"
     )

@@ -89,7 +89,11 @@ def open_videos(videos: Mapping[str, Path], estimator: Estimator2D) -> list[Vide
 
 
 def estimate_videos(
-    videos: Sequence[VideoFile], estimator: Estimator2D, *, progress: Progress | None = None
+    videos: Sequence[VideoFile],
+    estimator: Estimator2D,
+    *,
+    progress: Progress | None = None,
+    wanted: Callable[[Frame], bool] = lambda frame: True,
 ) -> Iterator[Poses2D]:
     """Yield the 2D poses of everybody in opened videos, in the order of time.
 
@@ -104,13 +108,15 @@ def estimate_videos(
         Called by as many threads as it takes.
     progress
         Called with the images that are done and, if it is known, how many there are.
+    wanted
+        Tells in which images to look for people; the others are left out.
     """
     known = [video.info.expected_frames for video in videos]
     total = sum(count or 0 for count in known) if None not in known else None
     by_camera = {video.camera: video for video in videos}
     with ExitStack() as stack:
         streams = [stack.enter_context(closing(prefetched(video))) for video in videos]
-        frames = merge(*streams, key=lambda frame: frame.t_s)
+        frames = filter(wanted, merge(*streams, key=lambda frame: frame.t_s))
         found = stack.enter_context(closing(estimate_frames(frames, estimator)))
         for done, poses in enumerate(found, start=1):
             if progress is not None:

@@ -65,6 +65,8 @@ class Tracker:
         The joints that the 2D poses have.
     lag_s
         How far behind the newest image `step` reports [s], up to 10; what comes later smooths it.
+    first_id
+        Identity of the first person; above all that a recording which is continued holds.
 
     Raises
     ------
@@ -89,6 +91,7 @@ class Tracker:
         *,
         skeleton: Skeleton = COCO17,
         lag_s: float = 0.0,
+        first_id: int = 0,
     ) -> None:
         check_arguments(rig, settings, skeleton, lag_s)
         self._model = build(rig, skeleton, settings or FusionSettings())
@@ -96,7 +99,7 @@ class Tracker:
         self._lag_s = lag_s
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._clocks = Clocks(len(rig))
-        self._next_id = 0
+        self._next_id = first_id
         self._restart()
 
     def step(self, frame_set: FrameSet) -> Snapshot:

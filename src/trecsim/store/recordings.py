@@ -20,7 +20,7 @@ from trecsim.store.names import POSES, RIG
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.timing_csv import NAME as TIMING
-from trecsim.store.timing_csv import TimingWriter, last_time_s, timing_in
+from trecsim.store.timing_csv import TimingWriter, last_time_s, read_timing, timing_in
 from trecsim.store.tracks_parquet import (
     HOUR_S,
     ParquetTracksWriter,
@@ -41,7 +41,8 @@ class Stored:
     next_person
         The lowest identity above all that are stored.
     last_s
-        The last time that is stored, of tracks or timings [s]; None for an empty recording.
+        Until when nothing is missing [s]: the last time of the timings, or that of the tracks if
+        there were people after it; None for an empty recording.
     rig_sha256
         Digest of the rig its tracks were made with; None if that is not known.
     """
@@ -111,15 +112,29 @@ def stored_in(folder: Path) -> Stored:
     tracks = folder / TRACKS
     there = tracks.exists() or parts_of(tracks).is_dir()
     contents = [one.contents for one in recording_segments(tracks)] if there else []
-    timing = timing_in(folder)
-    timed_s = last_time_s(timing) if timing is not None else math.nan
-    times_s = [one.last_s for one in contents] + [timed_s]
-    known_s = [t_s for t_s in times_s if not math.isnan(t_s)]
+    tracked_s = max((one.last_s for one in contents if one.rows), default=-math.inf)
+    last_s = _complete_until_s(folder, tracked_s)
     return Stored(
         next_person=1 + max((one.highest_person for one in contents), default=-1),
-        last_s=max(known_s, default=None),
+        last_s=last_s if math.isfinite(last_s) else None,
         rig_sha256=read_info(tracks).rig_sha256 if there else None,
     )
+
+
+def _complete_until_s(folder: Path, tracked_s: float) -> float:
+    """Return until when neither tracks nor timings miss anything; -inf for never.
+
+    Where the timings go on after the last track, nobody was there, or a crash took the tracks.
+    """
+    path = timing_in(folder)
+    timed_s = last_time_s(path) if path is not None else math.nan
+    if path is None or math.isnan(timed_s):
+        return tracked_s
+    if timed_s <= tracked_s:
+        return timed_s
+    from_s = max(math.nextafter(tracked_s, math.inf), timed_s - HOUR_S)
+    lost = bool((read_timing(path, from_s).people > 0).any())
+    return tracked_s if lost else timed_s
 
 
 def discard_recording(folder: Path) -> None:
