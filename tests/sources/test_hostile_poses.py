@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sources.made_poses import made_poses
-from sources.test_poses_files import flat, mmpose_frames, write_coco, write_openpose
+from sources.made_poses import flat, made_poses, mmpose_frames, write_coco, write_openpose
 from trecsim.errors import InputError
 from trecsim.sources import json_stream, read_poses, strict_json
 from trecsim.store.poses_writer import PosesWriter

@@ -5,7 +5,14 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from sources.made_poses import assert_same, made_poses
+from sources.made_poses import (
+    assert_same,
+    instance,
+    made_poses,
+    mmpose_frames,
+    write_coco,
+    write_openpose,
+)
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.sources import json_stream, read_poses
@@ -14,36 +21,8 @@ from trecsim.store.poses_writer import PosesWriter
 from trecsim.sync import frame_sets
 
 
-def flat(image, person):
-    rows = np.nan_to_num(np.concatenate([image.xy_px, image.score[..., None]], axis=2))[person]
-    return rows.ravel().tolist()
-
-
-def write_openpose(folder, image, name):
-    folder.mkdir(parents=True, exist_ok=True)
-    people = [
-        {"person_id": [-1], "pose_keypoints_2d": flat(image, person), "face_keypoints_2d": []}
-        for person in range(len(image.xy_px))
-    ]
-    (folder / name).write_text(json.dumps({"version": 1.3, "people": people}))
-
-
 def openpose_name(camera, frame):
     return f"{camera}_{frame:012d}_keypoints.json"
-
-
-def write_coco(path, images, fps, image_id=int):
-    entries = [
-        {
-            "image_id": image_id(round(image.t_s * fps)),
-            "category_id": 1,
-            "keypoints": flat(image, person),
-            "score": image.person_score[person],
-        }
-        for image in images
-        for person in range(len(image.xy_px))
-    ]
-    path.write_text(json.dumps(entries))
 
 
 def same_points(found, expected):
@@ -244,25 +223,6 @@ def test_a_camera_of_which_each_fifth_frame_was_looked_at_gets_no_images_between
     assert [(round(25 * image.t_s), len(image.xy_px)) for image in images] == [
         (0, 1), (5, 0), (10, 1), (15, 1), (20, 1),
     ]  # fmt: skip
-
-
-def instance(image, person):
-    return {
-        "keypoints": np.nan_to_num(image.xy_px[person]).tolist(),
-        "keypoint_scores": image.score[person].tolist(),
-        "bbox": [[0, 0, 9, 9]],
-        "bbox_score": image.person_score[person],
-    }
-
-
-def mmpose_frames(images):
-    return [
-        {
-            "frame_id": round(25 * image.t_s),
-            "instances": [instance(image, person) for person in range(len(image.xy_px))],
-        }
-        for image in images
-    ]
 
 
 META = {"dataset_name": "coco", "keypoint_id2name": dict(enumerate(COCO17.joints))}
