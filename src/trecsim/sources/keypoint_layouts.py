@@ -5,7 +5,6 @@ and cannot be distinguished from it; BODY_25 is assumed, since it is common.)
 """
 
 import logging
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from reprlib import repr as brief
@@ -84,6 +83,8 @@ def places_of(names: Sequence[str]) -> Places:
     return _places(names)
 
 
+_NUMBERS = frozenset((int, float, type(None)))
+_MISSING = (np.nan, np.nan, 0.0)
 _PLACES = {len(order): _places(order) for order in ORDERS.values()}
 
 
@@ -123,16 +124,16 @@ def coco17(flat: Any, where: str, places: Places | None = None) -> Float64[np.nd
             f"{where}: expected x, y, score for one of {known} key points; found {len(flat)} "
             f"numbers, {len(flat) // 3} key points"
         )
-    if not all(isinstance(number, int | float) or number is None for number in flat):
+    if not _NUMBERS.issuperset(map(type, flat)):
         raise FaultError(f"{where}: not all key point values are numbers: {brief(flat)}")
-    values = [math.nan if number is None else number for number in flat]
-    if any(abs(number) > MAX_COORDINATE_PX for number in values):
+    try:
+        table: Float64[np.ndarray, "joint 3"] = np.array(flat, np.float64).reshape(-1, 3)[places]
+    except OverflowError:  # an integer of hundreds of digits
+        table = np.full((1, 3), np.inf)
+    if (np.abs(table) > MAX_COORDINATE_PX).any():
         raise FaultError(f"{where}: a value is beyond {MAX_COORDINATE_PX:g} or infinite")
-    table: Float64[np.ndarray, "joint 3"] = np.array(values, dtype=np.float64).reshape(-1, 3)
-    table = table[places]
-    missing = ~(table[:, 2] > 0.0) | (table[:, :2] == 0.0).all(axis=1)
-    missing |= np.isnan(table[:, :2]).any(axis=1)
-    table[missing] = (np.nan, np.nan, 0.0)
+    x, y, score = table.T
+    table[~(score > 0.0) | np.isnan(x + y) | ((x == 0.0) & (y == 0.0))] = _MISSING
     return table
 
 
