@@ -7,6 +7,27 @@ from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
+from trecsim.fusion.tuning import DUPLICATE_S
+
+
+class Duplicates:
+    """Finds duplicate tracks: those in the place of an older one for `DUPLICATE_S`."""
+
+    def __init__(self) -> None:
+        self._since_s: dict[tuple[int, int], float] = {}
+
+    def __len__(self) -> int:
+        """Return the number of pairs of tracks that may be duplicates."""
+        return len(self._since_s)
+
+    def found(
+        self, people: Population, model: Model, association: Association, t_s: float
+    ) -> list[int]:
+        """Return the indices of the tracks that are duplicates of older ones at `t_s`."""
+        pairs = duplicate_pairs(people, model, association)
+        younger = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
+        self._since_s = {pair: self._since_s.get(pair, t_s) for pair in younger}
+        return [k for pair, k in younger.items() if t_s - self._since_s[pair] >= DUPLICATE_S]
 
 
 def duplicate_pairs(

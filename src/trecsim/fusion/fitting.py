@@ -3,6 +3,7 @@
 Each is a call of a kernel or two.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -45,6 +46,32 @@ def independence_weight(since_s: float, model: Model) -> float:
     Errors of a detector that are closer in time than `error_memory_s` are correlated.
     """
     return min(max(since_s / model.settings.error_memory_s, LEAST_INDEPENDENCE), 1.0)
+
+
+def extend(people: Population, grid: KnotGrid, t_s: float, model: Model) -> None:
+    """Append control points to all trajectories, in place, until they reach `t_s`.
+
+    Parameters
+    ----------
+    people
+        Tracks.
+    grid
+        The knot grid so far; `KnotGrid.moved_to` gives the one to go on with.
+    t_s
+        The time to reach [s].
+    model
+        Constants of the run.
+    """
+    steps = grid.steps_to(t_s)
+    if not steps:
+        return
+    s = model.settings
+    seen = support(people, t_s - s.knot_s)
+    for _ in range(steps):
+        kernels.extend_all(
+            people.R, people.z, people.c, seen, model.torso, model.stiffness,
+            math.exp(-s.knot_s / s.velocity_memory_s), math.exp(-s.knot_s / s.drag_memory_s),
+        )  # fmt: skip
 
 
 def predict(people: Population, images: Images, grid: KnotGrid, t_s: float) -> Prediction:

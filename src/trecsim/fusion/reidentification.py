@@ -70,6 +70,41 @@ def within(dead: list[DeadTrack], t_s: float, recall_s: float) -> list[DeadTrack
     return [one for one in dead if t_s - one.t_s <= recall_s]
 
 
+class Identities:
+    """Gives identities to new tracks; none is given to two people.
+
+    Attributes
+    ----------
+    dead
+        Tracks whose identities may be given again, to the same people.
+
+    Parameters
+    ----------
+    recall_s
+        For how long after its death [s].
+    first_id
+        The first identity.
+    """
+
+    def __init__(self, recall_s: float, first_id: int = 0) -> None:
+        self.dead: list[DeadTrack] = []
+        self._recall_s = recall_s
+        self._next_id = first_id
+
+    def identify(self, torso_m: Float64[np.ndarray, "3"], t_s: float) -> tuple[int, bool]:
+        """Return the identity of a new track at `torso_m`, and whether it is a dead track's."""
+        back = reidentify(self.dead, torso_m, t_s, self._recall_s)
+        if back is not None:
+            self.dead.remove(back)
+            return back.id, True
+        self._next_id += 1
+        return self._next_id - 1, False
+
+    def note_dead(self, tracks: list[DeadTrack], t_s: float) -> None:
+        """Remember the tracks that die at `t_s`, and forget those that died too long ago."""
+        self.dead = within(self.dead, t_s, self._recall_s) + tracks
+
+
 def dead_tracks(
     people: Population,
     which: Bool[np.ndarray, " track"],

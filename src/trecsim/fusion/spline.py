@@ -6,7 +6,7 @@ are in `trecsim.fusion.kernels.curve`.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
@@ -61,8 +61,8 @@ class KnotGrid:
 
     def moved_to(self, t_s: float) -> "KnotGrid":
         """Return the grid moved on just far enough to reach `t_s`."""
-        first = self.first + self.steps_to(t_s)
-        return KnotGrid(self.origin_s, self.knot_s, self.live, first)
+        steps = self.steps_to(t_s)
+        return replace(self, first=self.first + steps) if steps else self
 
     def knot_time(self, t_s: float) -> float:
         """Return `t_s` in knots since the oldest live one, as the kernels take it."""

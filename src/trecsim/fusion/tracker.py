@@ -10,18 +10,18 @@ from jaxtyping import Float64, Int64
 from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association, associate
-from trecsim.fusion.duplicates import duplicate_pairs, is_duplicate
+from trecsim.fusion.duplicates import Duplicates, is_duplicate
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
-from trecsim.fusion.reidentification import DeadTrack, dead_tracks, reidentify, within
+from trecsim.fusion.reidentification import Identities, dead_tracks
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
-from trecsim.fusion.support import support, update_support
-from trecsim.fusion.tuning import CHECK_S, DUPLICATE_S, SAME_S, UNASSIGNED_S
+from trecsim.fusion.support import update_support
+from trecsim.fusion.tuning import CHECK_S, SAME_S, UNASSIGNED_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
@@ -99,7 +99,7 @@ class Tracker:
         self._lag_s = lag_s
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._clocks = Clocks(len(rig))
-        self._next_id = first_id
+        self._identities = Identities(s.recall_s, first_id)
         self._restart()
 
     def step(self, frame_set: FrameSet) -> Snapshot:
@@ -128,8 +128,8 @@ class Tracker:
     def held(self) -> Held:
         """How much the tracker keeps in memory."""
         return Held(
-            len(self._people), len(self._unassigned), len(self._dead),
-            len(self._duplicate_since_s), len(self._ended),
+            len(self._people), len(self._unassigned), len(self._identities.dead),
+            len(self._duplicates), len(self._ended),
         )  # fmt: skip
 
     @property
@@ -150,9 +150,9 @@ class Tracker:
         self._unassigned = Detections.nothing(n_joint)
         self._checked_s = -math.inf
         self._grid: KnotGrid | None = None
-        self._dead: list[DeadTrack] = []
+        self._identities.dead = []
         self._ended: list[tuple[float, KnotGrid, Population]] = []
-        self._duplicate_since_s: dict[tuple[int, int], float] = {}
+        self._duplicates = Duplicates()
 
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
         """Return the views that are new, not too late and plausible in time."""
@@ -174,17 +174,8 @@ class Tracker:
         s = self._model.settings
         if self._grid is None:
             self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
-        steps = self._grid.steps_to(t_s)
-        if not steps:
-            return
+        fitting.extend(self._people, self._grid, t_s, self._model)
         self._grid = self._grid.moved_to(t_s)
-        people = self._people
-        seen = support(people, t_s - s.knot_s)
-        for _ in range(steps):
-            kernels.extend_all(
-                people.R, people.z, people.c, seen, self._model.torso, self._model.stiffness,
-                math.exp(-s.knot_s / s.velocity_memory_s), math.exp(-s.knot_s / s.drag_memory_s),
-            )  # fmt: skip
 
     def _update(self, images: Images, elapsed_s: float) -> Association:
         """Associate detections with the existing tracks, and fit these to them."""
@@ -210,17 +201,11 @@ class Tracker:
         have drifted, and the detections of one may be of two people: such detections count as
         unassigned, too.
         """
+        pool, owner = self._open_detections(images, association)
         replaced: set[int] = set()
-        owner, n_open = self._owners(images, association)
-        old = self._unassigned
-        if len(old):
-            old = old.still_open(images.cam, self._t_s - UNASSIGNED_S)
-        if not len(old) and not n_open:
-            self._unassigned = old
+        if not len(pool):
+            self._unassigned = pool
             return replaced
-        open_ = owner != kernels.TAKEN
-        pool = old.joined(images.detections(open_))
-        owner = np.concatenate([np.full(len(old), kernels.FREE), owner[open_]])
         free = owner == kernels.FREE
         candidates = list(birth.candidates(self._model, pool))
         births: list[Birth] = []
@@ -244,6 +229,23 @@ class Tracker:
         self._unassigned = pool.take(free)
         return replaced
 
+    def _open_detections(
+        self, images: Images, association: Association
+    ) -> tuple[Detections, Int64[np.ndarray, " person"]]:
+        """Return the detections that may start a track, and the track that each would replace.
+
+        That is an index, or `FREE`. Unassigned detections of earlier frame sets come first.
+        """
+        owner, n_open = self._owners(images, association)
+        old = self._unassigned
+        if len(old):
+            old = old.still_open(images.cam, self._t_s - UNASSIGNED_S)
+        if not n_open:
+            return old, np.full(len(old), kernels.FREE)
+        open_ = owner != kernels.TAKEN
+        owner = np.concatenate([np.full(len(old), kernels.FREE), owner[open_]])
+        return old.joined(images.detections(open_)), owner
+
     def _owners(
         self, images: Images, association: Association
     ) -> tuple[Int64[np.ndarray, " person"], int]:
@@ -262,10 +264,10 @@ class Tracker:
             return
         people = first_states(births, self._t_s, self._live, self._model)
         images, association = own_detections(births, pool)
-        prediction = fitting.predict(people, images, self._knots, self._t_s)
         # Their images have just been noted, so they weigh little here: the first place is theirs
         # already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
+        prediction = fitting.predict(people, images, self._knots, self._t_s)
         inlier = fitting.fit(people, images, association, prediction, self._model, since_s)
         update_support(people, images, association, inlier, self._t_s, 0.0)
         self._people = self._people.joined(people)
@@ -281,33 +283,21 @@ class Tracker:
         if owners:
             oldest = min(owners, key=lambda o: int(self._people.id[o]))
             return int(self._people.id[oldest]), bool(self._people.confirmed[oldest])
-        torso_m = xyz_m[self._model.torso].mean(axis=0)
-        back = reidentify(self._dead, torso_m, self._t_s, self._model.settings.recall_s)
-        if back is not None:
-            self._dead.remove(back)
-            return back.id, True
-        self._next_id += 1
-        return self._next_id - 1, False
+        return self._identities.identify(xyz_m[self._model.torso].mean(axis=0), self._t_s)
 
     def _end_tracks(self, association: Association, replaced: set[int]) -> None:
         """Delete tracks that are dead, duplicates or replaced."""
         people = self._people
-        pairs = duplicate_pairs(people, self._model, association)
-        close = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
-        self._duplicate_since_s = {p: self._duplicate_since_s.get(p, self._t_s) for p in close}
+        duplicates = self._duplicates.found(people, self._model, association, self._t_s)
         expected = lifecycle.expected_cameras(people, self._model, self._clocks.looking, self._t_s)
         stays = lifecycle.survivors(people, self._model, expected, self._t_s)
-        if not close and not replaced and np.count_nonzero(stays) == len(stays):
+        if not duplicates and not replaced and stays.all():
             return
         alive = np.ones(len(people), bool)
-        alive[list(replaced)] = False
-        for pair, younger in close.items():
-            if self._t_s - self._duplicate_since_s[pair] >= DUPLICATE_S:
-                alive[younger] = False
+        alive[[*replaced, *duplicates]] = False
         died = ~stays & alive
         gone = dead_tracks(people, died & people.confirmed, self._knots, self._model, self._t_s)
-        recall_s = self._model.settings.recall_s
-        self._dead = within(self._dead, self._t_s, recall_s) + gone
+        self._identities.note_dead(gone, self._t_s)
         died[list(replaced)] = True
         self._keep_for_lag(people.keep(died & people.confirmed))
         self._people = people.keep(alive & stays)
