@@ -141,8 +141,9 @@ def _njit(function: Callable[..., Any], **options: Any) -> Any:
 
 
 def _fresh(kernel: Any) -> Any:
-    """Return a kernel that is not compiled yet, with the same options but for the cache."""
-    options = {
-        k: v for k, v in kernel.targetoptions.items() if k not in ("nopython", "boundscheck")
-    }
+    """Return a kernel that is not compiled yet, with the same arithmetic, for any caller.
+
+    Kernels that only others call have no wrapper for Python, so that a call would end the program.
+    """
+    options = {k: v for k, v in kernel.targetoptions.items() if k in ("nogil", "error_model")}
     return _njit(kernel.py_func, **options)
