@@ -19,7 +19,6 @@ import numpy as np
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
-from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
 from trecsim.pipeline import flow, recorded, tracks_info
 from trecsim.sinks import Sinks
@@ -40,11 +39,13 @@ from trecsim.store.recordings import (
 from trecsim.store.rig_digest import rig_sha256
 from trecsim.tracking import Follower, Tally
 from trecsim.values import Frame, Poses2D, Snapshot
+from trecsim.warming import WarmUp, warm_up_in_background
 
 logger = logging.getLogger(__name__)
 
 TELL_EVERY_S = 60.0
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
+_LOOK_EVERY_S = 0.2  # so often a run that waits for its kernels looks whether to stop
 Ended = Literal["complete", "stopped", "failed"]
 
 
@@ -176,6 +177,7 @@ def _record(
     """Pass everything through the fusion into files; return the fault that ended it early."""
     site, rig = checked.file.site, checked.rig
     write_rig(rig, folder / RIG)
+    kernels = warm_up_in_background()  # while videos are opened and the first image is estimated
     with ExitStack() as files:
         tracks = files.enter_context(tracks_recorder(folder, tracks_info(rig), resume=resume))
         steps = files.enter_context(timing_recorder(folder, resume=resume))
@@ -187,7 +189,8 @@ def _record(
             images = _begun(
                 files.enter_context(closing(prefetched(_poses(checked, watch), _IMAGES_AHEAD)))
             )
-            warm_up()
+            if not _ready(kernels, watch):
+                return None
             follower = Follower(
                 rig,
                 fusion_settings(site.fusion),
@@ -205,6 +208,15 @@ def _record(
         except InputError as error:
             return error
     return None
+
+
+def _ready(kernels: WarmUp, watch: "_Watch") -> bool:
+    """Wait for the kernels; return whether the run goes on."""
+    while not kernels.wait(_LOOK_EVERY_S):
+        if watch.stop():
+            watch.stopped = True
+            return False
+    return True
 
 
 def _begun(items: Iterator[Poses2D]) -> Iterator[Poses2D]:

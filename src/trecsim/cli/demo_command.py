@@ -4,7 +4,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from trecsim.cli.first_run import tell_first_run
+from trecsim.cli.first_run import compile_first
 from trecsim.cli.terminal import finish, fusion_time, note, progress_bar
 from trecsim.extras import has_extra
 
@@ -46,7 +46,7 @@ def demo(
     """
     from trecsim.lab.demo import demo as run_demo
 
-    tell_first_run(quiet=json)
+    compile_first(quiet=json)
     with progress_bar("images", quiet=json) as bar:
         result = run_demo(
             out,

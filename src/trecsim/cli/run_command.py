@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trecsim.cli.first_run import tell_first_run
+from trecsim.cli.first_run import compile_first, tell_first_run
 from trecsim.cli.models_command import fetch_first
 from trecsim.cli.stopping import stopping_in_order
 from trecsim.cli.terminal import (
@@ -59,7 +59,10 @@ def run(
         note(remark)
     if checked.videos:
         fetch_first(checked.file.site.estimator.name, quiet=json)
-    tell_first_run(quiet=json)
+    if checked.videos:  # the kernels are compiled while the first images are estimated
+        tell_first_run(quiet=json)
+    else:
+        compile_first(quiet=json)
     told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
     with progress_bar("images", quiet=json) as bar, stopping_in_order() as stop:
         lines = _Lines(bar)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from trecsim.cli.first_run import tell_first_run
+from trecsim.cli.first_run import compile_first
 from trecsim.cli.rig_options import RigOptions
 from trecsim.cli.terminal import counted_people, finish, fusion_time, progress_bar
 from trecsim.errors import InputError
@@ -52,7 +52,7 @@ def track(
 
     _check_order(rig, poses)
     cameras = reading.read(rig)
-    tell_first_run(quiet=json)
+    compile_first(quiet=json)
     with progress_bar("frame sets", quiet=json) as bar:
         summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
     people, sets = counted_people(summary["people"]), summary["frame_sets"]
