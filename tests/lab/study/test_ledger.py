@@ -82,5 +82,5 @@ def test_a_damaged_line_in_the_middle_is_told_with_its_number(tmp_path: Path, li
 def test_two_studies_cannot_write_to_one_folder(tmp_path: Path) -> None:
     pytest.importorskip("fcntl")
     path = tmp_path / "runs.jsonl"
-    with opened(path), pytest.raises(InputError, match="another study is at work"), opened(path):
+    with opened(path), pytest.raises(InputError, match="in use by another study"), opened(path):
         pass

@@ -92,7 +92,7 @@ def test_a_study_that_was_changed_takes_what_it_can(tmp_path: Path, runs: list[J
         (1, 0.12), (2, 0.12), (3, 0.08), (3, 0.1), (3, 0.12),
     }  # fmt: skip
     assert told == [
-        f"the study in {tmp_path} is changed: other seeds, settings; runs that still fit are used",
+        f"the study in {tmp_path} has changed: other seeds, settings; runs that still fit are reused",
         "4 runs are already there, 5 are missing",
     ]
     told.clear()
@@ -100,7 +100,7 @@ def test_a_study_that_was_changed_takes_what_it_can(tmp_path: Path, runs: list[J
     assert told == ["9 runs are already there, 0 are missing"]
     other = study_of("knot_s=0.08,0.1,0.12", seeds="1-3", scene=("crossing-30cm",), lag_s=0.1)
     run_study(other, tmp_path, workers=1, remark=told.append)
-    assert "is changed: other scenes, lag; " in told[1]
+    assert "has changed: other scenes, lag; " in told[1]
 
 
 @pytest.mark.parametrize("name", ["tracks.csv", "study.toml", NAME])
@@ -108,7 +108,7 @@ def test_a_folder_of_something_else_is_left_alone(
     tmp_path: Path, runs: list[Job], name: str
 ) -> None:
     (tmp_path / name).write_text('mine = "yes"\n')
-    with pytest.raises(InputError, match=r"is not empty and holds no study; nothing is overwr"):
+    with pytest.raises(InputError, match=r"is not empty and contains no study; nothing is overwr"):
         run_study(study_of(), tmp_path, workers=1)
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert runs == []

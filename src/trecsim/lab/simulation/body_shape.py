@@ -1,4 +1,4 @@
-"""Bodies: limb lengths that differ from person to person and never change with time."""
+"""Bodies: limb lengths that differ between people and are constant over time."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from trecsim.skeleton import COCO17
 
 JOINTS = len(COCO17.joints)
 SHORTEST_M, TALLEST_M = 1.55, 1.95
-VARIATION = 0.025  # standard deviation of a limb's length about what the stature suggests
+VARIATION = 0.025  # standard deviation of a limb's length about the mean for the stature
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,14 +50,14 @@ class Body:
 
 
 def body(stature_m: float, rng: np.random.Generator | None = None) -> Body:
-    """Return the body of somebody of a given stature.
+    """Return the body of a person of a given stature.
 
     Parameters
     ----------
     stature_m
         Height standing upright [m].
     rng
-        Makes the limbs differ between people of the same stature; None gives the average person.
+        Random numbers for individual limb lengths; None gives the average person.
 
     Notes
     -----
@@ -103,14 +103,14 @@ def _head() -> Float64[np.ndarray, "5 3"]:
 
 
 def bodies(people: int, rng: np.random.Generator) -> tuple[Body, ...]:
-    """Return people whose statures are spread over what one meets, in random order.
+    """Return bodies with statures spread over those of adults, in random order.
 
     Parameters
     ----------
     people
-        How many.
+        Number of them.
     rng
-        Source of chance.
+        Random numbers.
     """
     share = (np.arange(people) + rng.uniform(0.0, 1.0, people)) / max(people, 1)
     statures_m = SHORTEST_M + (TALLEST_M - SHORTEST_M) * rng.permutation(share)

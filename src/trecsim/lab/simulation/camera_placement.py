@@ -1,4 +1,4 @@
-"""Made cameras: where they look, how wide, and through which lens."""
+"""Simulated cameras: pose, field of view and lens."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -17,26 +17,26 @@ LENSES: dict[LensName, tuple[DistortionModel, tuple[float, ...]]] = {
     "brown": ("brown", (-0.28, 0.09, 0.0006, -0.0004, -0.008)),
     "fisheye": ("fisheye", (0.02, -0.012, 0.004, -0.001)),
 }
-"""What lenses of each kind usually do: a surveillance camera, a cheap wide-angle one."""
+"""Typical distortion of each kind of lens: a surveillance camera, a cheap wide-angle one."""
 
 NARROWEST_DEG, WIDEST_DEG = 5.0, 170.0
-STEEP = 1e-6  # a camera that looks straight down has the world's y axis at the top of its image
+STEEP = 1e-6  # a camera that faces straight down has +y of the world at the top of its image
 
 
 @dataclass(frozen=True, slots=True)
 class Make:
-    """A make of camera: image, angle and lens.
+    """Make of a camera: image, field of view and lens.
 
     Attributes
     ----------
     size_px
         Image width and height [px].
     view_deg
-        Angle between the left and the right border of the image, through the lens [degrees].
+        Horizontal field of view through the lens [degrees].
     lens
         `pinhole`, `brown` (a usual lens) or `fisheye`.
     distortion
-        Coefficients of that lens; none stands for usual ones.
+        Distortion coefficients; typical ones if empty.
     """
 
     size_px: tuple[int, int] = (1920, 1080)
@@ -85,7 +85,7 @@ class Make:
         model, usual = LENSES[self.lens]
         coefficients = np.array(self.distortion or usual, dtype=np.float64)
         width_px, height_px = self.size_px
-        # Made once with any focal length: bad coefficients are refused there, all at once.
+        # Built once with any focal length so that invalid coefficients are refused here.
         K = np.array([[1.0, 0.0, (width_px - 1) / 2], [0.0, 1.0, (height_px - 1) / 2], [0, 0, 1]])
         Camera(name, self.size_px, K, T_cam_world, model, coefficients, time_offset_s)
         border = np.array([np.tan(np.radians(self.view_deg / 2)), 0.0])
@@ -102,7 +102,7 @@ class Make:
 def look_at(
     position_m: Float64[np.ndarray, " 3"], target_m: Float64[np.ndarray, " 3"]
 ) -> Float64[np.ndarray, "4 4"]:
-    """Return `T_cam_world` of a camera that stands upright and looks at a point.
+    """Return `T_cam_world` of an upright camera that faces a point.
 
     Parameters
     ----------
@@ -135,14 +135,14 @@ def look_at(
 
 
 def rolled(T_cam_world: Float64[np.ndarray, "4 4"], roll_deg: float) -> Float64[np.ndarray, "4 4"]:
-    """Return a camera's pose after it was turned about its line of sight.
+    """Return the pose of a camera rotated about its line of sight.
 
     Parameters
     ----------
     T_cam_world
         The pose before.
     roll_deg
-        How far, clockwise as the camera looks [degrees].
+        Angle, clockwise seen from behind the camera [degrees].
     """
     turned = np.eye(4)
     turned[:3, :3] = rotation_matrix(np.array([0.0, 0.0, -np.radians(roll_deg)]))

@@ -1,4 +1,4 @@
-"""Clips of real motion, done with the limbs of another body, anywhere on the floor.
+"""Clips of recorded motion, transferred to another body at any place on the floor.
 
 A clip is an ``.npz`` file with ``joints`` (time, 17 to 200, 3) [m], z up, the first 17 of them
 COCO-17, and ``fps``, its frames per second.
@@ -34,9 +34,9 @@ FACE_M = np.array(
         [0.0, -0.075, 0.075],
     ]
 )
-UPRIGHT = 0.6  # a trunk that points up by this or more is no lying person's
-OVERLAP_S = 0.25  # repetitions of a clip overlap by so much
-STRIDES_S = 0.4  # standard deviation of the smoothing that leaves the way without the strides
+UPRIGHT = 0.6  # vertical share of the trunk's direction from which a person is upright
+OVERLAP_S = 0.25  # overlap of repetitions
+STRIDES_S = 0.4  # standard deviation of the smoothing that removes strides from the path
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +86,7 @@ def read_clip(path: Path) -> Take:
     Raises
     ------
     InputError
-        If the file is not one, or its numbers make no sense.
+        The file is not a clip, or its numbers are invalid.
     """
     arrays = read_arrays(Path(path), ("joints", "fps"), "clip of motion", _shape_faults)
     fps = float(arrays["fps"].reshape(()))
@@ -106,12 +106,12 @@ def read_clip(path: Path) -> Take:
 
 
 def _leg_m(xyz_m: Joints) -> float:
-    """Return the length of the left leg at first [m]."""
+    """Return the initial length of the left leg [m]."""
     return float(np.linalg.norm(np.diff(xyz_m[0, [11, 13, 15]], axis=0), axis=1).sum())
 
 
 def _shape_faults(shapes: Shapes) -> Iterator[str]:
-    """Yield what is wrong with the shapes that the arrays of a clip claim."""
+    """Yield the faults in the shapes of the arrays of a clip."""
     shape, fps = shapes["joints"], shapes["fps"]
     if len(shape) != 3 or not JOINTS <= shape[1] <= MOST_JOINTS or shape[2] != 3:
         yield f"joints: expected the shape time x {JOINTS} to {MOST_JOINTS} x 3, found {shape}"
@@ -122,7 +122,7 @@ def _shape_faults(shapes: Shapes) -> Iterator[str]:
 
 
 def posed(take: Take, body: Body) -> Pose:
-    """Return what somebody recorded did, done by another body, one pose per `STEP_S`.
+    """Return recorded motion transferred to another body, one pose per `STEP_S`.
 
     It begins over the origin and faces +x. Ways over the floor grow with the legs, so that feet
     that stand keep standing.
@@ -130,9 +130,9 @@ def posed(take: Take, body: Body) -> Pose:
     Parameters
     ----------
     take
-        What was recorded.
+        The recorded motion.
     body
-        Who does it.
+        The other body.
     """
     seconds = (len(take.xyz_m) - 1) / take.fps
     entry = np.arange(int(seconds / STEP_S) + 1) * STEP_S * take.fps
@@ -151,7 +151,7 @@ def posed(take: Take, body: Body) -> Pose:
 
 
 def _heading(pose: Pose, entry: int) -> float:
-    """Return the direction somebody faces, or would face after getting up [rad]."""
+    """Return the direction faced, or that after getting up [rad]."""
     up, ahead = pose.chest[entry, :, 2], pose.chest[entry, :, 0]
     if up[2] < UPRIGHT:
         ahead = -up if ahead[2] > 0 else up
@@ -161,7 +161,7 @@ def _heading(pose: Pose, entry: int) -> float:
 def _moved(
     pose: Pose, old: Float64[np.ndarray, "*time 3"], new: Float64[np.ndarray, "*time 3"]
 ) -> Pose:
-    """Return poses after what was at x, y, heading `old` was moved to `new`."""
+    """Return poses moved so that x, y, heading `old` become `new`."""
     turn_rad = np.broadcast_to(new[..., 2] - old[..., 2], len(pose.root_m))
     c, s, zero = np.cos(turn_rad), np.sin(turn_rad), np.zeros(len(turn_rad))
     turn = np.stack((c, -s, zero, s, c, zero, zero, zero, zero + 1), axis=1).reshape(-1, 3, 3)
@@ -178,7 +178,7 @@ def _moved(
 
 
 def stays_in(pose: Pose, entry: int) -> Posture:
-    """Return the posture that is next to one entry of a pose: standing, or lying.
+    """Return the posture closest to one entry of a pose: standing or lying.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def stays_in(pose: Pose, entry: int) -> Posture:
 
 
 def place_of(pose: Pose, entry: int, body: Body) -> Place:
-    """Return where somebody would stand who now is posed like this.
+    """Return the standing place that belongs to a pose.
 
     Parameters
     ----------
@@ -212,14 +212,14 @@ def place_of(pose: Pose, entry: int, body: Body) -> Place:
 
 
 def looped(pose: Pose, times: int, body: Body) -> Pose:
-    """Return a pose several times over, each going on where the last one ended.
+    """Return a motion repeated, each repetition starting where the last one ended.
 
     Parameters
     ----------
     pose
         Over time.
     times
-        How often.
+        Number of repetitions.
     body
         Limb lengths.
     """
@@ -243,16 +243,16 @@ def _row(place: Place) -> Float64[np.ndarray, " 3"]:
 
 
 def carried(pose: Pose, place: Place, along_m: Sequence[Point], body: Body) -> Pose:
-    """Return poses moved to a place, and along a way if there is one.
+    """Return poses moved to a place, and bent along a path if there is one.
 
     Parameters
     ----------
     pose
         Over time; see :func:`posed`.
     place
-        Where the person is before.
+        Place of the person before.
     along_m
-        Way points; as far as the person went, he goes along them [m].
+        Way points, followed over the length of the recorded path [m].
     body
         Limb lengths.
     """
@@ -267,7 +267,7 @@ def carried(pose: Pose, place: Place, along_m: Sequence[Point], body: Body) -> P
     way_m = np.stack([np.interp(gone_m, ends_m, column) for column in corners_m.T], axis=1)
     leg = np.clip(np.searchsorted(ends_m, gone_m, side="right") - 1, 0, len(corners_m) - 2)
     towards = unit(np.column_stack((np.diff(corners_m, axis=0), np.zeros(len(corners_m) - 1))))[leg]
-    # What the way lacks in length is gone straight on.
+    # Beyond the last way point the path goes straight on.
     way_m += np.maximum(gone_m - ends_m[-1], 0.0)[:, None] * towards[:, :2]
     turn = smooth(np.unwrap(np.arctan2(towards[:, 1], towards[:, 0])), STRIDES_S)
     ahead = np.gradient(own_m, axis=0)

@@ -1,4 +1,4 @@
-"""Bodies on the floor: nothing may sink into it."""
+"""Contact with the floor: no joint may be below it."""
 
 from dataclasses import replace
 
@@ -11,15 +11,15 @@ from trecsim.lab.simulation.pose import STRAIGHT, Joints, Pose, joints
 from trecsim.lab.simulation.turns import unit
 
 WRIST_M = 0.03
-SOFT_M = 0.006  # hands slow down so far above that
+SOFT_M = 0.006  # hands slow down within this height
 # How high face, shoulders, elbows, wrists, hips and knees are at least: there is flesh around them.
 LEAST_M = np.repeat([0.02, 0.05, 0.035, 0.0, 0.06, 0.05], [5, 2, 2, 2, 2, 2])
-SOON_S = 0.06  # a body is lifted so long before and after it would touch
+SOON_S = 0.06  # time before and after contact over which a body is lifted
 ROUNDS = 5
 
 
 def on_the_floor(pose: Pose, body: Body) -> Joints:
-    """Return the joints of a body of which nothing is below the floor [m].
+    """Return the joints of a body, lifted so that none is below the floor [m].
 
     The trunk is lifted by as little as is needed, smoothly over time; ankles stay where they are.
     Arms give way: hands that would go through the floor glide over it.
@@ -43,16 +43,16 @@ def on_the_floor(pose: Pose, body: Body) -> Joints:
 
 
 def _missing(xyz_m: Joints) -> Float64[np.ndarray, " time"]:
-    """Return by how much the trunk must come up, at least [m]."""
+    """Return the least height by which the trunk must be lifted [m]."""
     missing_m = LEAST_M - xyz_m[:, :15, 2]
-    # Knees come up by half as much as the hips, because the feet stay.
+    # Knees are lifted by half as much as the hips because the feet stay.
     missing_m[:, 13:] *= 2
     most_m: Float64[np.ndarray, " time"] = missing_m.max(axis=1)
     return most_m
 
 
 def _soft(missing_m: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
-    """Return a smooth lift that is at least what is missing."""
+    """Return a smooth lift of at least the required height."""
     window = round(SOON_S / STEP_S)
     padded = np.pad(missing_m, window, mode="edge")
     most_m = np.lib.stride_tricks.sliding_window_view(padded, 2 * window + 1).max(axis=1)
@@ -60,7 +60,7 @@ def _soft(missing_m: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time
 
 
 def _with_hands_up(xyz_m: Joints, body: Body) -> Joints:
-    """Return joints after hands that would be below the floor were brought above it [m].
+    """Return joints with the hands brought above the floor [m].
 
     The elbow stays in the plane it was in.
     """

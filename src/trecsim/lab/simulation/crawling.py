@@ -1,4 +1,4 @@
-"""Going on hands and knees: both are planted where the body will pass over them."""
+"""Crawling: hands and knees are planted where the body will pass over them."""
 
 from collections.abc import Sequence
 
@@ -16,17 +16,17 @@ from trecsim.lab.simulation.pose import Pose, reaching
 from trecsim.lab.simulation.turns import Place, about, unit
 
 STRIDE = 0.29  # stride length as a share of the stature
-STANCE = 0.62  # share of a stride for which a hand or knee rests
+STANCE = 0.62  # share of a stride during which a hand or knee rests
 MID_STANCE = 0.31  # the body passes over it here
-HAND_M, LIFT_M = 0.04, 0.05  # height of a wrist that rests, and by how much it is lifted
-TURN_RADPS, STEP_RAD = 0.6, 0.6  # turning, and how much of it takes a stride
-LEVEL_RAD = 1.45  # how far the trunk is pitched
+HAND_M, LIFT_M = 0.04, 0.05  # height of a resting wrist, and its lift
+TURN_RADPS, STEP_RAD = 0.6, 0.6  # angular speed, and angle per stride
+LEVEL_RAD = 1.45  # pitch of the trunk
 
 Flat = Float64[np.ndarray, "time 2"]
 
 
 def on_all_fours(body: Body) -> Pose:
-    """Return somebody on hands and knees; the ankles are where one stood, at the origin."""
+    """Return the pose on hands and knees, with the ankles at the origin."""
     hips_m = np.array([[body.shin_m, 0.0]])
     knees_m = np.stack([hips_m + _knee(body, sign) for sign in (1, -1)], axis=1)
     hands_m = np.stack([hips_m + _hand(body, sign) for sign in (1, -1)], axis=1)
@@ -42,11 +42,11 @@ def crawl(body: Body, place: Place, to_m: Sequence[Point], speed_mps: float) -> 
     body
         Limb lengths.
     place
-        Where somebody is on all fours, see :func:`on_all_fours`.
+        Place of the pose, see :func:`on_all_fours`.
     to_m
         Way points of the hips [m].
     speed_mps
-        How fast [m/s].
+        Speed [m/s].
     """
     hips, segments = place.ahead(body.shin_m), [stay(place.ahead(body.shin_m), 0.1)]
     for point_m in to_m:
@@ -78,19 +78,19 @@ def _crawling(body: Body, path: FloorPath, segments: Sequence[Segment]) -> Pose:
 
 
 def _knee(body: Body, sign: int) -> np.ndarray:
-    """Return where a knee rests, ahead and to the left of the hips [m]."""
+    """Return the resting place of a knee, ahead and to the left of the hips [m]."""
     return np.array([0.0, sign * FEET * body.hips_m])
 
 
 def _hand(body: Body, sign: int) -> np.ndarray:
-    """Return where a hand rests, ahead and to the left of the hips [m]."""
+    """Return the resting place of a hand, ahead and to the left of the hips [m]."""
     return np.array([np.sin(LEVEL_RAD) * body.trunk_m, sign * 0.5 * body.shoulders_m])
 
 
 def _resting(
     path: FloorPath, phase: Float64[np.ndarray, " step"], offset: float, reach_m: np.ndarray
 ) -> Float64[np.ndarray, "step 3"]:
-    """Return where a hand or a knee is that rests, is lifted and rests again [m]."""
+    """Return the position of a hand or knee that alternately rests and swings [m]."""
     stride = np.floor(phase + offset)
     swing = np.clip((phase + offset - stride - STANCE) / (1 - STANCE), 0.0, 1.0)
     here_m, next_m = (
@@ -161,7 +161,7 @@ def _held(
 
 
 def _drop(body: Body, offset_m: Float64[np.ndarray, "time 3"]) -> Float64[np.ndarray, " time"]:
-    """Return how far a knee that is so far aside is below its hip [m]."""
+    """Return the height of the hip above a knee at this lateral distance [m]."""
     aside_m = np.linalg.norm(offset_m, axis=1)
     drop_m: Float64[np.ndarray, " time"] = np.sqrt(
         np.maximum(body.thigh_m**2 - aside_m**2, (0.5 * body.thigh_m) ** 2)

@@ -1,4 +1,4 @@
-"""A scene as a small picture of characters: cameras, ways and obstacles, seen from above."""
+"""A scene from above as a small picture of characters: cameras, paths and obstacles."""
 
 from itertools import pairwise
 
@@ -20,7 +20,7 @@ Xy = Float64[np.ndarray, "*batch 2"]
 
 
 def floor_plan(scene: Scene, columns: int = COLUMNS, rows: int = ROWS) -> str:
-    """Return a scene from above: arrows are cameras, dots ways, `o` where somebody ends.
+    """Return a scene from above: arrows are cameras, dots paths, `o` their ends.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def floor_plan(scene: Scene, columns: int = COLUMNS, rows: int = ROWS) -> str:
 
 
 def ways(scene: Scene) -> Float64[np.ndarray, "person time 2"]:
-    """Return where everybody is over the floor, a few times a second; NaN while absent [m]."""
+    """Return the floor positions of all people, a few times a second; NaN while absent [m]."""
     of_people, _ = np.random.SeedSequence(scene.seed).spawn(2)
     people = scene.people(scene.seconds, np.random.default_rng(of_people))
     t_s = np.arange(int(scene.seconds * SAMPLE_HZ) + 1) / SAMPLE_HZ
@@ -82,10 +82,10 @@ class _Paper:
         return np.asarray(rows), np.asarray(columns)
 
     def draw(self, way_m: Xy) -> None:
-        """Draw a way as a line."""
+        """Draw a path as a line."""
         for from_m, to_m in pairwise(way_m):
             length_m = float(np.linalg.norm(to_m - from_m))
-            if length_m > 2.0:  # somebody who comes back elsewhere
+            if length_m > 2.0:  # a person who comes back elsewhere
                 continue
             shares = np.linspace(0, 1, int(length_m / self._dot_m) + 2)[:, None]
             self._dots[self._at(from_m + shares * (to_m - from_m))] = True
@@ -96,7 +96,7 @@ class _Paper:
         self._characters[top // 4 : bottom // 4 + 1, left // 2 : right // 2 + 1] = OBSTACLE
 
     def write(self, xy_m: Xy, character: str) -> None:
-        """Write a character at a place."""
+        """Write a character at a position."""
         row, column = self._at(xy_m)
         self._characters[row // 4, column // 2] = character
 

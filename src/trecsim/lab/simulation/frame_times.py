@@ -1,4 +1,4 @@
-"""How a motion gets from its beginning to its end: evenly, or as a fall does."""
+"""Time courses of a motion from start to end: minimum jerk, or as in a fall."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -7,7 +7,7 @@ Share = Float64[np.ndarray, " time"]
 
 
 def even(share: Share) -> Share:
-    """Return a way from 0 to 1 with the least jerk, at rest at both ends.
+    """Return the course from 0 to 1 of minimum jerk, at rest at both ends.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def even(share: Share) -> Share:
 
 
 def falling(share: Share) -> Share:
-    """Return a way from 0 to 1 that gets faster for two thirds of the time, then ends soon.
+    """Return a course from 0 to 1 that accelerates for two thirds of the time, then stops.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What bodies look like where they stay: sitting, bent, kneeling, lying.
+"""Static poses: sitting, bent, kneeling, lying.
 
 All are given about the place where the person stands, or would stand: +x is ahead, +y left.
 """
@@ -12,10 +12,10 @@ from trecsim.lab.simulation.body_shape import Body
 from trecsim.lab.simulation.pose import Pose
 from trecsim.lab.simulation.turns import about, unit
 
-FLESH_M = 0.09  # joints of the trunk are so far from what they rest on
+FLESH_M = 0.09  # distance of the joints of the trunk from what they rest on
 KNEE_M, ANKLE_M = 0.055, 0.06
-FEET = 0.4  # ankles are so far to the side as a share of the distance of the hips
-LYING = 0.97  # how far legs are stretched by those who lie
+FEET = 0.4  # lateral distance of the ankles as a share of that of the hips
+LYING = 0.97  # stretch of the legs when lying
 
 Turn = Float64[np.ndarray, "3 3"]
 Arm = tuple[Turn, float]
@@ -24,20 +24,20 @@ Arm = tuple[Turn, float]
 def arm(
     side: int, forward_rad: float, out_rad: float = 0.12, elbow_rad: float = 0.3, twist: float = 0.0
 ) -> Arm:
-    """Return a hanging arm after it was swung forward and out, and how its elbow is bent.
+    """Return the rotation of an arm and the bend of its elbow.
 
     Parameters
     ----------
     side
         0 left, 1 right.
     forward_rad
-        How far it is swung forward and up [rad].
+        Swing forward and up [rad].
     out_rad
-        How far it is spread away from the body before [rad].
+        Spread away from the body, applied before [rad].
     elbow_rad
-        How far the elbow is bent [rad].
+        Bend of the elbow [rad].
     twist
-        How far it is turned outwards about itself before [rad].
+        Outward rotation about its own axis, applied before [rad].
     """
     sign = 1.0 - 2.0 * side
     return about("y", -forward_rad) @ about("x", sign * out_rad) @ about(
@@ -85,7 +85,7 @@ def pitched(angle_rad: float) -> Turn:
 
 
 def bent(body: Body, angle_rad: float) -> Pose:
-    """Return somebody who bends forward from the hips, the hips behind the feet."""
+    """Return the pose of a person who bends forward from the hips, the hips behind the feet."""
     back_m = -0.13 * body.stature_m * np.sin(min(angle_rad, 1.5)) * 0.8
     drop_m = 0.985 * body.leg_m
     height_m = body.ankle_m + np.sqrt(drop_m**2 - back_m**2)
@@ -100,7 +100,7 @@ def bent(body: Body, angle_rad: float) -> Pose:
 
 
 def sitting(body: Body, seat_m: float) -> Pose:
-    """Return somebody on a seat, hands on the thighs."""
+    """Return the pose on a seat, hands on the thighs."""
     height_m = seat_m + FLESH_M
     knee_m = body.ankle_m + body.shin_m
     reach_m = np.sqrt(max(body.thigh_m**2 - (knee_m - height_m) ** 2, 0.1**2))
@@ -115,7 +115,7 @@ def sitting(body: Body, seat_m: float) -> Pose:
 
 
 def leaning(body: Body, seat_m: float) -> Pose:
-    """Return somebody about to sit down or just getting up: hips over the seat, trunk ahead."""
+    """Return the pose between standing and sitting: hips over the seat, trunk ahead."""
     seat = sitting(body, seat_m)
     height_m = 0.45 * seat.root_m[0, 2] + 0.55 * (body.ankle_m + body.leg_m)
     return _pose(
@@ -129,7 +129,7 @@ def leaning(body: Body, seat_m: float) -> Pose:
 
 
 def squatting(body: Body) -> Pose:
-    """Return somebody who squats, arms ahead for balance."""
+    """Return the pose of a person who squats, arms ahead for balance."""
     return _pose(
         (-0.11 * body.stature_m, 0.0, 0.22 * body.stature_m),
         _feet(body),
@@ -142,7 +142,7 @@ def squatting(body: Body) -> Pose:
 
 
 def on_the_floor(body: Body) -> Pose:
-    """Return somebody who sits on the floor, knees up, leaning on the hands behind."""
+    """Return the pose of a person who sits on the floor, knees up, leaning on the hands behind."""
     return _pose(
         (-0.6 * body.leg_m, 0.0, FLESH_M),
         _feet(body),
@@ -154,7 +154,7 @@ def on_the_floor(body: Body) -> Pose:
 
 
 def on_the_back(body: Body) -> Pose:
-    """Return somebody who lies on the back, legs stretched."""
+    """Return the pose of a person who lies on the back, legs stretched."""
     root_m = -0.6 * body.leg_m
     return _pose(
         (root_m, 0.0, FLESH_M),
@@ -168,7 +168,7 @@ def on_the_back(body: Body) -> Pose:
 
 
 def on_the_side(body: Body, side: int) -> Pose:
-    """Return somebody who lies on the left (0) or right (1) side, knees and elbows bent."""
+    """Return the pose of lying on the left (0) or right (1) side, knees and elbows bent."""
     sign = 1.0 - 2.0 * side
     rolled = pitched(-np.pi / 2) @ about("z", sign * np.pi / 2)
     root_m = -0.6 * body.leg_m
@@ -189,7 +189,7 @@ def on_the_side(body: Body, side: int) -> Pose:
 
 
 def kneeling(body: Body) -> Pose:
-    """Return somebody on the right knee, the left foot ahead."""
+    """Return the pose on the right knee, the left foot ahead."""
     (_, left_m, height_m), (_, right_m, _) = _feet(body)
     return _pose(
         (body.shin_m, 0.0, KNEE_M + 0.985 * body.thigh_m),
@@ -203,7 +203,7 @@ def kneeling(body: Body) -> Pose:
 
 
 def crouching(body: Body) -> Pose:
-    """Return somebody half way between kneeling on one knee and standing, one foot ahead."""
+    """Return the pose half way between kneeling and standing, one foot ahead."""
     (_, left_m, height_m), (_, right_m, _) = _feet(body)
     return _pose(
         (body.shin_m + 0.1 * body.thigh_m, 0.0, body.ankle_m + 0.75 * body.leg_m),
@@ -220,7 +220,7 @@ def crouching(body: Body) -> Pose:
 
 
 def on_the_front(body: Body) -> Pose:
-    """Return somebody who lies on the front, hands beside the shoulders, looking to the left."""
+    """Return the pose of lying on the front, hands beside the shoulders, face to the left."""
     root_m = body.shin_m + body.thigh_m
     arms = arm(0, 0.0, 1.2, 1.9, np.pi / 2), arm(1, 0.0, 1.2, 1.9, np.pi / 2)
     return _pose(
@@ -235,7 +235,7 @@ def on_the_front(body: Body) -> Pose:
 
 
 def buckling(body: Body, to: str) -> Pose:
-    """Return somebody in the middle of a fall, knees giving way, feet where they stood."""
+    """Return the pose in the middle of a fall, knees giving way, feet in place."""
     lean, roll, ahead, aside, height = {
         "back": (0.1, 0.0, -0.36, 0.0, 0.62),
         "front": (0.7, 0.0, 0.75, 0.0, 0.75),
@@ -259,7 +259,7 @@ def with_arms_up(pose: Pose, arms: str) -> Pose:
     Parameters
     ----------
     pose
-        A pose of somebody who stands.
+        A standing pose.
     arms
         "both", "left" or "right".
     """

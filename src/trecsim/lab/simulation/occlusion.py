@@ -1,4 +1,4 @@
-"""Who, and which things, hide what from a camera."""
+"""Occlusion of joints by other people and by boxes."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from trecsim.lab.simulation.kernels import hidden_by_bodies
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """A box that no camera looks through: a pillar, a wall, a shelf.
+    """An opaque box: a pillar, a wall, a shelf.
 
     Attributes
     ----------
@@ -47,11 +47,11 @@ def hidden_behind_obstacles(
     Parameters
     ----------
     position_m
-        Of the camera [m].
+        Position of the camera [m].
     xyz_m
         Points, NaN where absent: those are not hidden [m].
     obstacles
-        What stands about.
+        The boxes.
 
     Notes
     -----
@@ -59,7 +59,7 @@ def hidden_behind_obstacles(
     have something in common.
     """
     ray_m = xyz_m - position_m
-    ray_m[ray_m == 0] = 1e-9  # a ray along a plane meets it as far away as one likes
+    ray_m[ray_m == 0] = 1e-9  # avoids a division by zero; the ray is parallel to the plane
     hidden = np.zeros(xyz_m.shape[:-1], dtype=bool)
     for obstacle in obstacles:
         to_low = (np.array(obstacle.low_m) - position_m) / ray_m
@@ -73,14 +73,14 @@ def hidden_behind_obstacles(
 def hidden_behind_others(
     position_m: Float64[np.ndarray, " 3"], xyz_m: Float64[np.ndarray, "time person 17 3"]
 ) -> Bool[np.ndarray, "time person 17"]:
-    """Return which joints somebody nearer hides from a camera.
+    """Return which joints are occluded by another person.
 
     Parameters
     ----------
     position_m
-        Of the camera [m].
+        Position of the camera [m].
     xyz_m
-        Everybody's joints, NaN while absent [m].
+        Joints of all people, NaN while absent [m].
 
     Notes
     -----
@@ -100,9 +100,9 @@ def faces_away(
     Parameters
     ----------
     position_m
-        Of the camera [m].
+        Position of the camera [m].
     xyz_m
-        Everybody's joints, NaN while absent [m].
+        Joints of all people, NaN while absent [m].
     """
     face_m = xyz_m[..., :5, :]
     middle_m = xyz_m[..., 3:5, :].mean(axis=-2, keepdims=True)

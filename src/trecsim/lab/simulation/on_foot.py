@@ -25,23 +25,23 @@ from trecsim.lab.simulation.walkers import MID_STANCE, Walker, cadence_hz, stepp
 
 OnFoot = Stand | Turn | Walk | Run
 
-SETTLE_S = 0.4  # at both ends, so that nothing moves where the next thing begins
-NEUTRAL = 0.02  # both feet stand at this phase, and at half a stride more
+SETTLE_S = 0.4  # rest at both ends, before the next action
+NEUTRAL = 0.02  # phase at which both feet stand, and half a stride later
 TREAD_VIGOUR = 0.2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stretch:
-    """Somebody on foot for a while.
+    """Motion on foot over a while.
 
     Attributes
     ----------
     walker
         The motion.
     seconds
-        How long [s].
+        Duration [s].
     end
-        Where it ends.
+        Place at the end.
     """
 
     walker: Walker
@@ -59,24 +59,24 @@ def on_foot(
     comes: bool = False,
     goes: bool = False,
 ) -> Stretch:
-    """Return somebody who does these actions on foot.
+    """Return the motion of these actions on foot.
 
     Parameters
     ----------
     body
         Limb lengths.
     place
-        Where it begins.
+        Place at the start.
     actions
-        Standing, turning, walking, running; ways in a row are gone without a stop.
+        Standing, turning, walking, running; consecutive paths have no stop between them.
     start_s
-        When it begins [s].
+        Start time [s].
     style
-        Any angle; sets this person's small idle motions apart from others' [rad].
+        Any angle; phase of this person's small idle motions [rad].
     comes
-        Begins in the middle of a walk, without a first step.
+        Whether the person is already walking at the start.
     goes
-        Ends in the middle of a walk, without a stop.
+        Whether the person is still walking at the end.
     """
     segments = [] if comes else [stay(place, _rest_s(actions))]
     groups = _groups(actions)
@@ -94,31 +94,31 @@ def on_foot(
 
 
 def standing(body: Body, place: Place, style: float, start_s: float, seconds: float) -> Walker:
-    """Return somebody who stands at a place, feet side by side.
+    """Return the motion of standing at a place, feet side by side.
 
     Parameters
     ----------
     body
         Limb lengths.
     place
-        Where.
+        The place.
     style
-        Any angle; sets this person's small idle motions apart from others' [rad].
+        Any angle; phase of this person's small idle motions [rad].
     start_s, seconds
-        When, and how long [s].
+        Start time and duration [s].
     """
     path = path_along([stay(place, max(seconds, 0.1))], start_s, False, False)
     return stepping(body, path, np.full(len(path.t_s), NEUTRAL), style)
 
 
 def _rest_s(actions: Sequence[OnFoot]) -> float:
-    """Return how long to stand before these actions [s]; standing needs no rest before it."""
+    """Return the rest before these actions [s]; standing needs none."""
     first = actions[0]
     return max(SETTLE_S - first.seconds, 0.0) if isinstance(first, Stand) else SETTLE_S
 
 
 def _groups(actions: Sequence[OnFoot]) -> list[list[OnFoot]]:
-    """Return the actions with ways in a row put together."""
+    """Return the actions with consecutive paths grouped."""
     groups: list[list[OnFoot]] = []
     for action in actions:
         goes_on = isinstance(action, Walk | Run)
@@ -130,7 +130,7 @@ def _groups(actions: Sequence[OnFoot]) -> list[list[OnFoot]]:
 
 
 def _segments(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> list[Segment]:
-    """Return what somebody does from this place on."""
+    """Return the segments of a group of actions from this place on."""
     first = group[0]
     if isinstance(first, Stand):
         return [stay(place, first.seconds)]
@@ -141,7 +141,7 @@ def _segments(place: Place, group: list[OnFoot], comes: bool, goes: bool) -> lis
 
 
 def turn_rad(turn: Turn, place: Place) -> float:
-    """Return by how much somebody at this place turns, counter-clockwise [rad]."""
+    """Return the angle of a turn at this place, counter-clockwise [rad]."""
     if turn.by_deg is not None:
         return radians(turn.by_deg)
     return shortest(radians(turn.to_deg or 0.0) - place.heading_rad)
@@ -160,13 +160,13 @@ def strides(
     Parameters
     ----------
     rate_hz
-        Strides per second that the way asks for, one entry per time of the path.
+        Strides per second along the path, one entry per time.
     segments
-        What the path consists of.
+        Segments of the path.
     mid_stance
         Share of a stride at which the body passes over a foot.
     comes, goes
-        Begins, ends in the middle of a way.
+        Whether the person is already moving at the start, still moving at the end.
 
     Notes
     -----

@@ -1,20 +1,20 @@
-"""Ways over the floor: smooth, at walking pace, and clear of each other."""
+"""Smooth paths on the floor."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
 
-STEP_S = 0.01  # between the stored points of a path
-LEAD_S = 1.5  # a path is known so long before and after the person is there, for the feet
+STEP_S = 0.01  # time between stored points of a path
+LEAD_S = 1.5  # extension of a path before and after the person is present
 SMOOTH_S = 0.2  # standard deviation of the smoothing over time
-TURN_S = 0.35  # standard deviation of the smoothing of the direction, which turns more slowly
-STANDING_MPS = 0.15  # slower than this somebody keeps looking the same way
+TURN_S = 0.35  # standard deviation of the smoothing of the direction
+STANDING_MPS = 0.15  # below this speed the direction is kept
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FloorPath:
-    """Where somebody's pelvis is over the floor, and where it faces.
+    """Position and direction of a person's pelvis over time.
 
     Attributes
     ----------
@@ -25,7 +25,7 @@ class FloorPath:
     heading_rad
         Direction the person faces, counter-clockwise from +x, unwrapped [rad].
     enter_s, leave_s
-        When the person is there [s].
+        Time during which the person is present [s].
     """
 
     t_s: Float64[np.ndarray, " step"]
@@ -66,7 +66,7 @@ def through(t_s: Float64[np.ndarray, " point"], xy_m: Float64[np.ndarray, "point
         round((leave_s + margin_s) / STEP_S),
     )
     grid_s = np.arange(first_step, last_step) * STEP_S
-    # The ends go on straight, so that feet and smoothing have something to stand on.
+    # The ends are extended straight, for the feet and the smoothing.
     first = xy_m[0] + (xy_m[1] - xy_m[0]) / (t_s[1] - t_s[0]) * (grid_s[0] - t_s[0])
     last = xy_m[-1] + (xy_m[-1] - xy_m[-2]) / (t_s[-1] - t_s[-2]) * (grid_s[-1] - t_s[-1])
     known_s = np.concatenate(([grid_s[0]], t_s, [grid_s[-1]]))
@@ -98,7 +98,7 @@ def smooth(
 
 
 def heading(xy_m: Float64[np.ndarray, "step 2"]) -> Float64[np.ndarray, " step"]:
-    """Return the direction of motion [rad]; somebody who stands turns slowly to what comes next.
+    """Return the direction of motion [rad]; a standing person turns slowly to the next one.
 
     Parameters
     ----------

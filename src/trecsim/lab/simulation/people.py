@@ -53,7 +53,7 @@ class Wanderers:
     Attributes
     ----------
     people
-        How many.
+        Number of them.
     width_m, depth_m
         Size of their floor, along x and y [m].
     centre_m

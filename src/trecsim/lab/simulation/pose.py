@@ -1,4 +1,4 @@
-"""Poses as turns of the parts of a body: between any two of them limbs keep their lengths."""
+"""Poses as rotations of body parts: interpolation keeps limb lengths."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ Joints = Float64[np.ndarray, "time 17 3"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pose:
-    """How one body is held over time; says nothing about the lengths of its limbs.
+    """Pose of a body over time, independent of its limb lengths.
 
     The columns of each turn are the part's forward, left and up.
 
@@ -28,14 +28,14 @@ class Pose:
     root_m
         Middle of the hips [m].
     hips, chest, head
-        Turns of the parts, to the world.
+        Rotations of the parts, to the world.
     arms
         Turns of the left and right upper arm to the chest; the arm points along its -up, and
         the elbow bends towards its forward.
     elbow_rad
-        How far the left and right elbow are bent, 0 straight [rad].
+        Bend of the left and right elbow, 0 straight [rad].
     ankles_m
-        Left and right ankle, out of reach or not [m].
+        Target of the left and right ankle, which may be out of reach [m].
     hinges
         Axes of the left and right knee, seen from the hips; to the left for straight legs.
     """
@@ -51,14 +51,14 @@ class Pose:
 
 
 def joints(pose: Pose, body: Body) -> Joints:
-    """Return the COCO-17 joints of a body held like this [m].
+    """Return the COCO-17 joints of a body in a pose [m].
 
     Parameters
     ----------
     pose
-        How the body is held.
+        The pose.
     body
-        Limb lengths; the joints keep to them whatever the pose.
+        Limb lengths.
     """
     xyz_m = np.empty((len(pose.root_m), JOINTS, 3))
     neck_m = pose.root_m + body.trunk_m * pose.chest[:, :, 2]
@@ -80,9 +80,9 @@ def leg(hip_m: Xyz, ankle_m: Xyz, hinge: Xyz, body: Body) -> tuple[Xyz, Xyz]:
     Parameters
     ----------
     hip_m
-        Where the leg begins [m].
+        Position of the hip [m].
     ankle_m
-        Where it shall end; it ends earlier if this is out of reach [m].
+        Target of the ankle; reached as far as the leg is long [m].
     hinge
         Axis of the knee; the knee lies to the side that is ahead when the axis is to the left.
     body
@@ -115,11 +115,11 @@ def reaching(pose: Pose, body: Body, wrists_m: Float64[np.ndarray, "time 2 3"]) 
     Parameters
     ----------
     pose
-        How the rest of the body is held.
+        Pose of the rest of the body.
     body
         Limb lengths.
     wrists_m
-        Left and right wrist; a point out of reach is reached for [m].
+        Targets of the left and right wrist, which may be out of reach [m].
     """
     neck_m = pose.root_m + body.trunk_m * pose.chest[:, :, 2]
     left = pose.chest[:, :, 1]
@@ -144,7 +144,7 @@ def reaching(pose: Pose, body: Body, wrists_m: Float64[np.ndarray, "time 2 3"]) 
 
 
 def pose_of(xyz_m: Joints, head_m: Float64[np.ndarray, "5 3"]) -> Pose:
-    """Return how the body with these joints is held.
+    """Return the pose of a body with these joints.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ def _arm_of(side_m: Float64[np.ndarray, "time 6 3"], chest: Turns) -> tuple[Turn
     upper, fore = unit(side_m[:, 1] - side_m[:, 0]), unit(side_m[:, 2] - side_m[:, 1])
     bend = _across(fore, upper)
     sine = np.linalg.norm(bend, axis=1, keepdims=True)
-    # A straight arm does not tell where its elbow would bend to: forward, if there is a choice.
+    # A straight arm does not define the direction of its elbow: take forward.
     ahead = _across(chest[:, :, 0] + 0.3 * chest[:, :, 2], upper)
     forward = unit(bend + np.maximum(NEARLY_STRAIGHT - sine, 0.0) * ahead)
     turn = np.stack((forward, np.cross(-upper, forward), -upper), axis=2)
@@ -259,7 +259,7 @@ def joined(poses: Sequence[Pose]) -> Pose:
 
 
 def blend(a: Pose, b: Pose, share: Float64[np.ndarray, " time"]) -> Pose:
-    """Return the pose between two, each part on the shortest way.
+    """Interpolate two poses, each part by the shortest rotation.
 
     Parameters
     ----------

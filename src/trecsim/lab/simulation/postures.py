@@ -1,4 +1,4 @@
-"""Postures people stay in, and how they get from one to another."""
+"""Postures, and the transitions between them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -30,20 +30,20 @@ Name = Literal[
     "fours",
     "front",
 ]
-STEP_M = 0.06  # feet are lifted so far when they are put elsewhere
-MIDST_M = 0.15  # someone who rolls over moves so far aside
+STEP_M = 0.06  # lift of a foot that steps elsewhere
+MIDST_M = 0.15  # lateral shift of a person who rolls over
 
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """Something one can stay in.
+    """A posture that can be held.
 
     Attributes
     ----------
     name
-        Which.
+        Name of the posture.
     detail
-        Height of the seat [m], how far one bends [rad], which arms are up.
+        Height of the seat [m], bend [rad], or which arms are up.
     """
 
     name: Name
@@ -56,7 +56,7 @@ LYING = ("back", "left", "right", "front")
 
 @dataclass(frozen=True, slots=True)
 class _Change:
-    """A way from one posture to another: how long it takes, and where it leads."""
+    """Transition between neighbouring postures: duration, pose on the way, change of place."""
 
     seconds: float
     via: Callable[[Body, Posture], Pose] | None = None
@@ -64,7 +64,7 @@ class _Change:
 
 
 def _roll(side: int) -> Callable[[Body], tuple[float, float, float]]:
-    """Return how the place changes when somebody on the side rolls over to the front."""
+    """Return the change of place when rolling over from the side to the front."""
 
     def moved(body: Body) -> tuple[float, float, float]:
         sign = 1.0 - 2.0 * side
@@ -74,7 +74,7 @@ def _roll(side: int) -> Callable[[Body], tuple[float, float, float]]:
 
 
 def _over_the_knees(body: Body, _: Posture) -> Pose:
-    """Return hips that are past the knees but still high: so they go down around the knees."""
+    """Return a pose with the hips past the knees but still high, so that they go around them."""
     fours, front = on_all_fours(body), keyposes.on_the_front(body)
     middle = blend(fours, front, np.array([0.5]))
     root_m = np.array([[front.root_m[0, 0], 0.0, fours.root_m[0, 2]]])
@@ -82,7 +82,7 @@ def _over_the_knees(body: Body, _: Posture) -> Pose:
 
 
 def _stretched(side: int) -> Callable[[Body, Posture], Pose]:
-    """Return the pose on the side with arms and legs stretched: so they do not hinder a roll."""
+    """Return the pose on the side with arms and legs stretched, ready to roll over."""
 
     def pose(body: Body, _: Posture) -> Pose:
         lying = keyposes.on_the_side(body, side)
@@ -128,7 +128,7 @@ _CHANGES: dict[tuple[Name, Name], _Change] = {
 
 
 def transition(start: Name, goal: Name) -> tuple[Name, ...]:
-    """Return the postures one goes through, the quickest way, without the first.
+    """Return the postures on the quickest way between two, without the first.
 
     Examples
     --------
@@ -151,7 +151,7 @@ def transition(start: Name, goal: Name) -> tuple[Name, ...]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Actor:
-    """Somebody: a body with small idle motions of its own.
+    """A body with its own small idle motions.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class Actor:
     style: float
 
     def held(self, posture: Posture, place: Place, t_s: Times) -> Pose:
-        """Return the poses of staying in a posture; somebody alive never keeps quite still.
+        """Return the poses of holding a posture, with idle motion.
 
         Parameters
         ----------
@@ -192,20 +192,20 @@ class Actor:
         pose
             One pose, or one per time.
         t_s
-            When [s].
+            Time [s].
         """
         hands_m = joints(pose, self.body)[:, 9:11]
         return reaching(self.alive(pose, t_s), self.body, hands_m)
 
     def alive(self, pose: Pose, t_s: Times) -> Pose:
-        """Return a pose with breath, slow looks around and arms that are not quite still.
+        """Return a pose with idle motion: breath, slow turns of the head, small motion of the arms.
 
         Parameters
         ----------
         pose
             One pose, or one per time.
         t_s
-            When [s].
+            Time [s].
         """
         many = len(t_s)
         look = 0.2 * np.sin(0.6 * t_s + 2 * self.style)
@@ -230,7 +230,7 @@ class Actor:
     def change(
         self, start: Posture, goal: Posture, place: Place, start_s: float
     ) -> tuple["Transition", Place]:
-        """Return the way between two neighbouring postures, and the place afterwards.
+        """Return the transition between neighbouring postures, and the place afterwards.
 
         Parameters
         ----------
@@ -239,7 +239,7 @@ class Actor:
         place
             Of the first posture.
         start_s
-            When [s].
+            Time [s].
         """
         back = (start.name, goal.name) not in _CHANGES
         change = _CHANGES[(goal.name, start.name) if back else (start.name, goal.name)]
@@ -248,7 +248,7 @@ class Actor:
         via = None
         if change.via is not None:
             via = placed(change.via(self.body, start if back else goal), after if back else place)
-        if (start.name, goal.name) == ("kneel", "stand"):  # the rear foot comes to the one ahead
+        if (start.name, goal.name) == ("kneel", "stand"):  # the rear foot comes forward
             after = place.ahead(self.body.shin_m + 0.9 * self.body.thigh_m)
         return Transition(self, (start, place), (goal, after), via, start_s, change.seconds), after
 
@@ -271,7 +271,7 @@ class Actor:
         place
             Before.
         start_s, seconds
-            When, and how long it takes [s].
+            Start time and duration [s].
         """
         far_m, turned = 0.26 * self.body.leg_m, np.pi / 2
         after = {
@@ -287,20 +287,20 @@ class Actor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Transition:
-    """A change from one posture to another.
+    """Transition from one posture to another.
 
     Attributes
     ----------
     actor
-        Who.
+        The person.
     start, goal
         Postures and their places.
     via
-        A pose that is passed on one side, not reached.
+        Intermediate pose that is approached but not reached.
     start_s, seconds
-        When, and how long it takes [s].
+        Start time and duration [s].
     is_fall
-        Whether it gets faster until it ends.
+        Whether it accelerates like a fall.
     """
 
     actor: Actor
@@ -324,7 +324,7 @@ class Transition:
 
 
 def stepping_over(pose: Pose, first: Pose, last: Pose, share: Times) -> Pose:
-    """Return a pose in which feet that go elsewhere are lifted on their way.
+    """Return a pose with moving feet lifted.
 
     Parameters
     ----------
@@ -343,7 +343,7 @@ def stepping_over(pose: Pose, first: Pose, last: Pose, share: Times) -> Pose:
 
 
 def _undone(place: Place, moved: tuple[float, float, float]) -> Place:
-    """Return the place from which a move leads to this one."""
+    """Return the place before a move that ends here."""
     forward_m, left_m, turn_rad = moved
     before = Place(place.x_m, place.y_m, place.heading_rad - turn_rad)
     return before.ahead(-forward_m, -left_m)

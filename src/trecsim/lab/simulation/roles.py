@@ -1,4 +1,4 @@
-"""Scripts: what somebody does from coming to going, and on coming back."""
+"""Scripts: visits of a person, from appearing to leaving."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -26,25 +26,25 @@ from trecsim.lab.simulation.motion import motion_of
 from trecsim.lab.simulation.walkers import Motion
 
 SHORTEST_M, TALLEST_M = 0.8, 2.3
-AFTER_S = 3.0  # people go on for so long after the end, so that nobody stops at it
+AFTER_S = 3.0  # motion continues past the end of the scene
 
 
 @dataclass(frozen=True, slots=True)
 class Visit:
-    """What somebody does from coming to going.
+    """One visit of a person, from appearing to leaving.
 
     Attributes
     ----------
     start_m
-        Where the person appears, x and y [m].
+        Position at which the person appears, x and y [m].
     actions
-        What the person does then, one after the other; nothing means standing there.
+        Actions in order; without any the person stands.
     facing_rad
-        Direction, counter-clockwise from +x; None for that of the first way point [rad].
+        Direction, counter-clockwise from +x; None for towards the first way point [rad].
     enter_s
-        When the person appears [s].
+        Time at which the person appears [s].
     leaves
-        Whether the person is gone after the last action, or stays as that ends.
+        Whether the person disappears after the last action, or stays.
     """
 
     start_m: tuple[float, float]
@@ -54,7 +54,7 @@ class Visit:
     leaves: bool = False
 
     def motion(self, body: Body, seconds: float, style: float) -> Motion:
-        """Return the motion of somebody with this body in a scene of a given length.
+        """Return the motion of a body in a scene of a given length.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class Visit:
         seconds
             Length of the scene [s].
         style
-            Any angle; sets this person's small idle motions apart from others' [rad].
+            Any angle; phase of this person's small idle motions [rad].
         """
         facing_rad = self._ahead_rad() if self.facing_rad is None else self.facing_rad
         left_s = max(seconds - self.enter_s, 0.0) + AFTER_S
@@ -79,7 +79,7 @@ class Visit:
         )
 
     def shifted(self, by_m: tuple[float, float]) -> "Visit":
-        """Return the same visit somewhere else.
+        """Return the same visit, shifted.
 
         Examples
         --------
@@ -119,7 +119,7 @@ def _moved_action(action: Action, by_m: tuple[float, float]) -> Action:
 def _in_time(
     actions: tuple[Action, ...], start_m: tuple[float, float], left_s: float
 ) -> Iterator[Action]:
-    """Yield what can be done in a given time, so that what comes later costs nothing."""
+    """Yield the actions that fit into a given time; later ones are dropped."""
     here_m = start_m
     for action in actions:
         if left_s <= 0:
@@ -138,7 +138,7 @@ def _in_time(
 def _way_in_time(
     action: Walk | Run | Crawl, here_m: tuple[float, float], left_s: float
 ) -> tuple[tuple[tuple[float, float], ...], float]:
-    """Return the way points that can be reached, and the time that is left then [s]."""
+    """Return the way points that can be reached, and the remaining time [s]."""
     way_m: list[tuple[float, float]] = []
     for point_m in action.to_m:
         takes_s = dist(here_m, point_m) / action.speed_mps
@@ -156,14 +156,14 @@ def _way_in_time(
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """Somebody with a script.
+    """A person with a script.
 
     Attributes
     ----------
     visits
-        What the person does, at least once; several for somebody who goes and comes back.
+        At least one visit; several for a person who leaves and returns.
     stature_m
-        Height standing upright; None for any [m].
+        Height standing upright; None for random [m].
     """
 
     visits: tuple[Visit, ...]
@@ -177,7 +177,7 @@ class Role:
             )
 
     def motion(self, body: Body, seconds: float, style: float) -> Motion:
-        """Return the motion of somebody with this body in a scene of a given length.
+        """Return the motion of a body in a scene of a given length.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class Role:
         seconds
             Length of the scene [s].
         style
-            Any angle; sets this person's small idle motions apart from others' [rad].
+            Any angle; phase of this person's small idle motions [rad].
         """
         visits = sorted(self.visits, key=lambda visit: visit.enter_s)
         motions = tuple(visit.motion(body, seconds, style) for visit in visits)
@@ -197,13 +197,13 @@ class Role:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Visits:
-    """Somebody who comes several times."""
+    """Motion of a person with several visits."""
 
     motions: tuple[Motion, ...]
     from_s: tuple[float, ...]
 
     def __call__(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, "time 17 3"]:
-        """Return the joints at the times `t_s`: of the newest visit that has begun [m]."""
+        """Return the joints at the times `t_s` of the latest visit that has begun [m]."""
         xyz_m = np.full((len(t_s), JOINTS, 3), np.nan)
         ends_s = (*self.from_s[1:], inf)
         for motion, from_s, end_s in zip(self.motions, self.from_s, ends_s, strict=True):

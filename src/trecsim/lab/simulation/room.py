@@ -1,4 +1,4 @@
-"""Patterns in which cameras hang about a floor."""
+"""Patterns of cameras around a floor."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,25 +10,25 @@ from trecsim.errors import InputError
 from trecsim.geometry.rig import Rig
 from trecsim.lab.simulation.camera_placement import Make, look_at
 
-AIM_M = 1.0  # cameras look at people of whom the middle is at this height
-AHEAD = 1.6  # in a corridor cameras look so far ahead, in heights over that
-INWARD = 0.35  # along the walls of a hall, what is looked at lies so far out from its middle
+AIM_M = 1.0  # height at which cameras aim
+AHEAD = 1.6  # distance ahead at which cameras in a corridor aim, in heights above that
+INWARD = 0.35  # distance of the aim from the centre of a hall, as a share
 
 Points = Float64[np.ndarray, "cam 3"]
 
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """The rectangle about which cameras hang.
+    """The rectangle surrounded by cameras.
 
     Attributes
     ----------
     width_m, depth_m
-        Along x and y [m].
+        Size along x and y [m].
     height_m
-        Of the cameras over the floor [m].
+        Height of the cameras above the floor [m].
     centre_m
-        Its middle, x and y [m].
+        Its centre, x and y [m].
     """
 
     width_m: float
@@ -50,7 +50,7 @@ class Floor:
 
 
 def corners(floor: Floor, cameras: int) -> tuple[Points, Points]:
-    """Return cameras in the corners, then along the walls, that look at the middle.
+    """Return cameras in the corners, then along the walls, facing the centre.
 
     The first four stand in the corners, counter-clockwise from (-x, -y); more of them are spread
     along the walls between the corners.
@@ -63,7 +63,7 @@ def corners(floor: Floor, cameras: int) -> tuple[Points, Points]:
 
 
 def ring(floor: Floor, cameras: int) -> tuple[Points, Points]:
-    """Return cameras at equal angles on an ellipse, that look at the middle.
+    """Return cameras at equal angles on an ellipse, facing the centre.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def ring(floor: Floor, cameras: int) -> tuple[Points, Points]:
 
 
 def corridor(floor: Floor, cameras: int) -> tuple[Points, Points]:
-    """Return cameras along a corridor, left and right in turn, that look along it both ways.
+    """Return cameras along a corridor, left and right in turn, facing along it both ways.
 
     The longer side is the way; the first camera hangs at its lower end and looks ahead.
 
@@ -85,7 +85,7 @@ def corridor(floor: Floor, cameras: int) -> tuple[Points, Points]:
     """
     along = np.linspace(-1.0, 1.0, cameras) if cameras > 1 else np.array([-1.0])
     aside = np.where(np.arange(cameras) % 2 == 0, -1.0, 1.0)
-    # In pairs that look at each other; the last always looks back.
+    # In pairs that face each other; the last always faces back.
     ahead = np.where(np.arange(cameras) % 2 == 0, 1.0, -1.0)
     if cameras > 1:
         ahead[-1] = -1.0
@@ -99,7 +99,7 @@ def corridor(floor: Floor, cameras: int) -> tuple[Points, Points]:
 
 
 def hall(floor: Floor, cameras: int) -> tuple[Points, Points]:
-    """Return cameras along the walls of a hall, each of which looks across its part of it.
+    """Return cameras along the walls of a hall, each facing across its part.
 
     Returns
     -------
@@ -110,7 +110,7 @@ def hall(floor: Floor, cameras: int) -> tuple[Points, Points]:
 
 
 def ceiling(floor: Floor, cameras: int) -> tuple[Points, Points]:
-    """Return cameras in a grid under a ceiling, that look obliquely at the middle of the floor.
+    """Return cameras in a grid under a ceiling, facing the centre of the floor obliquely.
 
     Returns
     -------
@@ -141,23 +141,23 @@ PATTERNS: dict[str, Callable[[Floor, int], tuple[Points, Points]]] = {
 
 
 def pattern_rig(pattern: str, floor: Floor, cameras: int, make: Make | None = None) -> Rig:
-    """Return cameras that hang in a pattern, called ``cam1``, ``cam2`` and so on.
+    """Return cameras in a pattern, named ``cam1``, ``cam2`` and so on.
 
     Parameters
     ----------
     pattern
         One of :data:`PATTERNS`.
     floor
-        The floor about which they hang.
+        The floor between the cameras.
     cameras
-        How many, from 1.
+        Number of cameras, at least 1.
     make
-        Image, angle and lens of all of them; None for the usual ones.
+        Image, field of view and lens of all cameras; None for the default.
 
     Raises
     ------
     InputError
-        A pattern, a room or a number of cameras that cannot be.
+        The pattern, the room or the number of cameras is invalid.
 
     Examples
     --------
@@ -185,7 +185,7 @@ def corner_rig(
     cameras: int = 4,
     size_px: tuple[int, int] = (1920, 1080),
 ) -> Rig:
-    """Return pinhole cameras in the corners of a room, looking at its middle.
+    """Return pinhole cameras in the corners of a room, facing its centre.
 
     The first four stand in the corners, counter-clockwise from (-x, -y); more of them are spread
     along the walls between the corners.
@@ -193,18 +193,18 @@ def corner_rig(
     Parameters
     ----------
     width_m, depth_m
-        The room along x and y, its centre is the world's origin [m].
+        Size of the room along x and y; its centre is the world's origin [m].
     height_m
-        Of the cameras over the floor [m].
+        Height of the cameras above the floor [m].
     cameras
-        How many, from 1.
+        Number of cameras, at least 1.
     size_px
-        Their images (width, height) [px].
+        Size of their images (width, height) [px].
 
     Raises
     ------
     InputError
-        A room or a number of cameras that cannot be.
+        The room or the number of cameras is invalid.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Motions that are known at equidistant times: cheap to look up, at any time between."""
+"""Motions sampled at equidistant times and interpolated between them."""
 
 from dataclasses import dataclass
 
@@ -14,18 +14,18 @@ Weights = Float64[np.ndarray, "tap time"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sampled:
-    """A motion by its joints at equidistant times.
+    """A motion given by joints at equidistant times.
 
     Attributes
     ----------
     enter_s
-        When the person appears; time of the first sample [s].
+        Time at which the person appears, and of the first sample [s].
     step_s
         Between two samples [s].
     xyz_m
         COCO-17 joints [m].
     leave_s
-        When the person is gone [s].
+        Time at which the person disappears [s].
     """
 
     enter_s: float
@@ -48,12 +48,12 @@ class Sampled:
 
 
 def sampled(walker: Walker) -> Sampled:
-    """Return the same walk, cheaper to look up: made once for all cameras.
+    """Return the same motion, sampled once for all cameras.
 
     Parameters
     ----------
     walker
-        Somebody who walks.
+        A walking person.
     """
     enter_s, leave_s = walker.path.enter_s, walker.path.leave_s
     steps = max(int(np.ceil((leave_s - enter_s) / STEP_S)), 1)

@@ -10,20 +10,20 @@ from jaxtyping import Float64
 from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
 
-STANCE = 0.55  # share of a stride for which an ankle rests over its foot
-MID_STANCE = 0.26  # the body passes over the foot here
+STANCE = 0.55  # share of a stride in stance
+MID_STANCE = 0.26  # phase at which the body passes over the foot
 RUNNING_STANCE = 0.36  # less than a half: between two steps both feet are in the air
 RUNNING_MID_STANCE = 0.17
 RUNNING_LIFT = 0.16  # heels go up behind, as a share of the stature
 WALKING_MPS, RUNNING_MPS = 2.0, 2.4  # walked below, run above
-BOUNCE_M = 0.02  # a runner's pelvis goes up and down by so much
+BOUNCE_M = 0.02  # vertical motion of a runner's pelvis
 HEEL_OFF = 0.76  # share of the stance after which the heel comes up
 STRIDE = 0.64  # stride length at 1 m/s as a share of the stature
 LIFT = 0.055  # height of the swinging ankle as a share of the stature
-STRETCH = 0.988  # legs are never straighter than this
-TURN_STEP_RAD = 1.4  # turning on the spot takes a stride for so much
+STRETCH = 0.988  # largest stretch of a leg
+TURN_STEP_RAD = 1.4  # angle per stride when turning on the spot
 FASTEST_TURN_HZ = 1.0
-DIP_S = 0.08  # the pelvis comes down so long before a leg is stretched
+DIP_S = 0.08  # time by which the pelvis drops before a leg is stretched
 
 Xyz = Float64[np.ndarray, "time 3"]
 Scalar = Float64[np.ndarray, " time"]
@@ -31,7 +31,7 @@ Scalar = Float64[np.ndarray, " time"]
 
 @runtime_checkable
 class Motion(Protocol):
-    """What one person does: joints at any time."""
+    """Motion of one person: joints as a function of time."""
 
     def __call__(self, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
         """Return the COCO-17 joints [m] at the times `t_s`; NaN while the person is absent."""
@@ -40,24 +40,24 @@ class Motion(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walker:
-    """Somebody who walks along a path; made by :func:`walker`.
+    """A person who walks along a path; made by :func:`walker`.
 
     Attributes
     ----------
     body
         Limb lengths.
     path
-        Where the pelvis goes.
+        Path of the pelvis.
     phase
-        Strides made so far, one entry per time of the path.
+        Cumulative number of strides, one entry per time of the path.
     vigour
-        How much of a brisk walk this is, 0 standing to 1.2, per time of the path.
+        Vigour of the walk, from 0 (standing) to 1.2 (brisk), per time of the path.
     running
-        How much of a run this is, 0 walking to 1, per time of the path.
+        0 for a walk to 1 for a run, per time of the path.
     pelvis_m
         Height of the hips over the floor, per time of the path [m].
     style
-        Random angle that sets this person's small idle motions apart from others'.
+        Phase of this person's small idle motions.
     """
 
     body: Body
@@ -77,16 +77,16 @@ class Walker:
 
 
 def walker(body: Body, path: FloorPath, style: float = 0.0) -> Walker:
-    """Return somebody with this body who walks along this path.
+    """Return a person with this body who walks along this path.
 
     Parameters
     ----------
     body
         Limb lengths.
     path
-        Where the pelvis goes.
+        Path of the pelvis.
     style
-        Any angle; sets this person's small idle motions apart from others' [rad].
+        Any angle; phase of this person's small idle motions [rad].
 
     Notes
     -----
@@ -98,14 +98,14 @@ def walker(body: Body, path: FloorPath, style: float = 0.0) -> Walker:
 
 
 def cadence_hz(body: Body, path: FloorPath) -> Float64[np.ndarray, " step"]:
-    """Return how many strides a second this way over the floor takes, turning included.
+    """Return the strides per second along a path, turning included.
 
     Parameters
     ----------
     body
         Limb lengths.
     path
-        Where the pelvis goes.
+        Path of the pelvis.
     """
     speed_mps = path.speed_mps
     # Stride length grows with the root of the speed, so the cadence does too.
@@ -123,20 +123,20 @@ def stepping(
     style: float,
     treading: Float64[np.ndarray, " step"] | float = 0.0,
 ) -> Walker:
-    """Return somebody who goes along a path with strides made at given times.
+    """Return a person who follows a path with strides at given times.
 
     Parameters
     ----------
     body
         Limb lengths.
     path
-        Where the pelvis goes.
+        Path of the pelvis.
     phase
-        Strides made so far, one entry per time of the path.
+        Cumulative number of strides, one entry per time of the path.
     style
-        Any angle; sets this person's small idle motions apart from others' [rad].
+        Any angle; phase of this person's small idle motions [rad].
     treading
-        Least vigour, for steps that neither the speed nor a turn asks for.
+        Least vigour, for steps without speed or turn.
     """
     turning = np.minimum(0.2 * _on_the_spot(path) * _turning_radps(path), 0.3)
     speed_mps = path.speed_mps
@@ -153,13 +153,13 @@ def _turning_radps(path: FloorPath) -> Float64[np.ndarray, " step"]:
 
 
 def _on_the_spot(path: FloorPath) -> Float64[np.ndarray, " step"]:
-    """Return 1 where somebody stays in place, 0 where he goes."""
+    """Return 1 while standing, 0 while walking."""
     spot: Float64[np.ndarray, " step"] = np.clip(1.0 - path.speed_mps / 0.3, 0.0, 1.0)
     return spot
 
 
 def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
-    """Return how high the hips can be with both ankles in reach, smooth over time [m]."""
+    """Return the largest height of the hips with both ankles in reach, smoothed [m]."""
     body, t_s = person.body, person.path.t_s
     reach_m = STRETCH * body.leg_m
     hips_m = _hips(person, t_s)
@@ -181,7 +181,7 @@ def _pelvis_height(person: Walker) -> Float64[np.ndarray, " step"]:
 
 
 def _joints(person: Walker, t_s: Scalar) -> Float64[np.ndarray, "time 17 3"]:
-    """Return all joints at times when the person is there [m]."""
+    """Return all joints at times when the person is present [m]."""
     xyz_m = np.empty((len(t_s), JOINTS, 3))
     hips_m = _hips(person, t_s)
     for side, (hip_m, ankle_m) in enumerate(zip(hips_m, _ankles(person, t_s), strict=True)):
@@ -203,7 +203,7 @@ def _place(person: Walker, t_s: Scalar) -> Xyz:
 
 
 def _forward_left(angle_rad: Scalar) -> tuple[Xyz, Xyz]:
-    """Return the unit vectors ahead and to the left of somebody who faces `angle_rad`."""
+    """Return the unit vectors ahead and to the left for the direction `angle_rad`."""
     c, s, zero = np.cos(angle_rad), np.sin(angle_rad), np.zeros_like(angle_rad)
     return np.stack((c, s, zero), axis=1), np.stack((-s, c, zero), axis=1)
 
@@ -231,7 +231,7 @@ def _ankles(person: Walker, t_s: Scalar) -> tuple[Xyz, Xyz]:
 
 
 def _ankle(person: Walker, phase: Scalar, vigour: Scalar, side: int) -> Xyz:
-    """Return an ankle: planted while it stands, then on its way to the next plant [m]."""
+    """Return an ankle: planted during stance, then swinging to the next plant [m]."""
     offset = 0.5 * side
     stride = np.floor(phase + offset)
     share = phase + offset - stride
@@ -251,13 +251,13 @@ def _ankle(person: Walker, phase: Scalar, vigour: Scalar, side: int) -> Xyz:
 
 
 def _running_from(person: Walker, phase: Scalar) -> Scalar:
-    """Return how much of a run the strides are that begin at `phase`; fixed for all of a stride."""
+    """Return the share of running of the strides that begin at `phase`."""
     runs: Scalar = np.interp(phase, person.phase, person.running)
     return runs
 
 
 def _plant(person: Walker, phase: Scalar, side: int) -> Xyz:
-    """Return where a foot stands whose body passes over it at `phase` [m]."""
+    """Return the plant of a foot over which the body passes at `phase` [m]."""
     grid_s = person.path.t_s
     t_s = np.interp(phase, person.phase, grid_s, left=grid_s[0], right=grid_s[-1])
     _, left = _forward_left(_at(person, person.path.heading_rad, t_s))
@@ -326,12 +326,12 @@ def _head(body: Body, look_rad: Scalar) -> Float64[np.ndarray, "time 5 3"]:
 
 
 def poses(motions: Sequence[Motion], t_s: Scalar) -> Float64[np.ndarray, "person time 17 3"]:
-    """Return everybody's joints at given times [m]; NaN while a person is absent.
+    """Return the joints of all people at given times [m]; NaN while absent.
 
     Parameters
     ----------
     motions
-        What each person does.
+        Motion of each person.
     t_s
         Times [s].
     """

@@ -10,16 +10,16 @@ from trecsim.lab.simulation.paths import FloorPath, through
 TICK_S = 0.05
 SLOWEST_MPS, FASTEST_MPS = 0.6, 1.5
 ACCELERATION_MPS2 = 2.0
-PERSONAL_M = 1.4  # others are avoided from here
-APART_M = 0.75  # nobody comes closer than this
+PERSONAL_M = 1.4  # distance within which others are avoided
+APART_M = 0.75  # least distance between people
 STOP_CHANCE = 0.35
 DOORS = 12  # places at the walls where people come and go
-LEAVING_S = 5.0  # people set out for a door so long before they are gone
+LEAVING_S = 5.0  # time before leaving at which a person heads for a door
 
 
 @dataclass(slots=True)
 class _Crowd:
-    """State of everybody at one tick."""
+    """State of all people at one tick."""
 
     xy_m: Float64[np.ndarray, "person 2"]
     velocity_mps: Float64[np.ndarray, "person 2"]
@@ -39,13 +39,13 @@ def wander(
     Parameters
     ----------
     people
-        How many.
+        Number of them.
     width_m, depth_m
         Floor they use, along x and y [m].
     seconds
-        How long [s].
+        Duration [s].
     rng
-        Source of chance.
+        Random numbers.
     """
     half_m = np.array([width_m, depth_m]) / 2
     enter_s, leave_s = _hours(people, seconds, rng)
@@ -72,7 +72,7 @@ def wander(
 def _hours(
     people: int, seconds: float, rng: np.random.Generator
 ) -> tuple[Float64[np.ndarray, " person"], Float64[np.ndarray, " person"]]:
-    """Return when everybody comes and goes [s]; who stays to the end never goes."""
+    """Return when each person comes and goes [s]; infinite for people who stay."""
     order = np.arange(people)
     late = order >= (people + 1) // 2
     enter_s = np.where(late, rng.uniform(0.1, 0.35, people) * seconds, 0.0)
@@ -113,7 +113,7 @@ def _begin(
 def _clearest(
     places_m: Float64[np.ndarray, "place 2"], others_m: Float64[np.ndarray, "person 2"]
 ) -> Float64[np.ndarray, " 2"]:
-    """Return the place with the most room about it."""
+    """Return the place with the most free space."""
     gap_m = np.linalg.norm(places_m[:, None] - others_m[None], axis=2).min(axis=1, initial=np.inf)
     clearest_m: Float64[np.ndarray, " 2"] = places_m[np.argmax(gap_m)]
     return clearest_m
@@ -126,7 +126,7 @@ def _choose_goals(
     left_s: Float64[np.ndarray, " person"],
     rng: np.random.Generator,
 ) -> None:
-    """Give a new goal to those who have arrived; some of them stand a while first."""
+    """Give a new goal to people who have arrived; some stand for a while first."""
     there = np.linalg.norm(crowd.goal_m - crowd.xy_m, axis=1) < 0.5
     people = len(crowd.wait_s)
     stops = there & (rng.uniform(size=people) < STOP_CHANCE)
@@ -139,7 +139,7 @@ def _choose_goals(
 
 
 def _advance(crowd: _Crowd, here: np.ndarray, half_m: Float64[np.ndarray, " 2"]) -> None:
-    """Move those who are there by one tick: towards the goal, around each other."""
+    """Move the people present by one tick, towards their goals and around each other."""
     towards_m = crowd.goal_m - crowd.xy_m
     distance_m = np.linalg.norm(towards_m, axis=1, keepdims=True)
     pace_mps = crowd.pace_mps[:, None] * np.minimum(distance_m / 0.6, 1.0)
@@ -155,7 +155,7 @@ def _advance(crowd: _Crowd, here: np.ndarray, half_m: Float64[np.ndarray, " 2"])
 
 
 def _avoidance(crowd: _Crowd, here: np.ndarray) -> Float64[np.ndarray, "person 2"]:
-    """Return the wish to get out of each other's way [m/s]: back, and to the right."""
+    """Return the avoidance velocity [m/s]: back, and to the right."""
     away_m = crowd.xy_m[:, None] - crowd.xy_m[None]
     distance_m = np.linalg.norm(away_m, axis=2)
     near = (distance_m < PERSONAL_M) & here[:, None] & here[None] & (distance_m > 0)
@@ -165,7 +165,7 @@ def _avoidance(crowd: _Crowd, here: np.ndarray) -> Float64[np.ndarray, "person 2
 
 
 def _keep_apart(xy_m: Float64[np.ndarray, "person 2"], here: np.ndarray) -> np.ndarray:
-    """Push pairs that came too close apart, half each, a few times over."""
+    """Separate pairs that are too close, half each, in a few iterations."""
     for _ in range(3):
         away_m = xy_m[:, None] - xy_m[None]
         distance_m = np.linalg.norm(away_m, axis=2)

@@ -1,4 +1,4 @@
-"""A study said on the command line: the same table as in a study file, in a few words."""
+"""Studies defined on the command line: the tables of a study file from short options."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -17,7 +17,7 @@ _OTHER_WORDS = {"person": "people", "persons": "people"}  # too far off to be fo
 
 
 def settings_table(given: Iterable[str]) -> dict[str, Any]:
-    """Return the table `settings` of what was given as ``NAME=VALUES``.
+    """Return the table `settings` from options ``NAME=VALUES``.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def settings_table(given: Iterable[str]) -> dict[str, Any]:
     Raises
     ------
     ConfigError
-        Something else was given.
+        An option is invalid.
 
     Examples
     --------
@@ -81,18 +81,18 @@ def _value(text: str) -> int | float | bool | str:
 
 
 def scenes_table(given: Sequence[str]) -> dict[str, Any]:
-    """Return the table `scenes` of what was given.
+    """Return the table `scenes` from options.
 
     Parameters
     ----------
     given
-        ``room``, or with what differs ``room:people=8,cameras=6``; the name of a built-in scene; a
-        scene file; the folder of a made scene. ``NAME=`` before it gives it another name.
+        ``room``, or ``room:people=8,cameras=6``; the name of a built-in scene; a scene file; the
+        folder of a synthetic scene. ``NAME=`` before it gives it another name.
 
     Raises
     ------
     ConfigError
-        Something else was given, or one name twice.
+        An option is invalid, or a name is given twice.
 
     Examples
     --------

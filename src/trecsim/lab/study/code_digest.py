@@ -1,4 +1,4 @@
-"""Which version of the code a result was made with."""
+"""Version of the code that produced a result."""
 
 import hashlib
 from functools import cache
@@ -6,8 +6,8 @@ from pathlib import Path
 
 import trecsim
 
-# All that decides what a run gives: the simulator, the fusion, how the result is judged, and how
-# files are written and read in between.
+# All code that determines the result of a run: simulator, fusion, evaluation, and the files written
+# and read in between.
 _FILES = (
     "calibration",
     "sources",
@@ -23,23 +23,23 @@ _SIMULATION = ("lab/simulation", *_BASE)
 
 @cache
 def code_digest() -> str:
-    """Return a text that is another one when the code was changed that a run depends on."""
+    """Return a digest of the code that a run depends on."""
     return digest_of((*_FUSION, *_SIMULATION))
 
 
 def code_changed() -> bool:
-    """Tell whether that code was changed since this process first looked."""
+    """Return whether that code has changed since the first call in this process."""
     return digest_of((*_FUSION, *_SIMULATION)) != code_digest()
 
 
 @cache
 def simulation_digest() -> str:
-    """Return a text that is another one when the simulator was changed."""
+    """Return a digest of the simulator."""
     return digest_of(_SIMULATION)
 
 
 def digest_of(parts: tuple[str, ...]) -> str:
-    """Return a text that tells versions of some modules of trecsim from each other.
+    """Return a digest of some modules of trecsim.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which combinations of values are tried."""
+"""Experimental designs: grid, one at a time, and Latin hypercube."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -9,8 +9,8 @@ from jaxtyping import Float64, Int64
 Value = float | int | bool | str
 Point = tuple[Value, ...]
 
-_WELL_SPREAD = 500  # points; improving more of them takes too long
-BINS = 5  # a setting drawn at random is looked at in so many parts of equal count
+_WELL_SPREAD = 500  # largest number of points to optimise, for speed
+BINS = 5  # bins of equal count for a setting with random values
 
 
 def value_text(value: Value) -> str:
@@ -28,22 +28,22 @@ def value_text(value: Value) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """One setting with what is tried of it.
+    """One setting and its values.
 
     Attributes
     ----------
     name
-        Of the setting.
+        Name of the setting.
     default
         Its default value.
     levels
-        The values tried, at least two; empty if values are drawn from `span`.
+        At least two values; empty if values are drawn from `span`.
     span
-        Smallest and largest value, where values are drawn.
+        Range of drawn values.
     log
-        Whether equal factors count as equal steps.
+        Whether the scale is logarithmic.
     whole
-        Whether only whole numbers make sense.
+        Whether values are whole numbers.
     """
 
     name: str
@@ -65,9 +65,9 @@ class Design:
     factors
         The settings, in the order of the points' values.
     points
-        Every combination that is tried, each once; the first is the default.
+        All points, each once; the first is the default.
     own
-        Which of them the design asks for; the default may be tried for comparison only.
+        Which points belong to the design; the default may be there for comparison only.
     """
 
     kind: str
@@ -77,7 +77,7 @@ class Design:
 
 
 def grid(factors: tuple[Factor, ...]) -> Design:
-    """Return every combination of the values.
+    """Return all combinations of the values.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def grid(factors: tuple[Factor, ...]) -> Design:
 
 
 def one_at_a_time(factors: tuple[Factor, ...]) -> Design:
-    """Return the default, and it with one setting changed.
+    """Return the default, and the default with one setting changed.
 
     Examples
     --------
@@ -103,16 +103,16 @@ def one_at_a_time(factors: tuple[Factor, ...]) -> Design:
 
 
 def random(factors: tuple[Factor, ...], count: int, seed: int = 0) -> Design:
-    """Return points drawn so that each setting alone is covered evenly (a Latin hypercube).
+    """Return a Latin hypercube: random points that cover each setting evenly.
 
     Parameters
     ----------
     factors
-        The settings; those without levels are drawn from their span.
+        The settings; without levels, values are drawn from the span.
     count
-        How many points.
+        Number of points.
     seed
-        The same seed gives the same points, and more points begin anew.
+        The same seed and number give the same points.
 
     Examples
     --------
@@ -122,7 +122,7 @@ def random(factors: tuple[Factor, ...], count: int, seed: int = 0) -> Design:
     """
     from scipy.stats.qmc import LatinHypercube
 
-    better = "random-cd" if count <= _WELL_SPREAD else None  # less alike pairs of settings
+    better = "random-cd" if count <= _WELL_SPREAD else None  # lower discrepancy
     shares = LatinHypercube(len(factors), rng=seed, optimization=better).random(count)
     points = [tuple(map(_drawn, factors, row.tolist())) for row in shares]
     return _design("random", factors, points)
@@ -136,7 +136,7 @@ def _drawn(factor: Factor, share: float) -> Value:
 
 
 def between(low: float, high: float, share: float, *, log: bool) -> float:
-    """Return the value that lies `share` of the way from `low` to `high`.
+    """Interpolate between `low` and `high`.
 
     Examples
     --------
@@ -158,13 +158,13 @@ def _design(kind: str, factors: tuple[Factor, ...], wanted: list[Point]) -> Desi
 def levels_of(
     design: Design, points: tuple[Point, ...]
 ) -> tuple[Int64[np.ndarray, "point factor"], tuple[tuple[Value, ...], ...]]:
-    """Return which level each point has of each setting, and what the levels are.
+    """Return the level of each setting at each point, and the values of the levels.
 
     Parameters
     ----------
     design
-        Says which settings have levels; the values of others are put into parts of equal count,
-        and a level is the mean of its part.
+        The design; drawn values are put into bins of equal count, and a level is the mean of its
+        bin.
     points
         Of the design, all or some.
     """

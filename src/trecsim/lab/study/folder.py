@@ -1,4 +1,4 @@
-"""The folder of a study: whether it is one, and what another study in it asks for."""
+"""The folder of a study: whether it is one, and how it differs from another study."""
 
 from pathlib import Path
 
@@ -13,23 +13,23 @@ STUDY = "study.toml"
 
 
 def check_folder(out: Path) -> None:
-    """Refuse a folder that holds other things than a study.
+    """Refuse a folder that contains something other than a study.
 
     Parameters
     ----------
     out
-        Where a study is to be; hidden files in it do not count.
+        Folder for a study; hidden files in it are ignored.
 
     Raises
     ------
     InputError
-        It is not empty and holds no study, or cannot be looked into.
+        It is not empty and contains no study, or cannot be read.
     """
     with disk_faults(out):
         is_empty = not out.is_dir() or all(path.name.startswith(".") for path in out.iterdir())
     if not (is_empty or _holds_study_file(out / STUDY) or holds_runs(out / NAME)):
         raise InputError(
-            f"{out} is not empty and holds no study; nothing is overwritten: give another --out"
+            f"{out} is not empty and contains no study; nothing is overwritten: give another --out"
         )
 
 
@@ -41,14 +41,14 @@ def _holds_study_file(path: Path) -> bool:
 
 
 def changed_parts(study: Study, out: Path) -> list[str]:
-    """Return in which parts a study is another one than that in its folder.
+    """Return the parts in which a study differs from the one in its folder.
 
     Parameters
     ----------
     study
-        What is asked for now.
+        The present study.
     out
-        Folder of the study; nothing is changed where it has no study file that can be read.
+        Folder of the study; without a readable study file nothing differs.
     """
     try:
         before = read_study_table(out / STUDY)

@@ -1,4 +1,4 @@
-"""The finished runs of a study, one a line: appended at once, never rewritten."""
+"""The finished runs of a study, one per line: appended at once, never rewritten."""
 
 import json
 import math
@@ -14,13 +14,13 @@ from trecsim.store.atomic import disk_faults
 
 NAME = "runs.jsonl"
 _LONGEST_LINE = 1 << 16
-_FIRST = b'{"key": "'  # as `Ledger.append` begins a line; a crash may leave no more than that
+_FIRST = b'{"key": "'  # start of each line; a crash may leave only part of it
 _MEASURED = ("mean_m", "recall_15cm", "switches", "missed", "ghosts", "person_frames", "fusion_ms")
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run that was finished, well or not.
+    """One finished run, successful or failed.
 
     Attributes
     ----------
@@ -29,13 +29,13 @@ class Run:
     code
         Version of the code.
     scene, seed
-        What was tracked; no seed for a scene that was not simulated.
+        The scene; no seed if it was not simulated.
     values
-        The settings that the study tries.
+        The settings that the study varies.
     figures
-        What came out, by name; NaN where nothing can be said. Empty if the run failed.
+        Figures by name; NaN where undefined. Empty if the run failed.
     fault
-        Why the run failed; empty if it did not.
+        Reason of a failure; empty if there is none.
     """
 
     key: str
@@ -48,18 +48,18 @@ class Run:
 
 
 def read_runs(path: Path) -> list[Run]:
-    """Return all runs of a file, each key once: the last one counts.
+    """Return all runs of a file; of runs with the same key, the last one.
 
     Parameters
     ----------
     path
-        The file; one that does not exist has no runs. A last line that was cut off, as a crash
-        leaves it, is left out.
+        The file; a missing file has no runs. An incomplete last line, as a crash leaves it, is
+        ignored.
 
     Raises
     ------
     InputError
-        It cannot be read, or another line than the last is damaged.
+        It cannot be read, or another line is damaged.
     """
     if not path.exists():
         return []
@@ -76,7 +76,7 @@ def read_runs(path: Path) -> list[Run]:
 
 
 def holds_runs(path: Path) -> bool:
-    """Tell whether a file is one of runs: its first line is one, or none was finished yet."""
+    """Return whether a file contains runs: a run in its first line, or nothing yet."""
     if not path.is_file():
         return False
     with disk_faults(path), path.open("rb") as file:
@@ -102,20 +102,19 @@ def _run(path: Path, number: int, line: bytes) -> Run:
         )  # fmt: skip
     except (ValueError, KeyError, TypeError, RecursionError):
         raise InputError(
-            f"{path}: line {number} is not a run of a study; delete the line, and the run is made "
-            "again"
+            f"{path}: line {number} is not a run of a study; delete the line to repeat the run"
         ) from None
 
 
 class Ledger:
-    """Takes finished runs; only inside :func:`opened`."""
+    """Stores finished runs; used inside :func:`opened`."""
 
     def __init__(self, path: Path, file: IO[bytes]) -> None:
         self._path = path
         self._file = file
 
     def append(self, run: Run) -> None:
-        """Write one run, so that not even a loss of power takes it away."""
+        """Write one run so that it survives a loss of power."""
         figures = {name: v if math.isfinite(v) else None for name, v in run.figures.items()}
         data = {
             "key": run.key, "code": run.code, "scene": run.scene, "seed": run.seed,
@@ -129,14 +128,14 @@ class Ledger:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Ledger]:
-    """Open the file for more runs; what a crash left of its last line is cut off.
+    """Open the file for more runs; an incomplete last line is removed.
 
     Raises
     ------
     InputError
-        The place cannot be written to, or another study is writing there.
+        The folder is not writable, or in use by another study.
     SetupError
-        The disk has no room.
+        The disk is full.
     """
     with disk_faults(path), path.open("ab+") as file:
         _lock(file, path)
@@ -153,7 +152,7 @@ def _lock(file: IO[bytes], path: Path) -> None:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         raise InputError(
-            f"{path.parent}: another study is at work there; wait for it, or choose another --out"
+            f"{path.parent} is in use by another study; wait for it, or choose another --out"
         ) from None
 
 

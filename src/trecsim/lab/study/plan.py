@@ -1,4 +1,4 @@
-"""From the table of a study to what is to be run; all that cannot be is told before anything is."""
+"""Checks a study table and builds its runs; all faults are reported before anything runs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -20,7 +20,7 @@ from trecsim.lab.study.scenes import SceneChoice, chosen
 from trecsim.lab.study.settings_file_table import SettingTable, StudyTable
 
 FIRST_REPORTING_SEED = 1000
-"""Seeds below are for tuning, seeds from here on for stating how good the result is."""
+"""Seeds below are for choosing settings, seeds from here on for reporting results."""
 
 MOST_RUNS = 200_000
 _MOST_SEEDS = 10_000
@@ -39,13 +39,13 @@ class Study:
     Attributes
     ----------
     table
-        What was asked for.
+        Table of the study.
     scenes
-        Where the 2D poses come from.
+        Scenes that provide the 2D poses.
     seeds
-        Of the scenes that are simulated.
+        Seeds of the simulated scenes.
     design
-        The settings and the points that are tried.
+        Settings and points.
     """
 
     table: StudyTable
@@ -55,7 +55,7 @@ class Study:
 
     @property
     def blocks(self) -> tuple[tuple[SceneChoice, int | None], ...]:
-        """Scenes with their seeds: within each, everything but the settings is the same."""
+        """Scenes with their seeds; within a block only the settings differ."""
         return tuple(
             (scene, seed)
             for scene in self.scenes
@@ -64,25 +64,24 @@ class Study:
 
     @property
     def runs(self) -> int:
-        """How many runs it has."""
+        """Number of runs."""
         return len(self.blocks) * len(self.design.points)
 
 
 def planned(table: StudyTable, origin: str) -> Study:
-    """Return what a table asks for.
+    """Return the study of a table.
 
     Parameters
     ----------
     table
-        The study file, or the same from the command line.
+        The study file, or the table from the command line.
     origin
-        Where it comes from, for messages.
+        Source of the table, for messages.
 
     Raises
     ------
     ConfigError
-        Settings that do not exist or cannot have such values, seeds that are none, too many runs,
-        scenes that cannot be had.
+        Unknown settings, invalid values, seeds or scenes, or too many runs.
     """
     seeds = parse_seeds(table.seeds, origin)
     factors = _factors(table, origin)
@@ -95,19 +94,19 @@ def planned(table: StudyTable, origin: str) -> Study:
 
 
 def check_seeds(study: Study, *, reporting: bool) -> None:
-    """Refuse seeds that are for another purpose.
+    """Refuse seeds that are reserved for another purpose.
 
     Parameters
     ----------
     study
-        What is to be run.
+        The study.
     reporting
-        Whether it is to state how good the settings are, and not to choose them.
+        Whether it reports results instead of choosing settings.
 
     Raises
     ------
     ConfigError
-        Tuning with reporting seeds, or reporting with tuning seeds.
+        The seeds are reserved for the other purpose.
     """
     if not any(scene.is_simulated for scene in study.scenes):
         return
@@ -130,7 +129,7 @@ def parse_seeds(text: str, origin: str) -> tuple[int, ...]:
     Raises
     ------
     ConfigError
-        It names none, or too many.
+        It is invalid, or names too many seeds.
 
     Examples
     --------
@@ -163,14 +162,14 @@ def _factors(table: StudyTable, origin: str) -> tuple[Factor, ...]:
         if name not in _KINDS:
             near = get_close_matches(name, _KINDS, n=1)
             hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(_KINDS)}"
-            faults.append(f"settings.{name[:60]}: there is no such setting; {hint}")
+            faults.append(f"settings.{name[:60]}: unknown setting; {hint}")
             continue
         try:
             factors.append(_factor(name, setting, drawn=table.design == "random"))
         except ConfigError as fault:
             faults.append(f"settings.{name}: {fault}")
     if table.design == "random" and table.points is None:
-        faults.append("points: the random design needs to know how many")
+        faults.append("points: the random design needs their number")
     if faults:
         raise _all_of(origin, faults)
     return tuple(factors)
@@ -187,7 +186,7 @@ def _factor(name: str, setting: SettingTable, *, drawn: bool) -> Factor:
             f"a range needs numbers, and this setting is {kind.__name__}; list values"
         )
     if setting.steps is None and not drawn:
-        raise ConfigError("steps is missing: how many values of the range?")
+        raise ConfigError("steps is missing: the number of values of the range")
     if setting.steps is None:
         span = (setting.low, setting.high)
         return Factor(name, default, (), span, setting.log, whole=kind is int)
@@ -250,7 +249,7 @@ def _check_points(design: Design, origin: str) -> None:
 
 
 def _guilty(design: Design, point: Point) -> str:
-    """Return the values of a point that cannot be even alone; all of them if each could."""
+    """Return the invalid values of a point; all values if each is valid alone."""
     default = design.points[0]
     told, alone = [], []
     for k, (factor, value) in enumerate(zip(design.factors, point, strict=True)):
@@ -263,12 +262,12 @@ def _guilty(design: Design, point: Point) -> str:
 
 
 def settings_of(design: Design, point: Point) -> FusionSettings:
-    """Return the settings of a point; what the study does not try is at its default.
+    """Return the settings of a point; all others are at their defaults.
 
     Raises
     ------
     ConfigError
-        The settings cannot be.
+        The settings are invalid.
     """
     values = {factor.name: value for factor, value in zip(design.factors, point, strict=True)}
     return FusionSettings(**values)  # type: ignore[arg-type]

@@ -18,14 +18,14 @@ def write_results(findings: Findings, out: Path) -> None:
     Parameters
     ----------
     findings
-        What the study says.
+        The findings.
     out
         Folder of the study.
 
     Raises
     ------
     SetupError
-        The disk has no room.
+        The disk is full.
     """
     for name, rows_of in ((RESULTS, _effects), (PAIRS, _pairs), (DEFAULT, _default_rank)):
         rows = [row for finding in findings.findings for row in rows_of(findings, finding)]

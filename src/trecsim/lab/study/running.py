@@ -1,4 +1,4 @@
-"""Do the runs of a study: on all cores, each kept when it is done, none done twice."""
+"""Execute the runs of a study in parallel; each is stored when done, none is done twice."""
 
 import hashlib
 import json
@@ -43,7 +43,7 @@ Task = TypeVar("Task")
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One run that is to be done.
+    """One run to execute.
 
     Attributes
     ----------
@@ -54,11 +54,11 @@ class Job:
     out
         Folder of the study.
     settings
-        Of the fusion.
+        Settings of the fusion.
     values
-        Those of them that the study tries.
+        Those of them that the study varies.
     lag_s
-        How long positions wait for later images [s].
+        Lag of the reported positions [s].
     """
 
     key: str
@@ -72,16 +72,16 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What became of a study.
+    """Outcome of a study.
 
     Attributes
     ----------
     runs
-        How many runs the study has.
+        Number of runs of the study.
     made
-        How many were made now.
+        Number of runs executed now.
     failed
-        How many of all failed.
+        Number of failed runs.
     """
 
     runs: int
@@ -95,7 +95,7 @@ def jobs_of(study: Study, out: Path) -> list[Job]:
     Parameters
     ----------
     study
-        What is to be run.
+        The study.
     out
         Its folder.
     """
@@ -113,7 +113,7 @@ def jobs_of(study: Study, out: Path) -> list[Job]:
 
 
 def key_of(choice: SceneChoice, seed: int | None, settings: FusionSettings, lag_s: float) -> str:
-    """Return a text that is the same only for the same run with the same code."""
+    """Return a key that identifies a run and the version of the code."""
     facts = [choice.facts, seed, asdict(settings), lag_s, code_digest()]
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:20]
 
@@ -126,28 +126,27 @@ def run_study(
     progress: Progress | None = None,
     remark: Remark | None = None,
 ) -> Done:
-    """Do what is missing of a study; every finished run is kept, whatever ends it.
+    """Execute the missing runs of a study; all finished runs are kept if it is interrupted.
 
     Parameters
     ----------
     study
-        What is to be run.
+        The study.
     out
-        Folder of the study, made if it is not there.
+        Folder of the study, created if missing.
     workers
-        Processes at once; all cores, if not given. With 1 everything happens in this process.
+        Number of processes; all cores if None. With 1 everything runs in this process.
     progress
-        Is called with the runs that are done, and how many there are.
+        Called with the number of finished runs, and of all.
     remark
-        Is called with what the user should know.
+        Called with remarks.
 
     Raises
     ------
     InputError
-        The folder cannot be written to, holds other things than a study, or another study is
-        writing there.
+        The folder is not writable, contains something else, or is in use by another study.
     SetupError
-        The disk has no room, or the system ended a process.
+        The disk is full, or the system killed a process.
     """
     remark = remark or (lambda text: None)
     check_folder(out)
@@ -157,8 +156,8 @@ def run_study(
         jobs, known = jobs_of(study, out), read_runs(out / NAME)
         if changed := changed_parts(study, out):
             remark(
-                f"the study in {out} is changed: other {', '.join(changed)}; runs that still fit "
-                "are used"
+                f"the study in {out} has changed: other {', '.join(changed)}; runs that still fit "
+                "are reused"
             )
         with atomic_write(out / STUDY) as file:
             file.write(toml_of(study.table))
@@ -174,8 +173,8 @@ def run_study(
                 counts.add(future.exception() is not None)
     if code_changed():
         remark(
-            "the code of the fusion was changed while the study ran: its runs may not be of one "
-            "version; run it again"
+            "the code changed while the study ran, so its runs may be of different versions; run "
+            "it again"
         )
     return Done(len(jobs), len(missing), counts.failed)
 
@@ -192,7 +191,7 @@ def _tell_what_is_known(known: list[Run], reused: int, missing: int, remark: Rem
 
 
 class _Counts:
-    """How far the study has come."""
+    """Progress of the study."""
 
     def __init__(self, total: int, done: int, progress: Progress | None) -> None:
         self.failed = 0
@@ -211,7 +210,7 @@ class _Counts:
 
 
 def run_one(job: Job) -> dict[str, float]:
-    """Track one scene with the settings of one point and return what came out."""
+    """Track one scene with the settings of one point and return the figures."""
     scene = load(prepare(job.choice, job.seed, job.out))
     tally = Tally()
     tracked = follow(scene.poses, scene.rig, job.settings, lag_s=job.lag_s, tally=tally)
@@ -232,7 +231,7 @@ def _make_one(task: tuple[SceneChoice, int | None, Path]) -> Path:
 
 
 def _outcome(job: Job, future: "Future[dict[str, float]]") -> Run:
-    """Return what is written down of a run; what went wrong in it is a result as well."""
+    """Return the record of a run; a failure is a result as well."""
     error = future.exception()
     fault = ""
     if error is not None:
@@ -243,7 +242,7 @@ def _outcome(job: Job, future: "Future[dict[str, float]]") -> Run:
 
 
 def _make_scenes(pool: Executor, jobs: Sequence[Job], workers: int) -> None:
-    """Make each scene once; one that cannot be made is told by its runs."""
+    """Simulate each scene once; failures are reported by the runs that need it."""
     tasks = list(dict.fromkeys((job.choice, job.seed, job.out) for job in jobs))
     for _ in _finished(pool, _make_one, tasks, 2 * workers):
         pass
@@ -252,12 +251,12 @@ def _make_scenes(pool: Executor, jobs: Sequence[Job], workers: int) -> None:
 def _finished(
     pool: Executor, function: Callable[[Task], Any], tasks: Iterable[Task], ahead: int
 ) -> "Iterator[tuple[Task, Future[Any]]]":
-    """Yield each task when it is done; only a few wait, so that stopping is quick.
+    """Yield each task when it is done; few are queued, so that stopping is quick.
 
     Raises
     ------
     SetupError
-        What went wrong concerns every task: a full disk, a process that the system ended.
+        A fault that concerns all tasks: a full disk, a killed process.
     """
     rest = iter(tasks)
     waiting = {pool.submit(function, task): task for task in islice(rest, ahead)}
@@ -268,8 +267,8 @@ def _finished(
             error = future.exception()
             if isinstance(error, BrokenProcessPool):
                 raise SetupError(
-                    "the system ended a process of the study, as it does when the memory is full; "
-                    "what was done is kept: run it again with fewer --jobs"
+                    "the system killed a process of the study, as it does when memory is full; "
+                    "finished runs are kept: run it again with fewer --jobs"
                 )
             if isinstance(error, SetupError):
                 raise error
@@ -300,7 +299,7 @@ def _pool(workers: int) -> Iterator[Executor]:
 
 
 def _begin_worker() -> None:
-    """Let only the process that the user started answer to Ctrl-C, and end when it is gone."""
+    """Ignore Ctrl-C, which the parent handles, and end when the parent is gone."""
     for one in (signal.SIGINT, signal.SIGTERM):  # the parent ends the work
         signal.signal(one, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -315,7 +314,7 @@ def _end_with_parent() -> None:
 
 @contextmanager
 def _one_thread_each() -> Iterator[None]:
-    """Let processes that begin in this block compute with one thread each."""
+    """Limit processes that start in this block to one thread each."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     try:

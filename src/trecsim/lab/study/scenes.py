@@ -1,4 +1,4 @@
-"""The scenes of a study: made once per seed, kept as folders, shared by all runs."""
+"""Scenes of a study: simulated once per seed, stored in folders, shared by all runs."""
 
 import hashlib
 import json
@@ -34,13 +34,13 @@ class SceneChoice:
     Attributes
     ----------
     name
-        What the study calls it.
+        Its name in the study.
     facts
-        All that decides what is in it, but the seed; may stand in JSON.
+        All that determines its content except the seed, as JSON.
     source
         Name of a built-in scene, or a scene file; empty for a room.
     folder
-        Where it is, if it was made before; else it is simulated.
+        Folder of a scene that exists already; None if it is simulated.
     """
 
     name: str
@@ -50,18 +50,18 @@ class SceneChoice:
 
     @property
     def is_simulated(self) -> bool:
-        """Whether each seed gives another scene."""
+        """Whether the scene is simulated, with a seed."""
         return self.folder is None
 
     def kept_at(self, out: Path, seed: int | None) -> Path:
-        """Return the folder that holds it, made or to be made.
+        """Return its folder, existing or not.
 
         Parameters
         ----------
         out
             Folder of the study.
         seed
-            Of a scene that is simulated.
+            Seed of a simulated scene.
         """
         if self.folder is not None:
             return self.folder
@@ -71,19 +71,19 @@ class SceneChoice:
 
 
 def chosen(tables: Mapping[str, ChoiceTable], origin: str) -> tuple[SceneChoice, ...]:
-    """Return the scenes of a study, having looked whether each can be had.
+    """Return the scenes of a study, each checked.
 
     Parameters
     ----------
     tables
-        By name, as the study file has them.
+        Tables of the study file by name.
     origin
-        Where they come from, for messages.
+        Source of the tables, for messages.
 
     Raises
     ------
     ConfigError
-        One or more cannot.
+        A scene is invalid.
     """
     scenes, faults = [], []
     for name, table in tables.items():
@@ -108,7 +108,7 @@ def _choice(name: str, table: ChoiceTable) -> SceneChoice:
 
 
 def _scene_digest(source: str) -> str:
-    """Return a text that is another one when a scene file is, or a clip that it plays."""
+    """Return a digest of a scene file and the clips that it plays."""
     text = built_in_text(source) if source in BUILT_IN else ""
     if not text and (path := Path(source)).suffix:
         text = read_text(path, "scene file")
@@ -119,7 +119,7 @@ def _scene_digest(source: str) -> str:
 
 
 def _content(folder: Path) -> str:
-    """Return a text that is another one when a made scene is; look at its truth and rig."""
+    """Return a digest of an existing scene, after checking its ground truth and rig."""
     read_rig(folder / RIG)
     read_truth(folder / TRUTH)
     digest = hashlib.sha256()
@@ -142,27 +142,27 @@ def scene_of(choice: SceneChoice) -> Scene:
     Raises
     ------
     InputError
-        There can be no such scene.
+        The scene is invalid.
     """
     return read_scene(choice.source) if choice.source else room_scene(**choice.facts["room"])
 
 
 def prepare(choice: SceneChoice, seed: int | None, out: Path) -> Path:
-    """Make a scene, if nobody has, and return its folder.
+    """Simulate a scene unless it exists, and return its folder.
 
     Parameters
     ----------
     choice
         The scene.
     seed
-        Of a scene that is simulated.
+        Seed of a simulated scene.
     out
         Folder of the study.
 
     Raises
     ------
     Error
-        It cannot be simulated, or the disk has no room.
+        It cannot be simulated, or the disk is full.
     """
     folder = choice.kept_at(out, seed)
     if choice.folder is not None or folder.is_dir() or seed is None:
@@ -188,9 +188,9 @@ class LoadedScene:
     rig
         The cameras.
     poses
-        What the estimator reports.
+        2D poses.
     truth
-        Where everybody truly was.
+        Ground truth.
     """
 
     rig: Rig
@@ -200,12 +200,12 @@ class LoadedScene:
 
 @lru_cache(maxsize=1)
 def load(folder: Path) -> LoadedScene:
-    """Read a made scene; the last one is kept in memory, as runs come scene by scene.
+    """Read a scene; the last one stays in memory, as runs come scene by scene.
 
     Raises
     ------
     InputError
-        Something in it is wrong.
+        One of its files is invalid.
     """
     rig = read_rig(folder / RIG)
     poses = tuple(read_poses(folder / POSES, rig_cameras=rig.names))

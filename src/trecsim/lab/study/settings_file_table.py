@@ -1,4 +1,4 @@
-"""The study file: which settings are tried, on which scenes and seeds, by which design."""
+"""The study file: settings to vary, scenes, seeds and design."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,16 +27,16 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 
 
 class SettingTable(Table):
-    """The values of one setting that are tried: a list, or a range."""
+    """Values of one setting: a list or a range."""
 
     values: list[Any] | None = Field(default=None, min_length=2, max_length=MOST_LEVELS)
-    """The values themselves."""
+    """List of values."""
     low: float | None = None
     """Smallest value of a range."""
     high: float | None = None
     """Largest value of a range."""
     steps: int | None = Field(default=None, ge=2, le=MOST_LEVELS)
-    """How many values of the range; the random design needs none and draws from all of it."""
+    """Number of values of the range; without it the random design draws from all of it."""
     log: bool = False
     """Whether equal steps are equal factors."""
 
@@ -56,18 +56,18 @@ class SettingTable(Table):
 
 
 class ChoiceTable(Table):
-    """One scene: a room with people who wander about, a scene by name or file, or a made one."""
+    """One scene: a room with wandering people, a scene by name or file, or an existing one."""
 
     people: int | None = Field(default=None, ge=1, le=MOST_PEOPLE)
-    """How many people are in the room (4)."""
+    """Number of people in the room (4)."""
     cameras: int | None = Field(default=None, ge=FEWEST_CAMERAS, le=MOST_CAMERAS)
-    """How many cameras look on (4)."""
+    """Number of cameras (4)."""
     seconds: float | None = Field(default=None, gt=0, le=LONGEST_S)
-    """How long the room is watched [s] (20)."""
+    """Length of the scene [s] (20)."""
     width_m: float | None = Field(default=None, gt=0, le=1000)
-    """The room along x [m] (8)."""
+    """Size of the room along x [m] (8)."""
     depth_m: float | None = Field(default=None, gt=0, le=1000)
-    """The room along y [m] (6)."""
+    """Size of the room along y [m] (6)."""
     height_m: float | None = Field(default=None, gt=0, le=100)
     """Height of the room's cameras [m] (2.7)."""
     fps: float | None = Field(default=None, gt=0, le=1000)
@@ -75,11 +75,11 @@ class ChoiceTable(Table):
     scene: Annotated[str, AfterValidator(_scene_beside_the_file)] | None = None
     """Name of a built-in scene, or a scene file."""
     folder: FilePath | None = None
-    """A made scene: the folder with its `rig.toml`, `poses.jsonl` and `truth.npz`."""
+    """Folder of a synthetic scene, with `rig.toml`, `poses.jsonl` and `truth.npz`."""
 
     @property
     def room(self) -> dict[str, Any]:
-        """What is said about the room."""
+        """The keys of the room."""
         return self.model_dump(exclude={"scene", "folder"}, exclude_none=True)
 
     @model_validator(mode="after")
@@ -109,23 +109,23 @@ def _seed_text(given: Any) -> Any:
 
 
 class StudyTable(Table):
-    """A study: settings, scenes, seeds and how they are combined."""
+    """A study: settings, scenes, seeds and design."""
 
     format: Literal["trecsim.study/1"]
-    """Always this."""
+    """Format of the file."""
     design: Literal["grid", "one-at-a-time", "random"] = "grid"
-    """All combinations of the values, the default with one of them changed, or points at random."""
+    """All combinations, the default with one value changed, or random points."""
     points: int | None = Field(default=None, ge=2, le=MOST_POINTS)
-    """How many points the random design has."""
+    """Number of points of the random design."""
     lag_s: float = Field(default=0.0, ge=0.0, le=LONGEST_LAG_S)
-    """How long positions wait for later images [s]."""
+    """Lag of the reported positions [s]."""
     seeds: Annotated[str, BeforeValidator(_seed_text, json_schema_input_type=str | list[int])]
     """Ranges and numbers: `"100-109,120"`, or a list."""
     settings: dict[
         str,
         Annotated[SettingTable, BeforeValidator(_values_table, json_schema_input_type=Any)],
     ] = Field(min_length=1)
-    """Values to try, by the name of the setting."""
+    """Values by the name of the setting."""
     scenes: Annotated[
         dict[Name, ChoiceTable], BeforeValidator(_scene_tables, json_schema_input_type=Any)
     ] = Field(min_length=1, max_length=100)
@@ -143,14 +143,14 @@ def read_study_table(path: Path) -> StudyTable:
     Raises
     ------
     ConfigError
-        When it cannot be read or anything in it is wrong; the text lists all faults.
+        It cannot be read or is invalid; the text lists all faults.
     """
     text = read_text(path, KIND)
     return validated(StudyTable, path, text, KIND, {"folder": path.parent.absolute()})
 
 
 def toml_of(table: StudyTable) -> str:
-    """Return a study as the text of a study file that says the same from anywhere."""
+    """Return a study as the text of a study file with absolute paths."""
     data = table.model_dump(mode="python", exclude_none=True)
     tables = {name: data.pop(name) for name in ("settings", "scenes")}
     lines = [f"{name} = {_toml(value)}" for name, value in data.items()]

@@ -23,7 +23,7 @@ REPORT = "report.html"
 
 
 def need_report() -> None:
-    """Fail early where the report cannot be written.
+    """Fail early if the report cannot be written.
 
     Raises
     ------
@@ -36,23 +36,23 @@ def need_report() -> None:
 
 
 def report_study(study: Study, out: Path, *, remark: Remark | None = None) -> Findings:
-    """Write `report.html`, `results.csv`, `pairs.csv` and `default.csv` of what is there.
+    """Write `report.html`, `results.csv`, `pairs.csv` and `default.csv` of the finished runs.
 
     Parameters
     ----------
     study
-        What was asked for.
+        The study.
     out
         Its folder, with the finished runs.
     remark
-        Is called with what the user should know.
+        Called with remarks.
 
     Raises
     ------
     InputError
-        There are no runs, or too few.
+        There are too few runs.
     SetupError
-        A package is missing, or the disk has no room.
+        A package is missing, or the disk is full.
     """
     runs = read_runs(out / NAME)
     if not runs:
@@ -75,9 +75,9 @@ def study_page(study: Study, found: Findings) -> str:
     Parameters
     ----------
     study
-        What was asked for.
+        The study.
     found
-        What it says.
+        Its findings.
     """
     sections = [
         Section("In short", tuple(_short(study, found))),
