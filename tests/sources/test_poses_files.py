@@ -313,6 +313,21 @@ def test_poses_of_an_earlier_step_that_are_given_are_taken_with_a_remark(tmp_pat
     assert "Pose2Sim would read pose-associated beside it" in caplog.messages[0]
 
 
+@pytest.mark.parametrize("kind", ["openpose", "mmpose"])
+@pytest.mark.parametrize(("last", "remarked"), [(20, True), (38, False)])
+def test_a_camera_whose_frames_end_early_is_remarked(tmp_path, kind, last, remarked, caplog):
+    for camera, count in (("cam1", 41), ("cam2", last + 1), ("cam3", 40)):
+        images = [made_poses(camera, i / 25, 1) for i in range(count)]
+        if kind == "mmpose":
+            (tmp_path / f"{camera}.json").write_text(json.dumps(mmpose_frames(images)))
+        else:
+            for i, image in enumerate(images):
+                write_openpose(tmp_path / f"{camera}_json", image, f"{camera}_{i:06d}.json")
+    assert len(list(read_poses(tmp_path, fps=25))) == 82 + last
+    told = f"the frames of 'cam2' (to {last}) end before those of 'cam1' (to 40)"
+    assert [told in message for message in caplog.messages] == [True] * remarked
+
+
 def test_two_folders_of_one_camera_are_refused(tmp_path):
     for name in ("cam1", "cam1_json"):
         write_openpose(tmp_path / name, made_poses("a", 0, 1), "a_0.json")

@@ -12,6 +12,7 @@ from trecsim.sources.camera_names import renamed, unknown_camera
 from trecsim.sources.coco import read_coco
 from trecsim.sources.empty_images import with_empty_images
 from trecsim.sources.faults import Faults
+from trecsim.sources.frame_spans import counted, remarking
 from trecsim.sources.mmpose import read_mmpose
 from trecsim.sources.openpose import camera_folders, read_openpose
 from trecsim.sources.poses_jsonl import read_poses_jsonl
@@ -101,7 +102,8 @@ def _read_folder(
     if folders:
         folders = _of_the_rig(folders, path, rig_cameras, remark)
         fps = _rate(path, fps, remark)
-        return _merged([read_openpose(at, camera=name, fps=fps) for name, at in folders.items()])
+        cameras = {name: read_openpose(at, camera=name, fps=fps) for name, at in folders.items()}
+        return _every_frame(cameras, fps, path)
     raise InputError(f"{path}: no 2D poses in this folder; expected {_KINDS}")
 
 
@@ -133,14 +135,23 @@ def _read_results(
         names = ", ".join(file.name for file in kinds)
         raise InputError(f"{path}: two files are of one camera, by their names: {names}")
     files, fps = _of_the_rig(files, path, rig_cameras, remark), _rate(path, fps, remark)
-    images = []
+    frames = {}
     results = {}
     for camera, file in files.items():
         if kinds[file] == "mmpose":
-            images.append(read_mmpose(file, camera=camera, fps=fps))
+            frames[camera] = read_mmpose(file, camera=camera, fps=fps)
         else:
             results[camera] = read_coco(file, camera=camera, fps=fps)
-    return _merged([*images, with_empty_images(results, fps)])
+    return _merged([_every_frame(frames, fps, path), with_empty_images(results, fps)])
+
+
+def _every_frame(
+    cameras: Mapping[str, Iterator[Poses2D]], fps: float, path: Path
+) -> Iterator[Poses2D]:
+    """Merge cameras that have an entry for every frame; remark on those that end early."""
+    spans: dict[str, tuple[int, int]] = {}
+    merged = _merged([counted(name, images, fps, spans) for name, images in cameras.items()])
+    return remarking(merged, spans, fps, lambda text: logger.warning("%s: %s", path, text))
 
 
 _ANNOTATIONS = (
