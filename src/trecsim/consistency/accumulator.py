@@ -54,7 +54,6 @@ class Consistency:
     _recent: deque[Moment] = field(init=False)
     _new: int = field(default=0, init=False)
     _history: deque[Evidence] = field(init=False)
-    _before: Snapshot | None = field(default=None, init=False)
     _samples: int = field(default=0, init=False)
     _sampled_s: float = field(default=-math.inf, init=False)
     _frame_sets: int = field(default=0, init=False)
@@ -89,7 +88,6 @@ class Consistency:
                 self._waiting.append(frame_set)
         if self._waiting:
             self._keep(snapshot)
-        self._before = snapshot
         if self._new >= self.limit.batch or len(self._views) >= self.limit.most_views:
             return self._examine(final=False)
         return []
@@ -132,17 +130,18 @@ class Consistency:
             if 0.0 < ahead_s <= _LONGEST_LAG_S and len(self._waiting) < _MOST_WAITING:
                 return
             frame_set = self._waiting.popleft()
-            if ahead_s <= 0.0:
-                views = tuple(
-                    v for v in frame_set.views if self._place[v.camera] not in self._wrong
-                )
-                if len(views) > 1:
-                    before = self._before or snapshot
-                    one = moment(
-                        replace(frame_set, views=views), self._place, before, snapshot, self.limit
-                    )
-                    self._recent.append(one)
-                    self._new += 1
+            if ahead_s > 0.0:
+                continue
+            one = self._without_wrong(moment(frame_set, self._place, snapshot, self.limit))
+            if len(one.looks) > 1:
+                self._recent.append(one)
+                self._new += 1
+
+    def _without_wrong(self, one: Moment) -> Moment:
+        """Return a moment without the cameras that are known to be wrong."""
+        if not self._wrong:
+            return one
+        return replace(one, looks=tuple(it for it in one.looks if it.cam not in self._wrong))
 
     def _examine(self, final: bool) -> list[str]:
         """Examine what has been sampled since the last time."""
@@ -191,10 +190,7 @@ class Consistency:
     def _leave_out(self, wrong: tuple[int, ...]) -> None:
         """Look at the other cameras only from now on, as if these had not been there."""
         self._wrong.update(wrong)
-        kept = [
-            replace(one, looks=tuple(look for look in one.looks if look.cam not in self._wrong))
-            for one in self._recent
-        ]
+        kept = [self._without_wrong(one) for one in self._recent]
         self._recent.clear()
         self._recent.extend(one for one in kept if len(one.looks) > 1)
         self._history.clear()

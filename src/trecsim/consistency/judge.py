@@ -83,7 +83,9 @@ def judged(records: Records, suspects: Sequence[int], cameras: Sequence[int]) ->
     rig, limit = records.rig, records.limit
     if not suspects:
         return _moved(records, cameras)
-    trial = Trial(rig, gather(records.recent, len(rig)).torso_px, tuple(cameras))
+    stride = max(1, len(cameras) * (len(cameras) - 1) // 2 // limit.pairs_at_once)
+    torso_px = gather(records.recent[::stride], len(rig)).torso_px[:, :, : limit.most_tried]
+    trial = Trial(rig, torso_px, tuple(cameras))
     core = trial.core(limit)
     found = explained(trial, core, limit)
     if found is not None:

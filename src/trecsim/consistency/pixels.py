@@ -23,7 +23,7 @@ class Extent:
         How many key points there were, how many of them outside of the image, and how many within
         a few pixels of its corner.
     reach_px
-        Width and height that hold nearly all of them [px].
+        Width and height that hold nearly all of them, where some are outside [px].
     """
 
     points: int = 0
@@ -41,9 +41,11 @@ class Extent:
         share = xy_px / size_px
         margin = limit.outside_margin
         self.points += len(xy_px)
-        self.outside += int(((share < -margin) | (share > 1 + margin)).any(axis=-1).sum())
+        outside = int(((share < -margin) | (share > 1 + margin)).any(axis=-1).sum())
         self.corner += int((np.abs(xy_px) <= limit.corner_px).all(axis=-1).sum())
-        self.reach_px = np.maximum(self.reach_px, np.quantile(xy_px, 0.98, axis=0))
+        if outside:
+            self.outside += outside
+            self.reach_px = np.maximum(self.reach_px, np.quantile(xy_px, 0.98, axis=0))
 
 
 def measure(

@@ -17,7 +17,6 @@ TORSO = [
     for name in ("left_shoulder", "right_shoulder", "left_hip", "right_hip")
 ]
 """The joints that are looked at: they are found best, and move least."""
-LONGEST_STEP_S = 0.5  # between snapshots; over a longer time nobody's velocity is known
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,8 +86,7 @@ class Sights:
 def moment(
     frame_set: FrameSet,
     place: Mapping[str, int],
-    before: Snapshot,
-    after: Snapshot,
+    snapshot: Snapshot,
     limit: Thresholds,
 ) -> Moment:
     """Return what is kept of a frame set.
@@ -99,8 +97,8 @@ def moment(
         What the cameras saw.
     place
         Index of each camera in the rig.
-    before, after
-        The snapshots next to its time.
+    snapshot
+        The people at its time.
     limit
         Of more detections in an image, those with the highest scores are kept; of more people,
         the first.
@@ -109,16 +107,9 @@ def moment(
         Look(place[view.camera], view.t_s, _torsos(view, limit.most_detections))
         for view in frame_set.views
     )
-    most = limit.most_people
-    now_m = _middles(after.xyz_m[:most][:, TORSO])
-    velocity_mps = np.zeros((len(now_m), 3))
-    step_s = after.t_s - before.t_s
-    if 0.0 < step_s <= LONGEST_STEP_S and len(before.id) and len(now_m):
-        same = after.id[:most, None] == before.id
-        known, then = np.flatnonzero(same.any(axis=1)), same.argmax(axis=1)
-        was_m = _middles(before.xyz_m[then[known]][:, TORSO])
-        velocity_mps[known] = (now_m[known] - was_m).mean(axis=1) / step_s
-    return Moment(frame_set.t_s, looks, after.t_s, now_m, velocity_mps)
+    people_m = _middles(snapshot.xyz_m[: limit.most_people, TORSO])
+    velocity_mps = np.nan_to_num(snapshot.velocity_mps[: limit.most_people, TORSO].mean(axis=1))
+    return Moment(frame_set.t_s, looks, snapshot.t_s, people_m, velocity_mps)
 
 
 def _torsos(view: Poses2D, most: int) -> Float64[np.ndarray, "detection 4 2"]:

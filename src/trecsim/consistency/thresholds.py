@@ -26,6 +26,10 @@ class Thresholds:
         then it is clear whether it was moved.
     recent
         So many sampled frame sets are kept; hypotheses are tried on them.
+    most_tried
+        Of more in an image, hypotheses are tried on so many.
+    pairs_at_once
+        With more pairs of cameras, hypotheses are tried on proportionally fewer frame sets.
     least_moments
         A recording that ends leaves a batch of so many frame sets at least.
     most_views
@@ -105,6 +109,8 @@ class Thresholds:
     least_moments: int = 6
     most_views: int = 512
     most_detections: int = 24
+    most_tried: int = 8
+    pairs_at_once: int = 10
     most_people: int = 64
 
     fewest_images: int = 5
