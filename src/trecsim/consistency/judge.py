@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
+from statistics import median
 
 import numpy as np
 from jaxtyping import Float64
@@ -52,20 +54,29 @@ class Records:
 
 
 def suspicious(history: Sequence[Evidence], limit: Thresholds) -> list[int]:
-    """Return the cameras of which too little agrees with the others in the last batches."""
-    last = history[-limit.window :]
+    """Return the cameras of which too little agrees with the others in their last batches."""
+    return [c for c in range(len(history[-1].found)) if _is_suspicious(history, c, limit)]
+
+
+def _is_suspicious(history: Sequence[Evidence], c: int, limit: Thresholds) -> bool:
+    last = _last_of(history, c, limit)
     detections, explained_, found, missed = (
-        np.sum([getattr(one, name) for one in last], axis=0)
+        sum(int(getattr(one, name)[c]) for one in last)
         for name in ("detections", "explained", "found", "missed")
     )
-    cameras = range(len(found))
-    off_m = np.median([[one.turn[c].before_m for c in cameras] for one in last], axis=0)
-    off_rad = np.median([[one.turn[c].shift_rad for c in cameras] for one in last], axis=0)
-    enough, witnessed = detections >= limit.fewest, found + missed >= limit.fewest
-    bad = enough & (explained_ < limit.explained_share * detections)
-    bad |= witnessed & (missed > limit.missed_share * (found + missed))
-    bad |= witnessed & ((off_m > limit.off_m) | (off_rad > limit.turned_rad))
-    return [int(c) for c in np.flatnonzero(bad)]
+    if detections >= limit.fewest and explained_ < limit.explained_share * detections:
+        return True
+    return found + missed >= limit.fewest and (
+        missed > limit.missed_share * (found + missed)
+        or median(one.turn[c].before_m for one in last) > limit.off_m
+        or median(one.turn[c].shift_rad for one in last) > limit.turned_rad
+    )
+
+
+def _last_of(history: Sequence[Evidence], c: int, limit: Thresholds) -> list[Evidence]:
+    """Return the last batches in which a camera saw somebody."""
+    seeing = (one for one in reversed(history) if one.detections[c])
+    return list(islice(seeing, limit.window))
 
 
 def judged(records: Records, suspects: Sequence[int], cameras: Sequence[int]) -> Verdict | None:
@@ -171,7 +182,7 @@ def _unexplained(
 ) -> Verdict | None:
     """Return what is to be said of cameras that do not agree, for no reason that was found."""
     limit, names = records.limit, records.rig.names
-    if not records.ended and len(records.recent) < limit.recent:
+    if not records.ended and len(records.history) < limit.wait:
         return None
     tried = [c for c in trial.cameras if trial.tried[c].any()]
     if not core:
@@ -181,9 +192,11 @@ def _unexplained(
             text = told.wrong_rig(names, tried, trial.share(tried), hint)
             return Verdict("nobody agrees", text, tuple(tried), sure=False)
         return None
-    last = records.history[-limit.window :]
-    found, missed = (np.sum([getattr(one, k) for one in last], axis=0) for k in ("found", "missed"))
-    share = missed / np.maximum(found + missed, limit.fewest_pairs)
+    share = np.zeros(len(names))
+    for c in suspects:
+        last = _last_of(records.history, c, limit)
+        found, missed = (sum(int(getattr(one, k)[c]) for one in last) for k in ("found", "missed"))
+        share[c] = missed / max(found + missed, limit.fewest_pairs)
     for one in (one for one in tried if one not in core):
         cases = int(trial.tried[one, list(core)].sum())
         apart = 1.0 - float(trial.agreed[one, list(core)].sum() / max(1, cases))

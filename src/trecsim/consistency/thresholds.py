@@ -98,11 +98,11 @@ class Thresholds:
         Which is never less than this [rad].
     """
 
-    spacing_s: float = 0.2
-    settle: int = 24
+    spacing_s: float = 0.15
+    settle: int = 32
     spacing_growth: float = 1.02
     longest_spacing_s: float = 2.0
-    batch: int = 12
+    batch: int = 10
     window: int = 2
     wait: int = 4
     recent: int = 48
