@@ -113,7 +113,7 @@ class Snapshot:
         Number of cameras that support the joint now; 0 means that it is predicted only.
     velocity_mps
         Velocity of the joints in the world frame [m/s]; NaN where it is not known, as in
-        recordings.
+        tracks from CSV files.
     velocity_cov_m2ps2
         Its covariance [m^2/s^2].
     state

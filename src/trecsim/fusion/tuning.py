@@ -18,7 +18,7 @@ LEAST_INDEPENDENCE: Final = 0.05
 
 # --------------------------------------------------------------------------------------- birth
 
-# Unassigned detections wait so long for a detection of another camera to pair with [s].
+# Time for which an unassigned detection waits for one of another camera to pair with [s].
 UNASSIGNED_S: Final = 0.1
 # Of more unassigned detections only the best are paired, as the work grows with the square of their
 # number: a crowd of 20 in view of three cameras.
@@ -64,10 +64,10 @@ CHECK_S: Final = 0.1
 SWAP_EVIDENCE: Final = 10.0
 MOST_SWAP_EVIDENCE: Final = 20.0
 CLEAR_PAIR: Final = 25.0
-# A track is deleted after so many checks in which other tracks explain all of its detections.
+# Number of checks in which other tracks explain all detections of a track, until it is deleted.
 # People who cross are in line for one camera as long, but not for two at a time.
 REDUNDANT_CHECKS: Final = 3.0
-# A track is mirrored after most cameras have read it with left and right exchanged for so long [s]:
+# Time for which most cameras read a track with left and right exchanged, until it is mirrored [s]:
 # longer than a detector errs at a stretch.
 MIRROR_S: Final = 0.2
 # Two tracks closer than `duplicate_m` are one after this time [s].
@@ -79,7 +79,7 @@ DUPLICATE_S: Final = 0.25
 # arm's length, plus half of a walking speed times the time that has passed [m, m/s].
 REIDENTIFY_M: Final = 0.5
 REIDENTIFY_MPS: Final = 0.6
-# The last velocity is extrapolated for so long: after a step, people turn or stop [s].
+# Longest extrapolation at the last velocity: after a step, people turn or stop [s].
 EXTRAPOLATE_S: Final = 0.5
 
 # -------------------------------------------------------------------------------------- snapshots
