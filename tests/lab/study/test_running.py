@@ -92,7 +92,8 @@ def test_a_study_that_was_changed_takes_what_it_can(tmp_path: Path, runs: list[J
         (1, 0.12), (2, 0.12), (3, 0.08), (3, 0.1), (3, 0.12),
     }  # fmt: skip
     assert told == [
-        f"the study in {tmp_path} has changed: other seeds, settings; runs that still fit are reused",
+        f"the study in {tmp_path} has changed: other seeds, settings; runs that still fit are "
+        "reused",
         "4 runs are already there, 5 are missing",
     ]
     told.clear()
