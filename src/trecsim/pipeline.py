@@ -13,7 +13,7 @@ Recordings are read in the order of their time stamps, so the result is always t
 sources are read as they deliver, and none waits for another.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,6 +106,7 @@ def track(
     settings: FusionSettings | None = None,
     lag_s: float = 0.0,
     fps: float | None = None,
+    names: Mapping[str, str] | None = None,
     timing: Path | None = None,
     progress: Progress | None = None,
 ) -> TrackSummary:
@@ -140,7 +141,7 @@ def track(
     check_arguments(rig, settings, COCO17, lag_s)
     for text in settings.remarks() if settings else ():
         logger.warning("fusion: %s", text)
-    images = read_poses(poses, rig_cameras=rig.names, fps=fps)
+    images = read_poses(poses, rig_cameras=rig.names, fps=fps, names=names)
     tally, kept = Tally(), kept_of(out)
     try:
         with ExitStack() as files:

@@ -232,8 +232,13 @@ def _poses(checked: CheckedSite, watch: "_Watch") -> Generator[Poses2D, None, No
     site = checked.file.site
     wanted = _Later(checked.rig, watch.stored.last_s)
     if site.poses is not None:
-        names, fps = checked.rig.names, site.poses.fps
-        poses = read_poses(site.poses.file, rig_cameras=names, fps=fps, remark=_checked_before)
+        poses = read_poses(
+            site.poses.file,
+            rig_cameras=checked.rig.names,
+            fps=site.poses.fps,
+            names=site.poses.names,
+            remark=_checked_before,
+        )
         yield from filter(wanted, poses)
         return
     from trecsim.estimators.pool import estimate_videos, open_videos

@@ -438,6 +438,43 @@ def test_cameras_whose_name_stands_in_that_of_the_rig_are_taken_with_a_remark(tm
     )
 
 
+def test_cameras_may_be_given_their_name_in_the_rig(tmp_path, caplog):
+    for camera in ("cal_json1", "cal_json2", "north"):
+        write_openpose(tmp_path / camera, made_poses("a", 0, 1), "a_0.json")
+    names = {"cal_json1": "int_cam1_img", "cal_json2": "int_cam2_img"}
+    rig = ["int_cam1_img", "int_cam2_img", "north"]
+    found = read_poses(tmp_path, rig_cameras=rig, fps=25, names=names)
+    assert [one.camera for one in found] == rig
+    assert caplog.messages == []
+
+
+@pytest.mark.parametrize(
+    ("names", "told"),
+    [
+        (
+            {"cam3": "north"},
+            "there is no camera 'cam3' to give another name; there are: cam1, cam2",
+        ),
+        ({"cam1": "west"}, "camera 'west' is not in the rig"),
+        ({"cam1": "north", "cam2": "north"}, "two cameras would have one name: north, north"),
+    ],
+)
+def test_names_that_do_not_fit_are_refused(tmp_path, names, told):
+    for camera in ("cam1", "cam2"):
+        write_openpose(tmp_path / camera, made_poses("a", 0, 1), "a_0.json")
+    with pytest.raises(InputError) as caught:
+        read_poses(tmp_path, rig_cameras=["north", "cam1", "cam2"], fps=25, names=names)
+    assert told in str(caught.value)
+
+
+def test_names_are_not_given_to_cameras_of_our_own_files(tmp_path):
+    with PosesWriter(tmp_path / "a.poses.jsonl") as writer:
+        writer.write(made_poses("a", 0.0, 1))
+    for path in (tmp_path, tmp_path / "a.poses.jsonl"):
+        with pytest.raises(InputError, match="name them as in the rig"):
+            read_poses(path, names={"a": "b"})
+
+
 @pytest.mark.parametrize("rig", [["cam1", "cam12"], ["a_cam_1", "b_cam1"]])
 def test_a_camera_that_could_be_two_or_none_is_refused(tmp_path, rig):
     write_openpose(tmp_path / "cam_1_cam12_json", made_poses("a", 0, 1), "a_0.json")

@@ -22,6 +22,7 @@ def track(
     out: Path = Path("tracks.csv"),
     lag_s: float = 0.0,
     fps: float | None = None,
+    names: tuple[str, ...] = (),
     timing: Path | None = None,
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
@@ -43,6 +44,8 @@ def track(
         Report each state this long after the newest image [s]. Later images make it smoother.
     fps
         Frames per second, for poses without time stamps.
+    names
+        NAME=CAMERA: the camera of the rig for a name in the poses; once for each such camera.
     timing
         Also write the time of each frame set to this CSV file: `t_s,images,people,fusion_ms`.
     json
@@ -54,10 +57,27 @@ def track(
     cameras = reading.read(rig)
     compile_first(quiet=json)
     with progress_bar("frame sets", quiet=json) as bar:
-        summary = run(cameras, poses, out, lag_s=lag_s, fps=fps, timing=timing, progress=bar)
+        summary = run(
+            cameras,
+            poses,
+            out,
+            lag_s=lag_s,
+            fps=fps,
+            names=_names(names),
+            timing=timing,
+            progress=bar,
+        )
     people, sets = counted_people(summary["people"]), summary["frame_sets"]
     text = f"{out}: {people} in {sets} frame sets{fusion_time(summary['fusion_ms'])}"
     finish(summary, json, text)
+
+
+def _names(given: tuple[str, ...]) -> dict[str, str]:
+    """Return the camera of the rig by the name in the poses."""
+    pairs = [pair.partition("=") for pair in given]
+    if any(not (name and camera) for name, _, camera in pairs):
+        raise InputError(f"--names: expected NAME=CAMERA, found {' '.join(given)}")
+    return {name: camera for name, _, camera in pairs}
 
 
 def _check_order(rig: Path, poses: Path) -> None:

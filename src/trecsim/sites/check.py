@@ -141,7 +141,13 @@ def _poses_faults(draft: Draft, rig: Rig | None, remarks: list[str]) -> Iterator
         return
     names = rig.names if rig is not None else None
     try:
-        images = read_poses(table.file, rig_cameras=names, fps=table.fps, remark=remarks.append)
+        images = read_poses(
+            table.file,
+            rig_cameras=names,
+            fps=table.fps,
+            names=table.names,
+            remark=remarks.append,
+        )
         next(images, None)
     except InputError as error:
         yield ("poses",), str(error)

@@ -95,6 +95,8 @@ class PosesTable(Table):
     """A `*.poses.jsonl` file, or what OpenPose or COCO tools wrote: see `trecsim track`."""
     fps: float | None = Field(default=None, ge=FPS_RANGE[0], le=FPS_RANGE[1])
     """Frames per second, for files with frame numbers instead of times."""
+    names: dict[str, str] = Field(default_factory=dict)
+    """Name in the rig by the name in the files, for cameras that differ."""
 
 
 class EstimatorTable(Table):

@@ -3,7 +3,8 @@
 import heapq
 import logging
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -43,6 +44,7 @@ def read_poses(
     *,
     rig_cameras: Collection[str] | None = None,
     fps: float | None = None,
+    names: Mapping[str, str] | None = None,
     remark: Remark = logger.warning,
 ) -> Iterator[Poses2D]:
     """Yield the images of all cameras in `path`, one by one.
@@ -60,6 +62,9 @@ def read_poses(
     fps
         Frames per second, for files with frame numbers instead of times. If None, 30 with a
         remark.
+    names
+        Name in the rig by the name in the files, for cameras that differ; not for
+        ``*.poses.jsonl``.
     remark
         Is called with each remark on how the files are read, before the first image; the default
         logs it.
@@ -70,7 +75,7 @@ def read_poses(
         At once when `path` holds no 2D poses or a camera that is not in the rig; while reading,
         when something in the files is wrong.
     """
-    path = Path(path)
+    path, cameras = Path(path), _Cameras(rig_cameras, names or {})
     if fps is not None and not FPS_RANGE[0] <= fps <= FPS_RANGE[1]:
         raise InputError(
             f"the frame rate must be from {FPS_RANGE[0]:g} to {FPS_RANGE[1]:g} frames per second, "
@@ -79,31 +84,49 @@ def read_poses(
     if not path.exists():
         raise InputError(f"{path}: no such file or folder; expected {_KINDS}")
     if path.is_dir():
-        return _read_folder(path, rig_cameras, fps, remark)
+        return _read_folder(path, cameras, fps, remark)
     if path.suffix == ".json":
-        return _read_results({path: _kind(path)}, path, rig_cameras, fps, remark)
-    return read_poses_jsonl(path, rig_cameras=rig_cameras)
+        return _read_results({path: _kind(path)}, path, cameras, fps, remark)
+    return _jsonl([path], cameras)
+
+
+def _jsonl(files: Sequence[Path], cameras: "_Cameras") -> Iterator[Poses2D]:
+    if cameras.names:
+        raise InputError(
+            f"{files[0]}: cameras of *.poses.jsonl files cannot be given other names; name them as "
+            "in the rig"
+        )
+    images = [read_poses_jsonl(file, rig_cameras=cameras.of_rig) for file in files]
+    return images[0] if len(images) == 1 else _merged(images)
+
+
+@dataclass(frozen=True, slots=True)
+class _Cameras:
+    """The cameras that may occur, and the names that some of them have in the files."""
+
+    of_rig: Collection[str] | None
+    names: Mapping[str, str]
 
 
 def _read_folder(
-    path: Path, rig_cameras: Collection[str] | None, fps: float | None, remark: Remark
+    path: Path, cameras: _Cameras, fps: float | None, remark: Remark
 ) -> Iterator[Poses2D]:
     jsonl = sorted(path.glob("*.poses.jsonl"))
     if jsonl:
-        return _merged([read_poses_jsonl(file, rig_cameras=rig_cameras) for file in jsonl])
+        return _jsonl(jsonl, cameras)
     kinds = {file: _kind(file) for file in sorted(path.glob("*.json"))}
     results = {file: kind for file, kind in kinds.items() if kind in ("coco", "mmpose")}
     if results:
-        return _read_results(results, path, rig_cameras, fps, remark)
+        return _read_results(results, path, cameras, fps, remark)
     annotations = [file for file, kind in kinds.items() if kind == "annotations"]
     if annotations:
         raise InputError(f"{annotations[0]}: {_ANNOTATIONS}")
     folders = camera_folders(path, remark)
     if folders:
-        folders = _of_the_rig(folders, path, rig_cameras, remark)
+        folders = _of_the_rig(folders, path, cameras, remark)
         fps = _rate(path, fps, remark)
-        cameras = {name: read_openpose(at, camera=name, fps=fps) for name, at in folders.items()}
-        return _every_frame(cameras, fps, path)
+        images = {name: read_openpose(at, camera=name, fps=fps) for name, at in folders.items()}
+        return _every_frame(images, fps, path)
     raise InputError(f"{path}: no 2D poses in this folder; expected {_KINDS}")
 
 
@@ -123,18 +146,18 @@ def _kind(file: Path) -> Kind:
 def _read_results(
     kinds: Mapping[Path, Kind],
     path: Path,
-    rig_cameras: Collection[str] | None,
+    cameras: _Cameras,
     fps: float | None,
     remark: Remark,
 ) -> Iterator[Poses2D]:
     """Yield the images of files of which each has the results of one camera."""
     if "annotations" in kinds.values():
         raise InputError(f"{path}: {_ANNOTATIONS}")
-    files = {_camera(file, kind, rig_cameras): file for file, kind in kinds.items()}
+    files = {_camera(file, kind, cameras): file for file, kind in kinds.items()}
     if len(files) < len(kinds):
         names = ", ".join(file.name for file in kinds)
         raise InputError(f"{path}: two files are of one camera, by their names: {names}")
-    files, fps = _of_the_rig(files, path, rig_cameras, remark), _rate(path, fps, remark)
+    files, fps = _of_the_rig(files, path, cameras, remark), _rate(path, fps, remark)
     frames = {}
     results = {}
     for camera, file in files.items():
@@ -160,28 +183,39 @@ _ANNOTATIONS = (
 )
 
 
-def _camera(file: Path, kind: Kind, rig_cameras: Collection[str] | None) -> str:
+def _camera(file: Path, kind: Kind, cameras: _Cameras) -> str:
     """Return the camera of a file; MMPose's demo puts ``results_`` before the video's name."""
-    if kind != "mmpose" or (rig_cameras is not None and file.stem in rig_cameras):
+    if kind != "mmpose" or file.stem in {*(cameras.of_rig or ()), *cameras.names}:
         return file.stem
     return file.stem.removeprefix("results_")
 
 
 def _of_the_rig(
-    places: Mapping[str, Path], path: Path, rig_cameras: Collection[str] | None, remark: Remark
+    places: Mapping[str, Path], path: Path, cameras: _Cameras, remark: Remark
 ) -> dict[str, Path]:
     """Return the places by the cameras of the rig, when it has them all."""
-    if rig_cameras is None:
-        return dict(places)
-    names = renamed(places, rig_cameras)
     faults = Faults(str(path))
+    for given in cameras.names:
+        if given not in places:
+            there = ", ".join(places)
+            faults.add("", f"there is no camera {given!r} to give another name; there are: {there}")
+    named = {given: name for given, name in cameras.names.items() if given in places}
+    rest = [given for given in places if given not in named]
+    if cameras.of_rig is not None:
+        free = [camera for camera in cameras.of_rig if camera not in named.values()]
+        found = renamed(rest, free)
+        others = [f"{given!r} as {name!r}" for given, name in found.items() if given != name]
+        if others:
+            remark(f"{path}: camera names differ from the rig: {', '.join(others)}")
+    else:
+        found = dict(zip(rest, rest, strict=True))
+    names = {**named, **found}
     for name in names.values():
-        if name not in rig_cameras:
-            faults.add("", unknown_camera(name, rig_cameras))
+        if cameras.of_rig is not None and name not in cameras.of_rig:
+            faults.add("", unknown_camera(name, cameras.of_rig))
+    if len(set(names.values())) < len(names):
+        faults.add("", f"two cameras would have one name: {', '.join(sorted(names.values()))}")
     faults.raise_if_any()
-    others = [f"{given!r} as {name!r}" for given, name in names.items() if given != name]
-    if others:
-        remark(f"{path}: camera names differ from the rig: {', '.join(others)}")
     return {names[given]: place for given, place in places.items()}
 
 
