@@ -141,3 +141,11 @@ def test_help_of_the_rig_commands_loads_no_numpy():
         "assert 'numpy' not in sys.modules and 'matplotlib' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+
+
+def test_clocks_that_are_corrected_are_shown(command, rig_file):
+    text = rig_file.read_text().replace("time_offset_s = 0.0", "time_drift_ppm = 12.5", 1)
+    rig_file.write_text(text)
+    code, out, _ = command("show", rig_file)
+    assert code == 0
+    assert "0, 12.5 ppm" in out

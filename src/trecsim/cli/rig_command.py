@@ -126,7 +126,7 @@ def _table(rig: "Rig") -> str:
     for header in headers:
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("distortion")
-    late = any(camera.time_offset_s for camera in rig)
+    late = any(camera.time_offset_s or camera.time_drift_ppm for camera in rig)
     if late:
         table.add_column("offset s", justify="right", no_wrap=True)
     for camera in rig:
@@ -156,4 +156,5 @@ def _row(facts: dict[str, Any], late: bool) -> list[str]:
         *(f"{facts[key]:z.0f}" for key in ("azimuth_deg", "down_deg")),
         f"{facts['distortion_model']} {coefficients}".rstrip(),
     ]
-    return [*row, f"{facts['time_offset_s']:g}"] if late else row
+    drift = f", {facts['time_drift_ppm']:g} ppm" if facts["time_drift_ppm"] else ""
+    return [*row, f"{facts['time_offset_s']:g}{drift}"] if late else row
