@@ -81,7 +81,7 @@ def test_what_others_put_beside_an_earlier_demo_stays(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("wrong", "named"),
     [
-        ({"people": -1}, "people must lie between 0 and 100, got -1"),
+        ({"people": -1}, "people must be between 0 and 100, got -1"),
         ({"cameras": 1, "seconds": float("nan")}, "seconds .* got nan; cameras .* got 1"),
         ({"seed": -5}, "seed .* got -5"),
     ],

@@ -101,7 +101,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Parameters
     ----------
     arguments
-        What stands after ``trecsim``; None takes it from the command line.
+        The arguments after ``trecsim``; None takes them from the command line.
 
     Raises
     ------

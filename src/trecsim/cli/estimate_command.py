@@ -160,7 +160,7 @@ def _kept(out: Path, counts: Mapping[str, _Count]) -> str:
 
 
 def cameras_of(videos: tuple[str, ...]) -> dict[str, Path]:
-    """Return the video files by camera, from what stands on the command line.
+    """Return the video files by camera, from the arguments.
 
     Raises
     ------

@@ -22,7 +22,7 @@ def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
     """
     from trecsim.store.tracks import export_tracks
 
-    with progress_bar("moments", quiet=json) as bar:
+    with progress_bar("frames", quiet=json) as bar:
         extent = export_tracks(tracks, out, bar)
     summary = {
         "out": out,

@@ -1,10 +1,12 @@
-"""What a command does before the fusion's kernels are compiled for the first time."""
+"""Progress while the kernels of the fusion are compiled for the first time."""
+
+import sys
 
 from trecsim.cli.terminal import note, progress_bar
 
 
 def tell_first_run(*, quiet: bool) -> bool:
-    """Write a line to stderr if the compiler's cache is empty; return whether it is.
+    """Write a line to stderr if the compiler's cache is cold; return whether it is.
 
     Parameters
     ----------
@@ -16,14 +18,14 @@ def tell_first_run(*, quiet: bool) -> bool:
     cached = kernels_are_cached()
     if not quiet and not cached:
         note(
-            "first run on this machine: the kernels are compiled once, which takes up to a minute "
-            "of processor time; later runs start at once"
+            "first run on this machine: compiling the kernels of the fusion, once; later runs "
+            "start at once"
         )
     return not cached
 
 
 def compile_first(*, quiet: bool) -> None:
-    """Compile the kernels if the compiler's cache is empty, and show the progress.
+    """Compile the kernels if the compiler's cache is cold, with progress on stderr.
 
     Parameters
     ----------
@@ -34,5 +36,15 @@ def compile_first(*, quiet: bool) -> None:
         return
     from trecsim.fusion.warmup import warm_up
 
+    lines = not quiet and not sys.stderr.isatty()
+    told = 0
     with progress_bar("compiling kernels", quiet=quiet) as bar:
-        warm_up(bar)
+
+        def passed(done: int, total: int | None) -> None:
+            nonlocal told
+            bar(done, total)
+            if lines and total and 4 * done // total > told:
+                told = 4 * done // total
+                note(f"compiling kernels: {done} of {total}")
+
+        warm_up(passed)

@@ -90,7 +90,7 @@ def convert(
 
 
 def _facts(camera: "Camera") -> dict[str, Any]:
-    """Return what a table of cameras says about one."""
+    """Return the row of a camera in the table."""
     import numpy as np
 
     from trecsim.geometry.view import field_of_view_deg

@@ -1,4 +1,4 @@
-"""The demo: a simulated room through the same code as a recording, held against the truth."""
+"""The demo: a simulated room through the full pipeline, compared with its ground truth."""
 
 import math
 from collections.abc import Callable
@@ -70,13 +70,13 @@ def demo(
     progress: Progress | None = None,
     remark: Callable[[str], None] = lambda text: None,
 ) -> DemoSummary:
-    """Simulate a room, run it as any other site, and compare the result with the truth.
+    """Simulate a room, run it as any other site, and compare the result with the ground truth.
 
     Parameters
     ----------
     folder
-        Gets everything: ``rig.toml``, ``poses.jsonl``, ``truth.npz``, ``site.toml``, ``paths.png``
-        and what a run keeps, in ``run/``. What an earlier demo made there is replaced.
+        Directory of all files: ``rig.toml``, ``poses.jsonl``, ``truth.npz``, ``site.toml``,
+        ``paths.png``, and those of the run, in ``run/``. Files of an earlier demo are replaced.
     seconds
         Length of the scene [s].
     people, cameras
@@ -123,7 +123,7 @@ def _compared(moments: Moments, truth: Truth, remark: Callable[[str], None]) -> 
 
 def _scene(seconds: float, people: int, cameras: int, seed: int) -> Scene:
     faults = [
-        f"{name} must lie between {low:g} and {high:g}, got {value:g}"
+        f"{name} must be between {low:g} and {high:g}, got {value:g}"
         for name, value, low, high in (
             ("seconds", seconds, 1.0, LONGEST_S),
             ("people", people, 0, MOST_PEOPLE),

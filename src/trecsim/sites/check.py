@@ -185,7 +185,7 @@ def _remarks(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[str
     for camera, video in videos.items():
         if video.size_px != rig[camera].size_px:
             sizes = _sizes(video.size_px, rig[camera].size_px)
-            yield f"{camera}: {sizes}; taken as cut off at the right and at the bottom"
+            yield f"{camera}: {sizes}; assuming the image was cropped at the right and bottom"
     unused = [name for name in rig.names if name not in site.sources]
     if unused:
         yield f"cameras of the rig without a source: {', '.join(unused)}"

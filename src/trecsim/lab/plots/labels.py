@@ -1,4 +1,4 @@
-"""Text beside points of a picture, where it covers neither the points nor other text."""
+"""Text beside points of a picture that covers neither points nor other text."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

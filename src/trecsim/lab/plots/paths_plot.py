@@ -39,7 +39,7 @@ SHOWN_S = 60.0  # of the paths; those of a longer time are a tangle
 
 @dataclass(frozen=True, slots=True)
 class Time:
-    """How the picture writes times: from the start, in a unit that suits the length."""
+    """Times from the start, in a unit that suits the length."""
 
     start_s: float
     unit_s: float
@@ -64,7 +64,7 @@ def plot_paths(
     Parameters
     ----------
     snapshots
-        The recording; read once, one moment at a time.
+        The recording; read once, frame by frame.
     rig
         Its cameras.
     out
@@ -74,7 +74,7 @@ def plot_paths(
     remark
         One more line under the title.
     last_s
-        Only where people went in so long before the end is drawn as paths [s].
+        Length of the drawn paths before the end of the recording [s].
 
     Raises
     ------
@@ -146,7 +146,7 @@ def paths_figure(
 
 
 def _colours(recorder: PathRecorder) -> dict[int, str]:
-    """Return everybody's colour; who came one after the other differ."""
+    """Return the colour of each person; people who arrive one after the other differ."""
     order = sorted(recorder.paths, key=lambda person: (recorder.paths[person].first_s, person))
     return {person: COLOURS[place % len(COLOURS)] for place, person in enumerate(order)}
 
@@ -186,7 +186,7 @@ def _extent(
     corners = [camera.position_m[:2] for camera in rig]
     xy_m = [np.array(path.points)[:, 1:] for path in shown.values()]
     if xy_m:
-        # A track gone astray for a moment must not shrink everything else.
+        # Outliers of a track must not shrink everything else.
         corners.extend(np.quantile(np.concatenate(xy_m), [0.005, 0.995], axis=0))
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     half = np.maximum((high - low) / 2, 1.5)
@@ -282,7 +282,7 @@ def _pair(xy_m: Float64[np.ndarray, " 2"]) -> tuple[float, float]:
 def _draw_presence(
     axes: "Axes", recorder: PathRecorder, time: Time, colours: dict[int, str]
 ) -> None:
-    """Draw a bar per person while somebody is there."""
+    """Draw a bar per person for the time the person was tracked."""
     if not recorder.paths:
         axes.set_axis_off()
         return

@@ -1,4 +1,4 @@
-"""What a picture of paths needs of a recording, however long, in little memory."""
+"""The paths of a recording of any length, in little memory."""
 
 import math
 from collections import deque
@@ -18,18 +18,18 @@ Point = tuple[float, float, float]
 
 @dataclass(slots=True)
 class RecordedPath:
-    """Where one person went.
+    """The path of one person.
 
     Attributes
     ----------
     first_s, last_s
         When the person was first and last seen [s].
     spacing_s
-        At least so much time lies between points [s].
+        Least time between points [s].
     points
         Time [s] and position on the floor [m], ``(t, x, y)``.
     recent
-        The same of the last while, none of them dropped; empty where everything is to be shown.
+        The same of the time to show, without dropped points; empty if all of it is shown.
     """
 
     first_s: float
@@ -39,7 +39,7 @@ class RecordedPath:
     recent: deque[Point] = field(default_factory=deque)
 
     def add(self, t_s: float, xy_m: Float64[np.ndarray, " 2"], keep_s: float = math.inf) -> None:
-        """Add where the person is now; of the last `keep_s` everything is kept."""
+        """Add the present position; the last `keep_s` are kept in full."""
         self.last_s = t_s
         if math.isfinite(keep_s):
             self._remember((t_s, float(xy_m[0]), float(xy_m[1])), keep_s)
@@ -74,18 +74,18 @@ class RecordedPath:
 
 @dataclass(slots=True)
 class PathRecorder:
-    """Takes snapshots, one by one, and keeps what a picture needs.
+    """Takes snapshots one by one and keeps the paths for a picture.
 
     Attributes
     ----------
     keep_s
-        Only the paths of so long before the end are to be shown [s].
+        Length of the paths to show, before the end [s].
     paths
-        Where everybody went, by identity.
+        Path of each person, by identity.
     fullest
         The snapshot with most people; of several, the one in which cameras support most joints.
     first_s, last_s
-        First and last time told of [s]; NaN before the first.
+        First and last time [s]; NaN before the first snapshot.
     """
 
     keep_s: float = math.inf
@@ -95,7 +95,7 @@ class PathRecorder:
     last_s: float = float("nan")
 
     def add(self, snapshot: Snapshot) -> None:
-        """Take in one moment."""
+        """Add one frame."""
         self.first_s = snapshot.t_s if np.isnan(self.first_s) else self.first_s
         self.last_s = snapshot.t_s
         for person, xy_m in zip(snapshot.id.tolist(), floor_places(snapshot.xyz_m), strict=True):
@@ -125,7 +125,7 @@ class PathRecorder:
 
 
 def floor_places(xyz_m: Float[np.ndarray, "person 17 3"]) -> Float64[np.ndarray, "person 2"]:
-    """Return where people stand: below the middle of the joints that are known [m]."""
+    """Return positions on the floor: below the mean of the known joints [m]."""
     known = np.isfinite(xyz_m[..., 0])
     total_m = np.where(known[..., None], xyz_m, 0.0).sum(axis=1, dtype=np.float64)
     count = known.sum(axis=1)[:, None]

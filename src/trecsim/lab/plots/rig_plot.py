@@ -1,4 +1,4 @@
-"""The cameras of a rig over the floor, and what each of them sees of it."""
+"""A picture of a rig from above: the cameras, and the floor that they see."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ COLOURS = (
     "#3BA3DB",
     "#7B4FA3",
     "#8C6D31",
-)  # told apart by colour-blind people too, and on paper
+)  # distinguishable for colour-blind people, and on paper
 SHORTEST_RANGE_M, LONGEST_RANGE_M = 4.0, 60.0
 SHADES = ("#eef2f7", "#d3dfec", "#adc5dd", "#83a7cb", "#5987b5")  # by number of cameras; last: more
 GRID = 400  # points along each side of the floor at which the views are sampled

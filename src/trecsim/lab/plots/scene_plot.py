@@ -1,4 +1,4 @@
-"""A made scene from above: what cameras see of the floor, where people go, what stands about."""
+"""A synthetic scene from above: coverage of the floor, paths, obstacles."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 CAMERA_COLOUR = "0.35"
 OBSTACLE_COLOUR = "#9C8F7F"
-MOST_MARKED = 24  # more people than that are told apart by nobody
+MOST_MARKED = 24  # the paths of more people are drawn without marks
 AIR_M = 0.6
-JUMP_M = 2.0  # between two samples: somebody who left and came back
+JUMP_M = 2.0  # between two samples: a person who left and came back
 
 Box = tuple[Sequence[float], Sequence[float]]
 
@@ -40,13 +40,13 @@ def plot_scene(
     rig
         Its cameras.
     ways_m
-        Where everybody is over the floor, equidistant in time; NaN while absent [m].
+        Positions of all people, equidistant in time; NaN while absent [m].
     boxes_m
         Obstacles: the corners with the smallest and the largest x and y [m].
     path
         The picture; its suffix decides on the format.
     title, about
-        What stands over it.
+        Title and subtitle.
 
     Raises
     ------

@@ -13,12 +13,12 @@ LEAD = "The true positions are known for this recording: it is synthetic, or ann
 
 
 def scores_of(recording: Recording) -> Scores | str | None:
-    """Return the scores; what is lacking to compute them; None without a truth.
+    """Return the scores; the missing package as text; None without ground truth.
 
     Raises
     ------
     InputError
-        Tracks and truth do not belong together.
+        Tracks and ground truth do not belong together.
     """
     if recording.truth is None:
         return None

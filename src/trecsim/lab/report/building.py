@@ -85,7 +85,7 @@ def report(
     from_s, to_s
         The part of the recording to take, counted from its start [s].
     progress
-        Told the number of moments read.
+        Called with the number of frames read.
 
     Raises
     ------

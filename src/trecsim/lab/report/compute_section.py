@@ -81,7 +81,7 @@ def _table(recording: Recording, timing: Timing) -> Table:
     if waiting:
         caption += (
             f" The first {waiting} frame sets are not counted: with a lag of {recording.lag_s:g} s "
-            "they report nobody yet."
+            "they have no state yet."
         )
     return Table(columns, rows, caption)
 

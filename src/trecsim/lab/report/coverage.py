@@ -17,10 +17,10 @@ from trecsim.lab.report.recording import Recording
 from trecsim.sources import read_poses
 from trecsim.values import Poses2D
 
-MOST_JUDGED = 4000  # person-moments for which it is counted who is in whose image
+MOST_JUDGED = 4000  # person-frames that are projected into all images
 MOST_WINDOWS = 3000  # pieces of time in which key points are compared with the tracks
 CELLS = 160  # of the floor, along the longer side
-WALKED_M = 0.5  # the floor counts up to so far from where somebody was
+WALKED_M = 0.5  # distance to a person up to which the floor counts
 MOST_COUNTED = 4  # this many cameras and more are one class
 
 
@@ -40,11 +40,11 @@ class CameraFacts:
         How far inside the image of each camera each cell is, as a share of its width; negative
         outside.
     walked
-        The cells at which somebody was.
+        The cells near which a person was.
     in_view
-        Share of everybody's time during which a camera has most of the person in its image.
+        Share of the person-frames in which a camera has most of the person in its image.
     by_count
-        Share of everybody's time with none, one, ... four or more cameras in view.
+        Share of the person-frames with none, one, ... four or more cameras in view.
     supported
         The same for the cameras that in fact support a joint, over all joints.
     found
@@ -72,7 +72,7 @@ class CameraFacts:
 
 
 def facts_of(recording: Recording) -> CameraFacts | None:
-    """Return what there is to say about the cameras; None without a rig or people.
+    """Return coverage, support and errors of the cameras; None without a rig or people.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def _cells(extent: Extent) -> Float64[np.ndarray, "y x 3"]:
 def _walked(
     cells_m: Float64[np.ndarray, "y x 3"], places_m: Float64[np.ndarray, "row 2"]
 ) -> Bool[np.ndarray, "y x"]:
-    """Return the cells at which somebody was, or next to it."""
+    """Return the cells near which a person was."""
     rows, columns = cells_m.shape[:2]
     cell_m = float(cells_m[0, 1, 0] - cells_m[0, 0, 0])
     known_m = places_m[np.isfinite(places_m).all(axis=1)]
@@ -138,7 +138,7 @@ def _walked(
 
 
 def _in_view(rig: Rig, recording: Recording) -> Bool[np.ndarray, "cam row"]:
-    """Return which camera has most of the known joints of which person-moment in its image."""
+    """Return which camera has most known joints of each sampled person-frame in its image."""
     xyz_m = recording.sample.xyz_m
     xyz_m = xyz_m[:: max(len(xyz_m) // MOST_JUDGED, 1)].astype(np.float64)
     known = np.isfinite(xyz_m[..., 0]).sum(axis=1)
@@ -159,7 +159,7 @@ def _counted(poses: Iterable[Poses2D], images: Counter[str]) -> Iterator[Poses2D
 
 
 def _within(poses: Iterable[Poses2D], rig: Rig, recording: Recording) -> Iterator[Poses2D]:
-    """Yield the images taken between two moments of the sample that follow each other."""
+    """Yield the images taken between two consecutive frames of the sample."""
     t_s = recording.sample.t_s
     starts = np.flatnonzero(np.diff(t_s) <= 1.5 * recording.period_s)
     starts = starts[:: max(len(starts) // MOST_WINDOWS, 1)]

@@ -1,4 +1,4 @@
-"""Curves of any length drawn with a few hundred points, honest about what lies between."""
+"""Curves of any length drawn with a few hundred points, with a band for what they leave out."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,7 +21,7 @@ class Curve:
     t
         Time of each point; NaN where the curve pauses.
     middle, low, high
-        Median of the values of a point, and between what 90 % of them lie.
+        Median of the values of a point, and the limits of 90 % of them.
     """
 
     t: Float64[np.ndarray, " point"]
@@ -37,7 +37,7 @@ def curve(
     most: int = MOST_POINTS,
     together: bool = False,
 ) -> Curve:
-    """Return values over time in at most so many points.
+    """Return values over time as a limited number of points.
 
     Parameters
     ----------

@@ -19,10 +19,9 @@ class Text:
     Attributes
     ----------
     text
-        What it says.
+        The text.
     kind
-        ``"warning"`` stands out, ``"missing"`` says what would be needed for more, ``"good"``
-        that all is well.
+        ``"warning"``, ``"missing"`` (which input a part needs) or ``"good"`` (checks passed).
     """
 
     text: str
@@ -31,7 +30,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One number that shall be seen first.
+    """One number, shown large.
 
     Attributes
     ----------
@@ -64,11 +63,11 @@ class Table:
     columns
         Their names.
     rows
-        As many texts each as there are columns; a number is written as the reader shall see it.
+        The texts of each row, one per column; numbers are formatted already.
     caption
         What one sees.
     align
-        Of each column; without it the first stands left and the others right.
+        Of each column; by default the first is left aligned, the others right.
     groups
         Texts over several columns each, with how many; none if empty.
     swatches
@@ -100,7 +99,7 @@ class Figure:
     ----------
     svg
         The drawing as `trecsim.lab.report.style.as_svg` returns it; goes into the page as it is, so
-        it must never be somebody else's file.
+        never pass a file of a user.
     caption
         What one sees, in a sentence or two.
     title
@@ -124,9 +123,9 @@ class Section:
     title
         The heading.
     blocks
-        What stands in it, in order.
+        Its content, in order.
     lead
-        A sentence under the heading that says what the section is for; may be empty.
+        A sentence under the heading; may be empty.
     """
 
     title: str

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MOST_VECTOR_POINTS = 5000  # more of a path become an image
 COLOUR_STEPS = 240  # along all of the time
 MOST_ENDS = 30  # people whose end of the path is marked
-MOST_CROWDED = 4.0  # metres of path on a square metre of floor; more cannot be told apart
+MOST_CROWDED = 4.0  # metres of path per square metre of floor; more is unreadable
 EXCERPTS = 12  # of a recording with more
 SHORTEST_EXCERPT_S = 3.0
 PAUSE_STEPS = 3.0  # of the sample; after a longer pause a path begins anew
@@ -33,7 +33,7 @@ class Excerpts:
     drawn_s
         Length of each excerpt [s].
     chosen
-        The person-moments of the sample that lie in one.
+        The rows of the sample that are in an excerpt.
     """
 
     drawn_s: float
@@ -96,7 +96,7 @@ def _length_m(pieces: Iterable[Float64[np.ndarray, "point 2"]]) -> float:
 def excerpts_of(
     recording: Recording, places_m: Float64[np.ndarray, "row 2"], extent: Extent
 ) -> Excerpts:
-    """Return which part of the time to draw, so that lines can still be told apart."""
+    """Return the part of the time to draw, so that lines remain distinguishable."""
     everything = np.ones(len(places_m), np.bool_)
     tracks = _tracks(recording, places_m, everything)
     lines = (line for _, t_s, xy_m in tracks for _, line in _pieces(recording, t_s, xy_m))

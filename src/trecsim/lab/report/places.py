@@ -1,4 +1,4 @@
-"""Where the pieces of a recording lie."""
+"""The files of a recording."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ RUN = "run"
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """Where the pieces of a recording lie; None where there is none.
+    """The files of a recording; None if missing.
 
     Attributes
     ----------
@@ -43,14 +43,14 @@ class Places:
 def find(
     path: Path, *, rig: Path | None = None, poses: Path | None = None, truth: Path | None = None
 ) -> Places:
-    """Return where the pieces of a recording lie.
+    """Return the files of a recording.
 
     Parameters
     ----------
     path
-        A folder of a recording or of a demo, or a file of tracks; a file stands for itself only.
+        A folder of a recording or of a demo, or a file of tracks alone.
     rig, poses, truth
-        Where they lie instead, or in addition.
+        Files to use instead, or in addition.
 
     Raises
     ------
@@ -60,8 +60,8 @@ def find(
     if not path.is_dir() or path.suffix in (".parts", ".parquet"):
         if not path.exists() and not parts_of(path).is_dir():
             raise InputError(
-                f"there is no recording at {path}; give a folder that `trecsim run` has made, "
-                "or a file of tracks"
+                f"there is no recording at {path}; give a folder written by `trecsim run`, or a "
+                "file of tracks"
             )
         return Places(path, rig, poses, truth)
     folders = (path, path / RUN)  # a demo keeps its run in a folder of its own

@@ -50,7 +50,7 @@ def extent_of(places_m: Float64[np.ndarray, "row 2"], rig: Rig | None) -> Extent
     known_m = places_m[np.isfinite(places_m).all(axis=1)]
     corners = [camera.position_m[:2] for camera in rig] if rig is not None else []
     if len(known_m):
-        # A track gone astray for a moment must not shrink everything else.
+        # Outliers of a track must not shrink everything else.
         corners.extend(np.quantile(known_m, [0.003, 0.997], axis=0))
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     half = np.maximum((high - low) / 2, LEAST_SIDE_M / 2)
@@ -151,7 +151,7 @@ def heat_map() -> "Colormap":
 
 
 def smoothed(count: Float64[np.ndarray, "y x"]) -> Float64[np.ndarray, "y x"]:
-    """Return the counts, each spread over its neighbours: nobody is as thin as a cell."""
+    """Return the counts smoothed over neighbouring cells, by about the width of a person."""
     kernel = np.exp(-0.5 * (np.arange(-4, 5) / 1.6) ** 2)
     kernel /= kernel.sum()
     for axis in (0, 1):

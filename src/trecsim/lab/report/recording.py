@@ -1,4 +1,4 @@
-"""Reads what a report is about: a folder of a recording, or a file of tracks."""
+"""Read the recording that a report is about: a folder, or a file of tracks."""
 
 import json
 import math
@@ -24,7 +24,7 @@ from trecsim.store.truth import Truth, read_truth
 
 EARLIEST_UNIX_S = 1e9  # times from here on are dates, others count from some start
 LONGEST_LAG_S = 10.0  # a longer one means that timing and tracks do not belong together
-MOST_SHOWN = 8  # people in tables and curves; as many colours can be told apart
+MOST_SHOWN = 8  # people in tables and curves; there are as many distinguishable colours
 _LARGEST_SUMMARY_BYTES = 10_000_000
 
 
@@ -50,40 +50,40 @@ class Clock:
 
     @property
     def label(self) -> str:
-        """What stands at an axis."""
+        """Label of a time axis."""
         return f"time from the start [{self.unit}]"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A recording as a report needs it: all counts, and evenly chosen moments of it.
+    """A recording as a report needs it: all counts, and an even sample of its frames.
 
     Attributes
     ----------
     name
         Of the site, the folder or the file.
     places
-        Where its pieces lie.
+        Its files.
     start_s, end_s
-        First and last time, of all pieces [s]; NaN if nobody was followed and nothing timed.
+        First and last time of all files [s]; NaN if there is none.
     range_s
-        From when until when moments were taken [s]; may be infinite.
+        Time range of the frames that were used [s]; may be infinite.
     moment_count
-        Times at which somebody was there.
+        Number of frames with people.
     person_moments
-        Sum of the people over those times.
+        Number of person-frames.
     stays
-        When and how often each identity was there, longest first.
+        First and last time and number of frames of each identity, longest first.
     every
-        Of so many moments two that follow each other are in the sample; 1: all are.
+        Of so many frames two consecutive ones are in the sample; 1: all are.
     period_s
-        Usual time from one moment to the next, of all moments [s]; NaN for fewer than two.
+        Median time between frames [s]; NaN for fewer than two.
     sample
-        Evenly chosen moments.
+        An even sample of the frames.
     rig, timing, truth
-        As their files say; None where there is none.
+        Contents of their files; None if missing.
     summary
-        What the run said of itself; empty where there is none.
+        The summary of the run; empty if missing.
     lag_s
         How far the states are behind the frame sets they came from [s].
     """
@@ -107,13 +107,13 @@ class Recording:
 
     @property
     def length_s(self) -> float:
-        """How long it is [s]; 0 where nothing is known."""
+        """Length [s]; 0 if unknown."""
         length_s = self.end_s - self.start_s
         return length_s if math.isfinite(length_s) else 0.0
 
     @property
     def length(self) -> float:
-        """How long it is in the unit of its clock, never quite nothing: the end of a time axis."""
+        """Length in the unit of its clock, never 0: the end of a time axis."""
         return max(self.length_s / self.clock.unit_s, 1e-3)
 
     @property
@@ -124,7 +124,7 @@ class Recording:
 
     @property
     def clock(self) -> Clock:
-        """How to write its times."""
+        """How to show its times."""
         start_s = self.start_s if math.isfinite(self.start_s) else 0.0
         if self.length_s < 300:
             return Clock(start_s)
@@ -134,23 +134,23 @@ class Recording:
 
     @property
     def shown(self) -> tuple[Stay, ...]:
-        """The people whom tables and curves show: those who were there longest, by arrival."""
+        """The people that tables and curves show: those tracked longest, by arrival."""
         return tuple(sorted(self.stays[:MOST_SHOWN], key=lambda stay: (stay.first_s, stay.person)))
 
     @property
     def number(self) -> dict[int, int]:
-        """Everybody's number, by which colours are given: the shown first, then by arrival."""
+        """Number of each person, which sets the colour: the shown first, then by arrival."""
         rest = sorted(self.stays[MOST_SHOWN:], key=lambda stay: (stay.first_s, stay.person))
         return {stay.person: number for number, stay in enumerate((*self.shown, *rest))}
 
     @property
     def t_s(self) -> Float64[np.ndarray, " row"]:
-        """Time of each person-moment of the sample [s]."""
+        """Time of each person-frame of the sample [s]."""
         return np.repeat(self.sample.t_s, self.sample.people)
 
     @property
     def moment_s(self) -> float:
-        """How much time a moment of the sample stands for [s]; 0 where nothing tells."""
+        """Time that a frame of the sample represents [s]; 0 if unknown."""
         usual_s = self.moment_count * self.period_s / max(len(self.sample.t_s), 1)
         return usual_s if math.isfinite(usual_s) else 0.0
 
@@ -162,16 +162,16 @@ def read_recording(
     to_s: float = math.inf,
     progress: Progress | None = None,
 ) -> Recording:
-    """Read a recording, one moment at a time, in little memory.
+    """Read a recording frame by frame, in little memory.
 
     Parameters
     ----------
     places
-        Where its pieces lie.
+        Its files.
     from_s, to_s
         The part of it to take, counted from its start [s].
     progress
-        Told the number of moments read.
+        Called with the number of frames read.
 
     Raises
     ------
@@ -198,7 +198,7 @@ def read_recording(
             progress(number, None)
     if (from_s > 0 or math.isfinite(to_s)) and not sampler.moments:
         raise InputError(
-            f"{places.tracks}: there is nobody from {from_s:g} s to {to_s:g} s after the start"
+            f"{places.tracks}: there are no people from {from_s:g} s to {to_s:g} s after the start"
         )
     lag_s = _lag_s(timing, first_s)
     timing = _part(timing, sampler)

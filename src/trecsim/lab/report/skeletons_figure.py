@@ -31,7 +31,7 @@ _SIDES = [
 
 
 def skeletons(recording: Recording) -> str:
-    """Return a drawing of everybody shown, or nothing if no moment shows a whole person."""
+    """Return a drawing of each person shown; empty if no frame has enough joints."""
     chosen = [(stay.person, best_row(recording, stay.person)) for stay in recording.shown]
     found = [(person, row) for person, row in chosen if row is not None]
     if not found:

@@ -30,7 +30,7 @@ PALETTE = {
     "good": ("#0b8a66", "#3fcb9f"),
     **{f"c{n}": pair for n, pair in enumerate(zip(COLOURS, _ON_DARK, strict=True))},
 }
-"""Names of the colours with their light and dark forms; ``c0`` to ``c7`` tell things apart."""
+"""Colours by name, light and dark; ``c0`` to ``c7`` distinguish people and cameras."""
 
 INK, SOFT, LINE, FAINT, PAPER, ACCENT, WARN, GOOD = (
     PALETTE[name][0] for name in ("ink", "soft", "line", "faint", "paper", "accent", "warn", "good")
@@ -143,7 +143,7 @@ def quiet(axes: "Axes", *, grid: Literal["x", "y", "both"] = "y") -> None:
 
 
 def as_svg(drawn: "Figure", name: str) -> str:
-    """Return a figure as SVG to stand in a page, its colours as the page's variables.
+    """Return a figure as SVG to embed in a page, with its colours as CSS variables.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Evenly chosen moments of a recording, however long, in little memory."""
+"""An even sample of the frames of a recording of any length, in little memory."""
 
 import math
 from dataclasses import dataclass, field
@@ -10,12 +10,12 @@ from trecsim.lab.evaluation.moments import Moments
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
-MOST_ROWS = 60_000  # person-moments that are kept; beyond, half of the moments are dropped
+MOST_ROWS = 60_000  # person-frames that are kept; beyond, half of the frames are dropped
 
 
 @dataclass(slots=True)
 class Stay:
-    """When one identity was there.
+    """Time in which one identity was tracked.
 
     Attributes
     ----------
@@ -24,7 +24,7 @@ class Stay:
     first_s, last_s
         First and last time [s].
     moments
-        At how many times.
+        Number of frames.
     """
 
     person: int
@@ -46,7 +46,7 @@ Kept = tuple[
 
 @dataclass(slots=True)
 class Sampler:
-    """Takes snapshots, counts all of them and keeps one of every so many.
+    """Counts all snapshots and keeps an even sample of them.
 
     Attributes
     ----------
@@ -55,11 +55,11 @@ class Sampler:
     from_s, to_s
         The part of the recording to take [s].
     most_rows
-        Person-moments to keep at most.
+        Largest number of person-frames to keep.
     every
-        Of so many moments two that follow each other are kept; 1: all are.
+        Of so many frames two consecutive ones are kept; 1: all are.
     moments, person_moments
-        How many there were in all.
+        Number of all frames and person-frames.
     """
 
     start_s: float | None = None
@@ -74,7 +74,7 @@ class Sampler:
     _stays: dict[int, Stay] = field(default_factory=dict)
 
     def add(self, snapshot: Snapshot) -> None:
-        """Take in one moment."""
+        """Add one frame."""
         if self.start_s is None:
             self.start_s = snapshot.t_s
         low_s, high_s = self.range_s
@@ -91,24 +91,24 @@ class Sampler:
 
     @property
     def range_s(self) -> tuple[float, float]:
-        """From when until when moments count [s]."""
+        """Time range of the frames that count [s]."""
         start_s = self.start_s if self.start_s is not None else 0.0
         # The first snapshot may be a lag older than the first frame set.
         return (start_s + self.from_s if self.from_s > 0 else -math.inf), start_s + self.to_s
 
     @property
     def span_s(self) -> tuple[float, float]:
-        """First and last time at which somebody was there [s]; NaN if nobody was."""
+        """First and last time with people [s]; NaN without people."""
         stays = self._stays.values()
         nobody = (math.nan, math.nan)
         return (min(s.first_s for s in stays), max(s.last_s for s in stays)) if stays else nobody
 
     def stays(self) -> tuple[Stay, ...]:
-        """Return when each identity was there, longest first."""
+        """Return the time of each identity, longest first."""
         return tuple(sorted(self._stays.values(), key=lambda stay: (-stay.moments, stay.person)))
 
     def sample(self) -> Moments:
-        """Return the kept moments."""
+        """Return the kept frames."""
         nobody = np.empty((0, len(COCO17.joints)))
         columns = zip(*self._kept, strict=True) if self._kept else [()] * 6
         _, t_s, identity, xyz_m, sigma_m, support = columns
@@ -123,7 +123,7 @@ class Sampler:
 
     @property
     def period_s(self) -> float:
-        """Usual time from one moment to the next [s]; NaN for fewer than two."""
+        """Median time between frames [s]; NaN for fewer than two."""
         number = np.array([kept[0] for kept in self._kept])
         t_s = np.array([kept[1] for kept in self._kept])
         steps_s = np.diff(t_s)[np.diff(number) == 1]

@@ -66,7 +66,7 @@ def _over_time(recording: Recording) -> str:
 
 
 def _ceiling(high: Float64[np.ndarray, " point"]) -> float:
-    """Return how far up to draw: the first moments of somebody must not flatten the rest."""
+    """Return the upper limit of the axis: large values at a birth must not flatten the rest."""
     known = high[np.isfinite(high)]
     return float(1.15 * min(known.max(), 2.5 * np.quantile(known, 0.9))) or 1.0
 
