@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from trecsim.cli import demo_command, first_run
+from trecsim.cli import demo_command
 
 
 def test_the_command_tells_what_came_of_it(
@@ -38,18 +38,3 @@ def test_the_demo_advises_only_what_the_installed_extras_can_do(
     assert "sample" not in advised("report")
     assert "trecsim report room" in advised("report", "video")
     assert "trecsim sample" in advised("report", "video")
-
-
-@pytest.mark.parametrize(
-    ("cached", "quiet", "told"), [(True, False, 0), (False, False, 1), (False, True, 0)]
-)
-def test_a_cold_cache_of_the_compiler_is_told_once(
-    cached: bool,
-    quiet: bool,
-    told: int,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.setattr("trecsim.doctor.kernels_are_cached", lambda: cached)
-    first_run.tell_first_run(quiet=quiet)
-    assert capsys.readouterr().err.count("compiled once") == told

@@ -31,7 +31,7 @@ COMMANDS = {
     "simulate": "Simulate a scene: synthetic 2D poses with ground truth.",
     "study": "Vary settings of the fusion on synthetic scenes; report which of them matter.",
     "doctor": "Check the installation.",
-    "warmup": "Compile what is compiled at the first run, now.",
+    "warmup": "Compile the kernels of the fusion now instead of at the first run.",
     "sample": "Download a real multi-camera recording to try.",
 }
 GROUPS = {

@@ -4,10 +4,11 @@ from trecsim.cli.terminal import finish, progress_bar
 
 
 def warmup(*, json: bool = False) -> None:
-    """Compile what is compiled at the first run, now.
+    """Compile the kernels of the fusion now instead of at the first run.
 
-    The compiled code is kept for later runs: in the directory that NUMBA_CACHE_DIR names, else
-    beside the installed package, else in the user's cache. After an update it is compiled anew.
+    The compiled code is kept for later runs: in the directory NUMBA_CACHE_DIR, if it is set,
+    otherwise beside the installed package or in the user's cache. After an update the kernels are
+    compiled again.
 
     Parameters
     ----------
@@ -25,8 +26,8 @@ def warmup(*, json: bool = False) -> None:
     folder = cache_folder(Path(kernels.__path__[0]))
     if folder is None:
         raise SetupError(
-            "the kernels were compiled, but no directory can be written to that would keep them; "
-            "set NUMBA_CACHE_DIR to one that can"
+            "the kernels were compiled, but there is no writable directory to keep them; set "
+            "NUMBA_CACHE_DIR to one"
         )
     kept = len(list(folder.glob("*.nbc")))
-    finish({"kernels": kept, "folder": str(folder)}, json, f"{kept} kernels are in {folder}")
+    finish({"kernels": kept, "folder": str(folder)}, json, f"{kept} compiled kernels in {folder}")
