@@ -23,7 +23,9 @@ from typing import Any
 
 import numba
 from numba.core import config
-from numba.core.compiler import CompileResult
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompileResult, Flags, compile_extra
+from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]  # not public
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from platformdirs import user_cache_path
@@ -72,6 +74,7 @@ def inner(function: Callable[..., Any] | None = None, *, allocates: bool = False
     compiled = _compiled(plain, no_cpython_wrapper=True, _nrt=allocates)
     if not config.DISABLE_JIT:
         compiled.__class__ = InnerKernel
+        compiled._compiler.__class__ = _Translator
     return compiled
 
 
@@ -87,13 +90,51 @@ def _compiled(function: Callable[..., Any], **options: Any) -> Any:
 
 
 class InnerKernel(CPUDispatcher):  # type: ignore[misc]  # numba gives it no type
-    """A kernel without a wrapper for Python; a call from Python, as in tests, compiles one."""
+    """A kernel without a wrapper for Python; a call from Python, as in tests, compiles one.
+
+    Numba would optimise it and make machine code of it by itself. Here it is only translated, then
+    optimised as a part of the kernels that call it.
+    """
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the version for Python."""
         if "for_python" not in self.__dict__:
             self.for_python = kernel(self.py_func, allocates=True)
         return self.for_python(*arguments)
+
+    def add_overload(self, cres: CompileResult) -> None:
+        """Let other kernels find a compiled version by its result, as it has no entry point."""
+        cres = cres._replace(entry_point=object())
+        self.targetctx.insert_user_function(cres.entry_point, cres.fndesc, [cres.library])
+        self.overloads[tuple(cres.signature.args)] = cres
+
+
+class _Translator(_FunctionCompiler):  # type: ignore[misc]  # numba gives it no type
+    """What an `InnerKernel` is compiled with: numba's front end."""
+
+    def _compile_core(self, args: Any, return_type: Any) -> Any:
+        target = self.targetdescr.target_context
+        flags = Flags()
+        self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
+        flags.no_compile = True
+        return compile_extra(
+            self.targetdescr.typing_context, target, self.py_func, args, return_type, flags,
+            self.locals, _Part(target.codegen(), self.py_func.__qualname__), self.pipeline_class,
+        )  # fmt: skip
+
+
+class _Part(JITCodeLibrary):  # type: ignore[misc]  # numba gives it no type
+    """The code of an `InnerKernel`, to be linked into others but not run by itself."""
+
+    def _optimize_functions(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        """Leave it to the kernels it becomes a part of."""
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
 
 
 class KernelCache:
@@ -138,6 +179,8 @@ class KernelCache:
     def save_overload(self, sig: Any, cres: CompileResult) -> None:
         """Keep a compiled version; a disk that is full or read-only only costs the next start."""
         _tell_ready()
+        for environment in cres._find_referenced_environments():  # of the inner kernels in it
+            cres.library.codegen.set_env(environment.env_name, environment)
         if not self._enabled or self._folder is None or cres.library.has_dynamic_globals:
             return
         # Sources that were edited while they were imported belong to neither digest.
