@@ -139,7 +139,7 @@ def nearest_m(depth_m):
     return least
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def match_view(ratio, best):
     """Write for each track the detection that makes the sum of log ratios largest, or -1.
 
