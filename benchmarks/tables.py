@@ -71,7 +71,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "detector-figures": ("detector_figures", exact.detector),
     "speed": ("speed", fast.speed),
     "speed-short": ("speed", fast.speed_short),
-    "pipeline-short": ("pipeline_cost", fast.pipeline_short),
+    "pipeline-short": ("estimator_speed", fast.pipeline_short),
     "thesis-speed": ("speed", fast.thesis_speed),
     "thesis-rate": ("speed", fast.thesis_rate),
     "growth": ("speed", fast.growth),
