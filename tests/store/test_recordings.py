@@ -63,6 +63,19 @@ def test_a_recording_is_continued_with_all_its_files(tmp_path: Path, crash: bool
     assert stored_in(tmp_path) == Stored(9, after[-1].t_s, "abc")
     names = ["poses.jsonl", "rig.toml", "timing.csv", "tracks.parquet"]
     assert sorted(path.name for path in tmp_path.iterdir()) == names
+    assert all((tmp_path / name).is_file() for name in names)  # since it is short
+
+
+def test_a_long_recording_that_is_continued_keeps_its_segments(tmp_path: Path) -> None:
+    before = [snapshot(t_s, [1]) for t_s in (0.0, 1800.0)]
+    after = [snapshot(t_s, [2]) for t_s in (3000.0, 7200.0)]
+    record(tmp_path, before, crash=True)
+    record(tmp_path, after, resume=True)
+    assert (tmp_path / "tracks.parquet").is_dir()
+    assert (tmp_path / "timing.csv").is_dir()
+    assert_same(list(read_tracks(tmp_path)), before + after)
+    times_s = [one.t_s for one in before + after]
+    assert read_timing(tmp_path / "timing.csv").t_s.tolist() == times_s
 
 
 def test_what_is_stored_already_is_not_stored_again(tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from trecsim.values import Snapshot
 
 # Records a moment every ten minutes and kills itself at the place named by the argument.
 WRITER = """
-import os, pathlib, shutil, signal, sys
+import os, pathlib, signal, sys
 from made_tracks import walk
 from trecsim.store import tracks_parquet
 from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
@@ -43,7 +43,9 @@ names = {
 if where in names:
     pathlib.Path.replace = lambda a, b: kill() if b.name == names[where] else replace(a, b)
 if where == "before the parts of a segment are removed":
-    shutil.rmtree = kill
+    unlink = pathlib.Path.unlink
+    is_part = lambda path: path.parent.name == "00000001" and path.name[0] != "."
+    pathlib.Path.unlink = lambda path, **given: kill() if is_part(path) else unlink(path, **given)
 if where == "before the recording takes its name":
     pathlib.Path.rename = kill
 with ParquetTracksWriter(path, segment_s=HOUR_S, part_s=0.0, resume=resume) as writer:
@@ -276,6 +278,7 @@ def test_the_parts_of_an_hour_are_removed_when_it_is_over(path: Path) -> None:
     for one in hours(2):
         writer.write(one)
     folder = parts_of(path)
+    assert not (folder / "00000001").exists()
     assert [file.relative_to(folder).as_posix() for file in files_in(folder)] == [
         "00000001.parquet",
         *(f"00000002/00000{n}.parquet" for n in range(1, 7)),
@@ -295,6 +298,18 @@ def test_a_recording_is_readable_while_an_hour_ends(path: Path) -> None:
         writer.write(one)
     writer.close()
     assert_same([*read, *reading], list(hours(3)))
+
+
+def test_many_parts_are_removed_a_few_at_a_time(path: Path) -> None:
+    """Removing the 1800 parts of an hour at once would stall the tracking."""
+    writer = ParquetTracksWriter(path, segment_s=HOUR_S, part_s=0.0)
+    left = []
+    for number in range(60):
+        writer.write(snapshot(80.0 * number, [1]))
+        left.append(len(list((parts_of(path) / "00000001").glob("*"))))
+    assert left == [*range(1, 46), 25, 5, *[0] * 13]
+    writer.close()
+    assert len(list(read_tracks(path))) == 60
 
 
 def test_two_programs_cannot_record_to_the_same_place(path: Path) -> None:

@@ -1,1 +1,1 @@
-"""What stays on the disk: tracks as CSV and Parquet, written so that a crash costs seconds."""
+"""Files of results: tracks, timings, 2D poses and ground truth."""

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Files that appear complete or not at all."""
 
 import errno
 import os
@@ -30,11 +30,11 @@ def atomic_write(
 def atomic_write(
     path: Path, mode: Literal["w", "wb"] = "w", *, private: bool = False
 ) -> AbstractContextManager[IO[str]] | AbstractContextManager[IO[bytes]]:
-    """Open a file that takes its name only when it is complete.
+    """Open a file that gets its name only when it is complete.
 
     The content goes to a hidden file in the same directory, which replaces `path` when the block
-    ends without an error. Whatever else happens (an error, Ctrl-C, no space, loss of power), the
-    old content of `path`, or its absence, stays.
+    ends without an error. After an error, Ctrl-C, a full disk or a power failure `path` is as it
+    was before.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _open(path: Path, mode: str, private: bool = False) -> IO[Any]:
 
 @contextmanager
 def disk_faults(path: Path, *, running: bool = False) -> Iterator[None]:
-    """Turn the system's errors while writing `path` into errors for the person on site.
+    """Turn errors of the operating system while writing `path` into our own with advice.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def disk_faults(path: Path, *, running: bool = False) -> Iterator[None]:
         yield
     except OSError as error:
         told = _removed(path) if running and error.errno in _GONE else _explain(path, error)
-        if told is None:  # an error of something else that happened to run inside the block
+        if told is None:  # not an error of the file system
             raise
         raise told from error
 

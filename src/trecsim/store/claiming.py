@@ -1,4 +1,4 @@
-"""A folder belongs to one program at a time."""
+"""Exclusive use of a folder by one program."""
 
 import logging
 import os
@@ -17,24 +17,23 @@ LOCK = ".lock"
 
 
 class FolderClaim:
-    """Keeps other programs from writing into a folder until the block ends.
+    """Reserves a folder for this program until the block ends.
 
-    The file ``.lock`` in the folder is locked by the operating system and holds the number of the
-    process. The lock ends with the process, however that ends; a file that is left behind does not
-    matter. A folder that is missing is made, for its owner alone; one that is empty at the end is
-    removed.
+    The operating system locks the file ``.lock`` in the folder, which holds the process number. The
+    lock ends with the process, so a file that a crash left behind has no effect. A missing folder
+    is created with access for its owner only; a folder that is empty at the end is removed.
 
     Parameters
     ----------
     folder
         The folder.
     what
-        How messages call the other program, as in "run".
+        What error messages call the other program, for example "run".
 
     Raises
     ------
     InputError
-        When another program holds the folder, or it cannot be made.
+        When another program uses the folder, or it cannot be created.
     SetupError
         When the disk has no room.
 
@@ -66,7 +65,7 @@ class FolderClaim:
                     self._refuse(what)
                 if is_file_at(self._handle, self._lock):
                     break
-                os.close(self._handle)  # the other program has just ended and removed it
+                os.close(self._handle)  # its last user has just removed it
             os.ftruncate(self._handle, 0)
             os.write(self._handle, f"{os.getpid()}\n".encode())
 
@@ -80,18 +79,18 @@ class FolderClaim:
 
     @property
     def content(self) -> list[Path]:
-        """What is in the folder beside the lock."""
+        """The entries of the folder without the lock."""
         with disk_faults(self.folder):
             return sorted(path for path in self.folder.iterdir() if path.name != LOCK)
 
     def release(self) -> None:
-        """Let others write into the folder; remove it if it is empty."""
+        """End the reservation; remove the folder if it is empty."""
         if self._released:
             return
         self._released = True
         self._lock.unlink(missing_ok=True)
         os.close(self._handle)
-        with suppress(OSError):  # there is something in it, and that is kept
+        with suppress(OSError):  # it is not empty
             self.folder.rmdir()
 
     def __enter__(self) -> Self:

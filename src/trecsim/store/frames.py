@@ -1,4 +1,4 @@
-"""Tracks as pandas tables; pandas is loaded when one is asked for."""
+"""Tracks as pandas tables; pandas is imported on first use."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def tidy_frame(tables: Sequence[pa.Table], details: bool) -> "DataFrame":
-    """Return one row per time, person and joint; the joint is a categorical.
+    """Return one row per time, person and joint; `joint` is categorical.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def tidy_frame(tables: Sequence[pa.Table], details: bool) -> "DataFrame":
 
 
 def wide_frame(tables: Sequence[pa.Table], details: bool) -> "DataFrame":
-    """Return one row per time and person, with the numbers of each joint in columns of their own.
+    """Return one row per time and person, with columns for each joint.
 
     Raises
     ------

@@ -27,23 +27,22 @@ FLUSH_EVERY_S = 2.0
 class GrowingFile:
     r"""A file that is written under ``NAME.partial`` and takes its name when it is complete.
 
-    At least every `flush_s` the content goes to the operating system, so that a program that is
-    killed loses no more than that; the partial file keeps its name then. Two programs cannot write
-    the same file at the same time. A link is followed; a device or pipe is written to directly.
+    The content is flushed to the operating system at least every `flush_s`, so a killed program
+    loses no more than that; the partial file then keeps its name. Two programs cannot write the
+    same file at the same time. Links are followed; devices and pipes are written to directly.
 
     Parameters
     ----------
     path
         The file to write. An older file of this name stays until the new one is complete.
     heading
-        The first bytes of the file. A file that holds nothing else is not kept after an error.
+        The first line. A file that holds nothing else is removed after an error.
     flush_s
-        How often the content goes to the operating system [s]; 0 for after every write.
+        Longest time between two flushes [s]; 0 flushes after every write.
     clock
-        Tells the time [s].
+        Returns the time [s].
     resume
-        Go on with what an earlier program left in ``NAME.partial``, without its last line if that
-        was cut off.
+        Continue ``NAME.partial`` of an earlier program; an incomplete last line is removed.
 
     Raises
     ------
@@ -108,11 +107,11 @@ class GrowingFile:
 
     @property
     def due(self) -> bool:
-        """Whether the next write will reach the operating system."""
+        """Whether the next write will flush."""
         return self._clock() - self._flushed_s >= self._flush_s
 
     def write(self, content: bytes) -> None:
-        """Append something; whole lines, so that the file is readable at every moment."""
+        """Append whole lines."""
         with disk_faults(self._path, running=True):
             self._file.write(content)
             self._empty = self._empty and not content
@@ -126,7 +125,7 @@ class GrowingFile:
             raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
 
     def close(self, name: Path | None = None) -> None:
-        """Give the complete file its name, or another name on the same disk."""
+        """Complete the file: rename it to its final name, or to `name` on the same disk."""
         if self._file.closed:
             return
         target = self._target if name is None else name
@@ -147,12 +146,12 @@ class GrowingFile:
             raise
 
     def abandon(self) -> None:
-        """End early: what was written stays in ``NAME.partial``."""
+        """End early: keep the content in ``NAME.partial``."""
         if self._file.closed:
             return
         try:
             self._file.flush()
-        except (OSError, ValueError) as error:  # what was flushed before is on the disk
+        except (OSError, ValueError) as error:  # earlier content is safe
             logger.debug("%s: %s", self._path, error)
         if self._partial is not None and self._empty:
             self._partial.unlink(missing_ok=True)
@@ -195,9 +194,9 @@ def _locked(path: Path, target: Path) -> IO[bytes]:
 
 
 def lock(handle: int) -> bool:
-    """Lock an open file against other programs until it is closed; False if another has it.
+    """Lock an open file until it is closed; return False if another program holds the lock.
 
-    The lock ends with the program that holds it, however that ends, so it can never be stale.
+    The operating system releases the lock when its process ends, so no lock is ever stale.
     """
     if not _HAS_LOCKS:
         return True
@@ -230,9 +229,9 @@ def _length_of_whole_lines(file: IO[bytes]) -> int:
 
 
 def without_cut_line(content: bytes, path: Path) -> bytes:
-    r"""Return the end of a file without a last line that was cut off while it was written.
+    r"""Return the end of a partial file without an incomplete last line.
 
-    Only a partial file may end so; elsewhere a last line without an end is a line.
+    In other files a last line without a newline is valid.
 
     Examples
     --------

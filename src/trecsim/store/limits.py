@@ -1,7 +1,7 @@
-"""How large numbers in files may be; what lies beyond is a slip of units or a broken file."""
+"""Largest numbers that files may hold; larger ones come from wrong units or damage."""
 
 FARTHEST_M = 1e6
-"""No place, and no standard deviation of one, is farther than this [m]."""
+"""Largest coordinate and largest standard deviation of a position [m]."""
 
 LATEST_S = 1e11
-"""No time is farther from zero than this [s]: three thousand years."""
+"""Largest absolute time [s]: 3000 years."""

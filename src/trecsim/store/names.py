@@ -1,4 +1,4 @@
-"""Names in files, and what the files of a made scene or of a recording are called in its folder."""
+"""Names of formats, and of the files in the folder of a synthetic scene or a recording."""
 
 POSES_FORMAT = "trecsim.poses2d/1"
 RIG, POSES, TRUTH = "rig.toml", "poses.jsonl", "truth.npz"

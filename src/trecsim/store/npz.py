@@ -1,4 +1,4 @@
-"""Arrays out of NumPy's ``.npz`` files, looked at before anything is loaded."""
+"""Arrays from NumPy's ``.npz`` files, with types and sizes checked before they are loaded."""
 
 import zipfile
 import zlib
@@ -17,9 +17,9 @@ from trecsim.store.atomic import opened_for_reading
 Shape = tuple[int, ...]
 Shapes = Mapping[str, Shape]
 
-_MOST_NUMBERS = 250_000_000  # 2 GB: more is a damaged file, or does not fit into the memory
-_FEW_NUMBERS = 8_000_000  # 64 MB, which no file can do harm with
-_MOST_NUMBERS_A_BYTE = 50  # of the file: people may be absent for 99.8 % of the time
+_MOST_NUMBERS = 250_000_000  # 2 GB
+_FEW_NUMBERS = 8_000_000  # 64 MB: loaded whatever the compression
+_MOST_NUMBERS_A_BYTE = 50  # limit of the compression; reached by data that is 99.8 % NaN
 _DAMAGE = (  # the last three: odd headers, unknown compression, encryption
     *(zipfile.BadZipFile, zlib.error, EOFError, OSError),
     *(ValueError, NotImplementedError, RuntimeError),
@@ -35,13 +35,13 @@ def read_arrays(
     Parameters
     ----------
     path
-        The file; nothing in it is trusted, and no Python object loaded from it.
+        The file. Python objects in it are refused.
     names
         Of the arrays.
     kind
-        What the file should be, for messages, as in "truth file".
+        What error messages call the file, for example "truth file".
     faults_of
-        Returns what is wrong with the shapes that the arrays claim, before they are loaded.
+        Returns the faults of the arrays' shapes; called before the arrays are loaded.
 
     Raises
     ------
@@ -119,7 +119,7 @@ Header = tuple[Shape, np.dtype[Any]]
 
 
 def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Header:
-    """Return shape and type that an array claims, having read nothing of its numbers."""
+    """Return the shape and type in the header of an array."""
     with archive.open(member) as stream:
         version = npy.read_magic(stream)
         if version not in _HEADERS:
@@ -129,7 +129,7 @@ def _header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> Header:
 
 
 def _type_faults(headers: Mapping[str, Header], packed: Mapping[str, int]) -> Iterator[str]:
-    """Yield what speaks against loading: other types, and sizes that no such file has."""
+    """Yield wrong types and implausible sizes."""
     for name, (shape, dtype) in headers.items():
         count = float(np.prod(shape, dtype=np.float64))
         if dtype.kind not in "fiu":
@@ -141,8 +141,8 @@ def _type_faults(headers: Mapping[str, Header], packed: Mapping[str, int]) -> It
             )
         elif count > max(_FEW_NUMBERS, _MOST_NUMBERS_A_BYTE * packed[name]):
             yield (
-                f"{name}: {_times(shape)} numbers from {packed[name]} bytes: the file holds next "
-                "to nothing but empty space; leave out people and times without data"
+                f"{name}: {_times(shape)} numbers in {packed[name]} bytes: almost all of them are "
+                "the same; leave out people and times without data"
             )
 
 

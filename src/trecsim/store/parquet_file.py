@@ -1,4 +1,4 @@
-"""One Parquet file of tracks: written whole, read in pieces, only where the time is asked for."""
+"""One Parquet file of tracks: written in row groups, read between two times."""
 
 import json
 import math
@@ -36,14 +36,14 @@ _BATCH_ROWS = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class TracksInfo:
-    """What a Parquet file of tracks says about itself.
+    """Metadata of a Parquet file of tracks.
 
     Attributes
     ----------
     skeleton
         The joints of its people.
     rig_sha256
-        Digest of the rig it was made with; None when that is not known.
+        Digest of the rig; None when unknown.
     details
         Whether it holds states, velocities and covariances beside the columns of the CSV file.
     """
@@ -55,12 +55,12 @@ class TracksInfo:
 
 @dataclass(frozen=True, slots=True)
 class Contents:
-    """What a Parquet file of tracks holds.
+    """Extent of a Parquet file of tracks.
 
     Attributes
     ----------
     rows
-        Moments times people there times joints.
+        Number of rows: one per time, person and joint.
     first_s, last_s
         Its first and last time [s]; NaN when it is empty.
     highest_person
@@ -73,11 +73,11 @@ class Contents:
     highest_person: int = -1
 
     def overlaps(self, from_s: float, until_s: float) -> bool:
-        """Return whether something of it may lie between two times, both included [s]."""
+        """Return whether it overlaps the time between two times, both included [s]."""
         return self.rows > 0 and self.first_s <= until_s and self.last_s >= from_s
 
     def with_rows(self, rows: Rows) -> "Contents":
-        """Return what it holds when rows are added at its end."""
+        """Return the extent after rows were appended."""
         if not len(rows):
             return self
         return Contents(
@@ -89,7 +89,7 @@ class Contents:
 
 
 def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
-    """Begin a Parquet file of tracks; it is readable once the writer is closed."""
+    """Open a Parquet writer; the file is readable once the writer is closed."""
     schema = DETAIL_SCHEMA if info.details else SCHEMA
     facts = {
         "format": FORMAT,
@@ -107,7 +107,7 @@ def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
 
 
 def write_file(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> None:
-    """Write one complete file from tables, one after the other, in little memory."""
+    """Write tables to one file, one row group at a time."""
     with (
         atomic_write(path, "wb", private=True) as file,
         parquet_file(file, info) as writer,
@@ -133,12 +133,12 @@ def _regrouped(tables: Iterable[pa.Table]) -> Iterator[pa.Table]:
 
 
 def joined(tables: list[pa.Table]) -> pa.Table:
-    """Return tables behind each other as one."""
+    """Concatenate tables."""
     return pa.concat_tables(tables).unify_dictionaries().combine_chunks()
 
 
 def read_file_info(path: Path) -> TracksInfo:
-    """Read what a file says about itself; a file written by others says nothing.
+    """Read the metadata of a file; files of other programs have none, and get the default.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def read_file_info(path: Path) -> TracksInfo:
 
 
 def read_contents(path: Path) -> Contents:
-    """Read from the end of a file what it holds, without its rows if possible.
+    """Read the extent of a file from its footer, or from its rows if there are no statistics.
 
     Raises
     ------
@@ -264,7 +264,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 @contextmanager
 def arrow_faults(path: Path) -> Iterator[None]:
-    """Turn what Arrow says about a damaged file into an error for the person on site.
+    """Turn Arrow's errors about a damaged file into our own.
 
     Raises
     ------

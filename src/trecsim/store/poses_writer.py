@@ -16,25 +16,25 @@ from trecsim.store.growing import GrowingFile
 from trecsim.store.names import POSES_FORMAT
 from trecsim.values import Poses2D
 
-_END_BYTES = 1 << 22  # of a file that is continued; this much is read to learn where it ends
+_END_BYTES = 1 << 22  # of a file to continue: read for the last times of the cameras
 
 
 class PosesWriter:
-    """Writes ``*.poses.jsonl``; every finished image is kept, however the program ends.
+    """Writes ``*.poses.jsonl``; after a crash all written images are kept.
 
-    Whole lines go to ``NAME.partial`` beside `path`, one at a time. When the block ends without an
-    error, that file takes its final name. After an error, Ctrl-C or a crash it keeps the partial
-    name, and every reader of trecsim takes it as it is.
+    Each image is flushed as a line to ``NAME.partial`` beside `path`. When the block ends without
+    an error, that file gets its final name. After an error, Ctrl-C or a crash it keeps the partial
+    name; all readers of trecsim read it.
 
     Parameters
     ----------
     path
-        The file to make; an older one is replaced at the end.
+        The file to write; an older one is replaced at the end.
     skeleton
         Name of the skeleton of all images.
     resume
-        Go on with the file at `path`, finished or not, if there is one. Images that are not later
-        than the last ones of their camera in it are left out.
+        Continue the file at `path`, complete or partial, if it exists. Images that are not later
+        than the last one of their camera in it are skipped.
 
     Raises
     ------
@@ -71,11 +71,11 @@ class PosesWriter:
         self._file.write(_line({"camera": poses.camera, "t_s": t_s, "people": people}))
 
     def close(self) -> None:
-        """Give the complete file its name."""
+        """Complete the file: rename it to its final name."""
         self._file.close()
 
     def abandon(self) -> None:
-        """End early: what was written stays under the name of an unfinished file."""
+        """End early: keep the content in ``NAME.partial``."""
         self._file.abandon()
 
     def __enter__(self) -> Self:
@@ -91,7 +91,7 @@ class PosesWriter:
 
 
 def _reopen(path: Path) -> None:
-    """Bring a finished file back to where an unfinished one is."""
+    """Rename a complete file to its partial name."""
     partial = partial_path(path)
     if path.is_file() and partial.is_file():
         raise InputError(
@@ -112,7 +112,7 @@ def _last_times_s(path: Path) -> dict[str, float]:
         lines = file.read().split(b"\n")[1:]  # the first is the header, or the end of a line
     last_s: dict[str, float] = {}
     for line in lines:
-        with suppress(ValueError, KeyError, TypeError):  # what is damaged is told when it is read
+        with suppress(ValueError, KeyError, TypeError):  # the reader reports damage
             fields = json.loads(line)
             last_s[str(fields["camera"])] = float(fields["t_s"])
     return last_s

@@ -1,4 +1,4 @@
-"""The folder of a recording, as `trecsim run` keeps it: claimed, written, continued, discarded.
+"""The folder of a recording of `trecsim run`: reserve, write, continue, discard.
 
 ::
 
@@ -34,17 +34,17 @@ TRACKS = "tracks.parquet"
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """What a recording already holds, for a run that goes on with it.
+    """Extent of a recording that a run continues.
 
     Attributes
     ----------
     next_person
-        The lowest identity above all that are stored.
+        The highest stored identity plus one.
     last_s
-        Until when nothing is missing [s]: the last time of the timings, or that of the tracks if
-        there were people after it; None for an empty recording.
+        The time up to which the recording is complete [s]: the last one in the timings, or the last
+        one in the tracks if the timings list people after it; None for an empty recording.
     rig_sha256
-        Digest of the rig its tracks were made with; None if that is not known.
+        Digest of the rig; None when unknown.
     """
 
     next_person: int = 0
@@ -53,20 +53,20 @@ class Stored:
 
 
 def claim_folder(folder: Path, *, resume: bool = False) -> FolderClaim:
-    """Keep other programs from recording into a folder, which is made if it is missing.
+    """Reserve a folder for a recording; create it if it is missing.
 
     Parameters
     ----------
     folder
         The folder of the recording.
     resume
-        Whether it may hold a recording, to go on with.
+        Whether the folder may hold a recording that will be continued.
 
     Raises
     ------
     InputError
-        When another run records there, or the folder is not empty, or holds something else than a
-        recording.
+        When another run uses the folder, when it is not empty, or, with `resume`, when it holds
+        something else than a recording.
     SetupError
         When the disk has no room.
     """
@@ -102,7 +102,7 @@ def poses_recorder(folder: Path, *, resume: bool = False) -> PosesWriter:
 
 
 def stored_in(folder: Path) -> Stored:
-    """Return what a recording already holds; its tracks are not read, only what sums them up.
+    """Return the extent of a recording from its catalogue and the ends of its files.
 
     Raises
     ------
@@ -122,9 +122,10 @@ def stored_in(folder: Path) -> Stored:
 
 
 def _complete_until_s(folder: Path, tracked_s: float) -> float:
-    """Return until when neither tracks nor timings miss anything; -inf for never.
+    """Return the time up to which tracks and timings are complete [s]; -inf if they are empty.
 
-    Where the timings go on after the last track, nobody was there, or a crash took the tracks.
+    Timings after the last track mean that nobody was there or that a crash lost the tracks; the
+    numbers of people in the timings tell which.
     """
     path = timing_in(folder)
     timed_s = last_time_s(path) if path is not None else math.nan

@@ -1,4 +1,4 @@
-"""Which rig a recording was made with."""
+"""Digest of the rig that a recording was made with."""
 
 import hashlib
 import json

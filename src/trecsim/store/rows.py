@@ -1,7 +1,7 @@
-"""Tracks as rows: one per time, person and joint, the same in every file format.
+"""Tracks as rows, one per time, person and joint; the same rows in every file format.
 
-Beside the columns of the CSV file, Parquet holds the details: everybody's state, and the velocity
-and the full covariance of every joint.
+Parquet has more columns than CSV, the details: the state of each person, and the velocity and
+covariance of each joint.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -32,7 +32,7 @@ SCHEMA = pa.schema(
 )
 COLUMNS = tuple(SCHEMA.names)
 MAY_BE_MISSING = ("x_m", "y_m", "z_m", "sigma_m")
-"""Columns where NaN, or nothing, says that the joint is not known."""
+"""Columns in which NaN or an empty field marks an unknown joint."""
 
 VELOCITY = ("vx_mps", "vy_mps", "vz_mps")
 COVARIANCE = ("cxx_m2", "cxy_m2", "cxz_m2", "cyy_m2", "cyz_m2", "czz_m2")
@@ -73,11 +73,12 @@ _MOST_ROWS_AT_ONE_TIME = 1_000_000  # more is a broken file, not a crowd; it bou
 
 
 def rows_of(snapshot: Snapshot) -> Rows:
-    """Lay a snapshot out as rows, people and joints in its own order.
+    """Convert a snapshot to rows, with people and joints in its own order.
 
-    Positions and standard deviations are rounded to float32: to 0.5 um within 8 m of the origin.
-    Velocities are rounded to 1 mm/s and covariances to five digits, which saves room. The standard
-    deviation is that of the rounded covariance, so that what is read is written the same again.
+    Positions and standard deviations are rounded to float32, which is 0.5 um within 8 m of the
+    origin. Velocities are rounded to 1 mm/s and covariances to five digits, which makes files
+    smaller. The standard deviation is that of the rounded covariance, so reading and writing again
+    gives the same file.
     """
     people, joints = snapshot.support.shape
     rows = np.empty((people, joints), ROW)
@@ -96,15 +97,15 @@ def rows_of(snapshot: Snapshot) -> Rows:
 
 
 def as_stored(snapshot: Snapshot) -> Snapshot:
-    """Return a snapshot with the numbers that a reader of Parquet tracks will get.
+    """Return a snapshot with the numbers that reading it from Parquet gives.
 
-    Rules that work on these give the same result live and on the recording.
+    Rules that use these numbers give the same result live and on the recording.
     """
     return _snapshot(rows_of(snapshot), snapshot.support.shape[1])
 
 
 def confirmed_only(snapshots: Iterable[Snapshot]) -> Iterator[Snapshot]:
-    """Leave out people who are not confirmed yet, and moments in which there is nobody else."""
+    """Remove provisional people, and snapshots that hold no others."""
     for snapshot in snapshots:
         known = snapshot.state != PROVISIONAL
         if known.any():
@@ -117,7 +118,7 @@ def _codes(state: Shaped[np.ndarray, " person"]) -> Int8[np.ndarray, " person"]:
 
 
 def _rounded(numbers: Float32[np.ndarray, "..."]) -> Float32[np.ndarray, "..."]:
-    """Round to so many bits that the rest is zero and takes no room when it is compressed."""
+    """Round to `_COV_BITS` bits of the fraction; the other bits are zero and compress well."""
     dropped = np.uint32(np.finfo(np.float32).nmant - _COV_BITS)
     half, kept = (
         np.uint32(1 << int(dropped - 1)),
@@ -127,7 +128,7 @@ def _rounded(numbers: Float32[np.ndarray, "..."]) -> Float32[np.ndarray, "..."]:
 
 
 def table_of(rows: Rows, skeleton: Skeleton, *, details: bool = False) -> pa.Table:
-    """Turn rows into an Arrow table of :data:`SCHEMA`, or :data:`DETAIL_SCHEMA` with details."""
+    """Convert rows to an Arrow table of :data:`SCHEMA`, or :data:`DETAIL_SCHEMA` with details."""
     columns = {name: pa.array(rows[name]) for name in ("t_s", "person", "sigma_m", "support")}
     columns["joint"] = _coded(rows["joint"], skeleton.joints)
     columns |= _split(rows["xyz_m"], ("x_m", "y_m", "z_m"))
@@ -148,15 +149,14 @@ def _split(numbers: npt.NDArray[Any], names: Sequence[str]) -> dict[str, pa.Arra
 
 
 def _known_state(rows: Rows) -> Int8[np.ndarray, " row"]:
-    """Return the state of every row; one that is not known stands for a confirmed person."""
+    """Return the state of each row, "confirmed" where it is unknown."""
     return np.where(rows["state"] < 0, np.int8(STATES.index(CONFIRMED)), rows["state"])
 
 
 def rows_in(table: pa.Table, skeleton: Skeleton) -> Rows:
-    """Turn an Arrow table that somebody else may have written into rows.
+    """Convert an Arrow table, also of another program, to rows.
 
-    Without details, a covariance is the sphere of the standard deviation, velocities are NaN and
-    states unknown.
+    Columns with details may be missing: velocities and covariances are NaN then, states -1.
 
     Raises
     ------
@@ -201,22 +201,22 @@ def _numbers(table: pa.Table, name: str) -> npt.NDArray[Any]:
 def snapshots_of(
     blocks: Iterable[Rows], skeleton: Skeleton, path: Path, *, unit: str, first: int
 ) -> Iterator[Snapshot]:
-    """Gather rows into snapshots, checking each block before anything of it is used.
+    """Convert rows to snapshots; each block of rows is checked first.
 
     Parameters
     ----------
     blocks
-        Rows in order of time; people and joints of one time may come in any order. A joint
-        without a row is NaN.
+        Rows in order of time; the order of people and joints at one time is free. A joint without
+        a row is NaN.
     skeleton
         The joints that the rows count.
     path, unit, first
-        How errors name a row: the file, what a row is called in it, and the number of the first.
+        For error messages: the file, what a row is called in it, and the number of the first row.
 
     Raises
     ------
     InputError
-        When rows contradict each other or cannot be true.
+        When rows contradict each other or hold impossible numbers.
     """
     rest = np.empty(0, ROW)
     for block in blocks:
@@ -232,7 +232,7 @@ def snapshots_of(
 
 
 def raise_faults(path: Path, faults: Sequence[tuple[int, str]], unit: str) -> None:
-    """Raise one error that names the first faults of a file, if there are any.
+    """Raise one error that lists the first faults of a file, if there are any.
 
     Raises
     ------
@@ -302,7 +302,7 @@ def _snapshot(rows: Rows, joints: int) -> Snapshot:
 def _covariance(
     rows: Shaped[np.ndarray, "person joint"],
 ) -> Float64[np.ndarray, "person joint 3 3"]:
-    """Return the covariances; spheres where only the standard deviation is known."""
+    """Return the covariances; isotropic where only the standard deviation is known."""
     cov_m2 = np.empty((*rows.shape, 3, 3))
     cov_m2[..., *_UPPER] = cov_m2[..., *_UPPER[::-1]] = rows["cov_m2"]
     sphere = _is_sphere(rows["cov_m2"]) | np.isnan(rows["cov_m2"]).any(axis=-1)
@@ -312,7 +312,7 @@ def _covariance(
 
 
 def _is_sphere(cov_m2: Float32[np.ndarray, "*row 6"]) -> Bool[np.ndarray, "*row"]:
-    """Return which covariances are as large in every direction."""
+    """Return which covariances are isotropic."""
     variances, others = cov_m2[..., _VARIANCES], cov_m2[..., _COVARIANCES]
     same = (variances == variances[..., :1]).all(axis=-1)
     sphere: Bool[np.ndarray, "*row"] = same & (others == 0).all(axis=-1)

@@ -1,4 +1,4 @@
-"""Which files a recording in segments consists of, in their order, and its catalogue.
+"""The files of a recording in segments, in order, and their catalogue.
 
 A folder of tracks holds::
 
@@ -8,9 +8,9 @@ A folder of tracks holds::
     00000003/000002.parquet
     _catalogue.json             when each segment begins and ends, and its highest identity
 
-Segments and parts are in the order of their numbers. A part counts only while there is no segment
-of its number. The catalogue saves opening every segment; what it lacks, or says of a file that has
-changed, is read from the segments themselves, so it may be lost.
+Segments and parts are ordered by number. Parts are read only while the segment of their number
+does not exist. The catalogue makes it unnecessary to open every segment. It can be rebuilt:
+segments that are missing in it, or whose size has changed, are opened.
 """
 
 import json
@@ -43,9 +43,9 @@ class Segment:
     file
         Where it is.
     size_bytes
-        How large it is; by this a catalogue notices that the file has changed.
+        Its size, by which a changed file is noticed.
     contents
-        What it holds.
+        Its extent.
     """
 
     file: Path
@@ -65,7 +65,7 @@ def segment_name(number: int) -> str:
 
 
 def segment_files(folder: Path, suffix: str = SUFFIX) -> dict[int, Path]:
-    """Return the complete segments, or parts, in a folder by their numbers, in order.
+    """Return the segments or parts in a folder by number, in order.
 
     Examples
     --------
@@ -79,12 +79,12 @@ def segment_files(folder: Path, suffix: str = SUFFIX) -> dict[int, Path]:
 
 
 def part_folders(folder: Path) -> dict[int, Path]:
-    """Return the folders of parts in a folder by their numbers, in order."""
+    """Return the folders of parts in a folder by number, in order."""
     return _numbered(path for path in folder.glob("[0-9]*") if path.is_dir())
 
 
 def files_in(folder: Path) -> list[Path]:
-    """Return all files of a recording in order: segments, and parts where no segment is yet."""
+    """Return all files of a recording in order: segments, and parts of the unfinished segment."""
     segments, parts = segment_files(folder), part_folders(folder)
     files: list[Path] = []
     for number in sorted({*segments, *parts}):
@@ -101,12 +101,12 @@ def _numbered(paths: Iterable[Path]) -> dict[int, Path]:
 
 
 def segments_in(folder: Path) -> list[Segment]:
-    """Return all files of a recording in order, with what each holds.
+    """Return all files of a recording in order, with their extents.
 
     Raises
     ------
     InputError
-        When a file that the catalogue does not know is damaged.
+        When a file that is not in the catalogue is damaged.
     """
     known = _read_catalogue(folder)
     segments = []
@@ -116,12 +116,12 @@ def segments_in(folder: Path) -> list[Segment]:
         except (InputError, FileNotFoundError):
             if file.exists():
                 raise
-            return segments_in(folder)  # an hour has just ended, and its parts are a segment now
+            return segments_in(folder)  # parts have just become a segment
     return segments
 
 
 def segment_of(file: Path) -> Segment:
-    """Return a file with what it holds.
+    """Return a file with its extent.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _segment(file: Path, known: tuple[int, Contents] | None) -> Segment:
 
 
 def write_catalogue(folder: Path, segments: Iterable[Segment]) -> None:
-    """Write when each complete segment of a folder begins and ends.
+    """Write the catalogue of the complete segments in a folder.
 
     Raises
     ------
@@ -156,7 +156,7 @@ def write_catalogue(folder: Path, segments: Iterable[Segment]) -> None:
 
 
 def _read_catalogue(folder: Path) -> dict[str, tuple[int, Contents]]:
-    """Return size and contents of the files that the catalogue knows."""
+    """Return size and extent of the files in the catalogue."""
     path = folder / CATALOGUE
     try:
         if path.stat().st_size > _LARGEST_BYTES:
@@ -180,5 +180,5 @@ def _entry(facts: dict[str, Any]) -> tuple[int, Contents]:
         highest_person=int(facts["highest_person"]),
     )
     if contents.rows < 0 or not math.isfinite(contents.first_s + contents.last_s):
-        raise ValueError(f"{facts['file']} cannot be true")
+        raise ValueError(f"{facts['file']} has impossible numbers")
     return int(facts["size_bytes"]), contents

@@ -1,8 +1,9 @@
-"""What each frame set cost, `timing.csv`: `t_s,images,people,fusion_ms`, one row per frame set."""
+"""Timings, `timing.csv`: `t_s,images,people,fusion_ms`, one row per frame set."""
 
 import io
 import math
 import os
+import shutil
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,13 @@ from jaxtyping import Float64, Int64
 from pyarrow import csv as pa_csv
 
 from trecsim.errors import InputError
-from trecsim.store.atomic import PRIVATE_FOLDER, disk_faults, opened_for_reading, partial_path
+from trecsim.store.atomic import (
+    PRIVATE_FOLDER,
+    atomic_write,
+    disk_faults,
+    opened_for_reading,
+    partial_path,
+)
 from trecsim.store.growing import GrowingFile, without_cut_line
 from trecsim.store.limits import LATEST_S
 from trecsim.store.segments import segment_files, segment_name
@@ -37,16 +44,16 @@ _LARGEST_BYTES = 2**29  # about 20 million frame sets: more than a week at 25 a 
 
 @dataclass(frozen=True, slots=True)
 class StepTiming:
-    """What one frame set cost.
+    """Timing of one frame set.
 
     Attributes
     ----------
     t_s
         Time of its newest image [s].
     images
-        How many images it holds.
+        Number of its images.
     people
-        How many people were there after it.
+        Number of tracked people after it.
     fusion_ms
         Time that association and fit took [ms].
     """
@@ -59,16 +66,16 @@ class StepTiming:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Timing:
-    """What the frame sets of a recording cost, in their order.
+    """Timings of the frame sets of a recording, in order.
 
     Attributes
     ----------
     t_s
         Times of their newest images [s].
     images
-        How many images each holds.
+        Number of images of each.
     people
-        How many people were there after each.
+        Number of tracked people after each.
     fusion_ms
         Time that association and fit took [ms].
     """
@@ -80,23 +87,23 @@ class Timing:
 
 
 class TimingWriter:
-    """Writes timings; at most the last two seconds are lost, however the program ends.
+    """Writes timings; a crash loses at most the last two seconds.
 
-    The rows go to ``NAME.partial``. When the block ends without an error, that file takes its final
-    name. A long recording is kept in segments: files in ``NAME.parts/``, a folder that takes the
-    final name instead.
+    The rows go to ``NAME.partial``, which gets its final name when the block ends without an error.
+    A long recording has segments, files in the folder ``NAME.parts``, which gets the final name
+    instead.
 
     Parameters
     ----------
     path
         The file, usually ``timing.csv``.
     segment_s
-        A new segment begins this long after the first time of the last one [s].
+        A new segment begins this long after the first time in the last one [s].
     clock
-        Tells the time [s].
+        Returns the time [s].
     resume
-        Go on with the timings at `path`, finished or not, if there are any. Frame sets that are not
-        later than the last one are left out.
+        Continue the timings at `path`, complete or not, if they exist. Frame sets that are not
+        later than the last one are skipped.
 
     Raises
     ------
@@ -127,7 +134,7 @@ class TimingWriter:
             self._end_segment()
 
     def _reopen(self) -> None:
-        """Bring finished timings back to where unfinished ones are."""
+        """Rename complete timings to the names of unfinished ones."""
         with disk_faults(self._path):
             if self._path.is_dir():
                 self._path.rename(_parts_of(self._path))
@@ -161,7 +168,7 @@ class TimingWriter:
         self._file = self._begun()
 
     def close(self) -> None:
-        """Give the complete file, or folder, its name."""
+        """Complete the timings: rename the file or folder to its final name."""
         parts = _parts_of(self._path)
         if not parts.is_dir():
             self._file.close()
@@ -171,10 +178,21 @@ class TimingWriter:
                 self._file.abandon()
             else:
                 self._file.close(self._next_name())
-            parts.rename(self._path)
+            if _duration_s(parts) < self._segment_s:
+                self._merge(parts)
+            else:
+                parts.rename(self._path)
+
+    def _merge(self, parts: Path) -> None:
+        """Write the segments of a short recording, which was continued, to one file."""
+        with atomic_write(self._path, "wb", private=True) as whole:
+            whole.write(_HEADING)
+            for file in segment_files(parts, _SUFFIX).values():
+                whole.write(file.read_bytes().partition(b"\n")[2])
+        shutil.rmtree(parts)
 
     def abandon(self) -> None:
-        """End early: what was written stays under the name of an unfinished file."""
+        """End early: keep the content under the name of unfinished timings."""
         self._file.abandon()
 
     def __enter__(self) -> Self:
@@ -197,18 +215,23 @@ def _parts_of(path: Path) -> Path:
 
 
 def timing_in(folder: Path) -> Path | None:
-    """Return where the timings of a recording are, complete or not; None if it has none."""
+    """Return the path of the timings of a recording, complete or not; None if it has none."""
     return timing_at(folder / NAME)
 
 
 def timing_at(whole: Path) -> Path | None:
-    """Return where timings of this name are, complete or not; None if there are none."""
+    """Return the path of timings with this name, complete or not; None if there are none."""
     places = (whole, partial_path(whole), _parts_of(whole))
     return next((path for path in places if path.exists()), None)
 
 
+def _duration_s(path: Path) -> float:
+    files = _files_of(path)
+    return last_time_s(path) - _first_time_s(files[0]) if files else 0.0
+
+
 def _files_of(path: Path) -> list[Path]:
-    """Return the files that timings consist of, in order."""
+    """Return the files of timings in order."""
     if path.is_dir():
         return list(segment_files(path, _SUFFIX).values())
     earlier = _parts_of(path.with_name(path.name.removesuffix(".partial")))
@@ -225,12 +248,12 @@ def read_timing(path: Path, from_s: float = -math.inf, until_s: float = math.inf
     path
         A file, complete or not, or a folder of segments.
     from_s, until_s
-        Read what lies between these times, both included [s]; other segments are not read.
+        Only frame sets between these times are read, both included [s].
 
     Raises
     ------
     InputError
-        They are not there or not right.
+        When they are missing or wrong.
     """
     files = _between(_files_of(path), from_s, until_s)
     size_bytes = sum(file.stat().st_size for file in files if file.exists())
@@ -249,7 +272,7 @@ def read_timing(path: Path, from_s: float = -math.inf, until_s: float = math.inf
 
 
 def _between(files: Sequence[Path], from_s: float, until_s: float) -> list[Path]:
-    """Return the files of which something may lie between two times, by their first times."""
+    """Return the files that overlap the time between two times, by their first times."""
     if len(files) < 2 or (from_s == -math.inf and until_s == math.inf):
         return list(files)
     first_s = [_first_time_s(file) for file in files]
@@ -268,11 +291,11 @@ def _first_time_s(path: Path) -> float:
     try:
         return float(row.partition(b",")[0])
     except ValueError:
-        return -math.inf  # reading it tells what is wrong
+        return -math.inf  # reading the file reports what is wrong
 
 
 def last_time_s(path: Path) -> float:
-    """Return the last time in timings, reading the end of them alone [s]; NaN if there is none."""
+    """Return the last time in timings from the end of the last file [s]; NaN if there is none."""
     for file in reversed(_files_of(path)):
         with opened_for_reading(file) as opened:
             end = opened.seek(0, os.SEEK_END)
@@ -281,7 +304,7 @@ def last_time_s(path: Path) -> float:
         last = content.rstrip().rpartition(b"\n")[2].partition(b",")[0]
         try:
             return float(last)
-        except ValueError:  # the heading, or something that reading tells
+        except ValueError:  # the heading, or damage that reading reports
             continue
     return math.nan
 

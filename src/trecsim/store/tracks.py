@@ -1,4 +1,4 @@
-"""Recorded tracks in any format that is known; the suffix of the file decides."""
+"""Tracks in CSV and Parquet; the suffix of the file sets the format."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator
@@ -11,7 +11,7 @@ from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
 from trecsim.store.frames import tidy_frame, wide_frame
-from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.parquet_file import TracksInfo, write_file
 from trecsim.store.rows import confirmed_only
 from trecsim.store.tracks_csv import CsvWriter, read_csv
 from trecsim.store.tracks_parquet import (
@@ -20,7 +20,6 @@ from trecsim.store.tracks_parquet import (
     read_info,
     read_parquet,
     tables_of,
-    write_parquet,
 )
 from trecsim.values import Snapshot
 
@@ -32,18 +31,18 @@ SUFFIXES = (".csv", ".parquet")
 
 @runtime_checkable
 class TracksWriter(Protocol):
-    """Takes snapshots in order of time, as long as a block runs."""
+    """Takes snapshots in order of time until its block ends."""
 
     def write(self, snapshot: Snapshot) -> None:
         """Add one moment."""
         ...
 
     def close(self) -> None:
-        """End the file: it takes its final name."""
+        """Complete the file: rename it to its final name."""
         ...
 
     def abandon(self) -> None:
-        """End early: what was written stays under the name of an unfinished file."""
+        """End early: keep the content under the name of an unfinished file."""
         ...
 
     def __enter__(self) -> Self: ...
@@ -58,18 +57,18 @@ class TracksWriter(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class TracksExtent:
-    """How much there is in a recording.
+    """Extent of a recording.
 
     Attributes
     ----------
     moments
-        Times at which somebody was there.
+        Number of times with at least one person.
     people
-        Different identities.
+        Number of identities.
     rows
-        Moments times people there times joints.
+        Number of rows: one per time, person and joint.
     first_s, last_s
-        The first and last time [s]; NaN when nobody was ever there.
+        The first and last time [s]; NaN without people.
     """
 
     moments: int
@@ -86,22 +85,22 @@ def tracks_writer(
     segment_s: float = math.inf,
     resume: bool = False,
 ) -> TracksWriter:
-    """Open a file of tracks for writing as long as a block runs.
+    """Open a file of tracks for writing until its block ends.
 
-    While the block runs, and after it ended with an error or Ctrl-C, what was written is beside the
-    file: a CSV file as ``NAME.partial``, the parts of a Parquet file in ``NAME.parts/``.
+    While the block runs, and after an error or Ctrl-C, the content is beside the file: of CSV in
+    ``NAME.partial``, of Parquet in the folder ``NAME.parts``.
 
     Parameters
     ----------
     path
         ``*.csv`` or ``*.parquet``.
     info
-        What a Parquet file shall say about itself; a CSV file has no room for it.
+        Metadata of a Parquet file; CSV files have none.
     segment_s
         Parquet only: a new segment begins this long after the first moment of the last one [s].
         Several segments make a folder of the name `path`.
     resume
-        Parquet only: go on with the recording at `path`, finished or not, if there is one.
+        Parquet only: continue the recording at `path`, complete or not, if it exists.
 
     Raises
     ------
@@ -119,24 +118,24 @@ def tracks_writer(
 
 
 def kept_of(path: Path) -> Path:
-    """Return where :func:`tracks_writer` keeps what it wrote when its block ends with an error."""
+    """Return where :func:`tracks_writer` keeps the content after an error."""
     return partial_path(path) if _suffix(path) == ".csv" else parts_of(path)
 
 
 @dataclass(slots=True, repr=False)
 class Tracks(Iterator[Snapshot]):
-    r"""Recorded tracks, which yield one moment after the other or become a table.
+    r"""Recorded tracks: an iterator of snapshots, or a table.
 
-    Each of them can be gone through once, like a file; `to_dataframe` reads the file anew.
+    The iterator is used up after one pass, like a file; `to_dataframe` reads the file again.
 
     Attributes
     ----------
     path
-        Where they are.
+        File or folder of the tracks.
     from_s, until_s
-        The times between which they are read [s].
+        Only snapshots between these times are read, both included [s].
     provisional
-        Whether people who are not confirmed yet are among them.
+        Whether provisional people are included.
 
     Examples
     --------
@@ -176,7 +175,7 @@ class Tracks(Iterator[Snapshot]):
         return f"<Tracks of {self.path.name}{span}>"
 
     def to_dataframe(self, *, wide: bool = False, details: bool = False) -> "DataFrame":
-        """Return all of them as a pandas table.
+        """Return the tracks as a pandas table.
 
         Parameters
         ----------
@@ -184,13 +183,13 @@ class Tracks(Iterator[Snapshot]):
             One row per time and person, with columns like ``nose_x_m``, in place of one row per
             time, person and joint with the columns of the CSV file.
         details
-            Also everybody's state, and the velocity and covariance of every joint. CSV files do not
-            hold these: velocities are NaN then, and covariances the spheres of `sigma_m`.
+            Also the state of each person, and the velocity and covariance of each joint. For CSV
+            files, which do not hold these, velocities are NaN and covariances isotropic.
 
         Raises
         ------
         InputError
-            When the file is not right.
+            When the file is wrong.
         SetupError
             When pandas is not installed.
         """
@@ -206,25 +205,25 @@ def read_tracks(
     until_s: float = math.inf,
     provisional: bool = False,
 ) -> Tracks:
-    """Read recorded tracks one moment at a time; moments without anybody are not recorded.
+    """Read recorded tracks, one snapshot per time; times without people are not recorded.
 
     ``read_tracks(path).to_dataframe()`` returns them as a pandas table.
 
     Parameters
     ----------
     path
-        A CSV or Parquet file, a directory with ``tracks.parquet`` (as `trecsim run` writes it) or
-        ``tracks.csv``, or what a run that has not ended has left.
+        A CSV or Parquet file, or a directory with ``tracks.parquet`` (as `trecsim run` writes it)
+        or ``tracks.csv``; also of a run that has not ended.
     from_s, until_s
-        Read the moments between these times, both included [s]; of a long recording, only the
-        segments in which they are.
+        Only snapshots between these times are read, both included [s]. Other segments of a long
+        recording are not opened.
     provisional
-        Whether people who are not confirmed yet come as well; CSV holds none.
+        Whether provisional people are included; CSV holds none.
 
     Raises
     ------
     InputError
-        When it is not there or not right.
+        When the file is missing or wrong.
     """
     return Tracks(_file_of(Path(path)), from_s, until_s, provisional)
 
@@ -232,10 +231,10 @@ def read_tracks(
 def export_tracks(
     path: Path | str, out: Path | str, progress: Callable[[int, int | None], None] | None = None
 ) -> TracksExtent:
-    """Write recorded tracks in the format that the suffix of `out` names.
+    """Write recorded tracks in the format that the suffix of `out` sets.
 
-    The facts stay the same to the last digit, back and forth; what a Parquet file says about
-    itself beyond them (:class:`TracksInfo`) goes into another Parquet file only.
+    CSV to Parquet and back gives the same file. Metadata (:class:`TracksInfo`) and details of
+    Parquet files are kept only in Parquet.
 
     Parameters
     ----------
@@ -244,7 +243,7 @@ def export_tracks(
     out
         ``*.csv`` or ``*.parquet``.
     progress
-        Told the number of moments done.
+        Called with the number of times done.
 
     Raises
     ------
@@ -263,7 +262,7 @@ def export_tracks(
             for snapshot in snapshots:
                 writer.write(snapshot)
     else:
-        write_parquet(out, tables_of(snapshots, info), info)
+        write_file(out, tables_of(snapshots, info), info)
     return extent.total()
 
 

@@ -1,7 +1,7 @@
 """Tracks as a tidy CSV file: `t_s,person,joint,x_m,y_m,z_m,sigma_m,support`.
 
-Numbers are the shortest decimals that give the same float32 (`t_s`: float64), so that nothing is
-lost between this format and Parquet. A joint that is not known is ``nan``.
+Numbers are the shortest decimals that give the same float32 (`t_s`: float64), so CSV and Parquet
+hold the same numbers. An unknown joint is ``nan``.
 """
 
 import csv
@@ -42,19 +42,18 @@ _CHUNK_BYTES = 1 << 20
 
 
 class CsvWriter:
-    """Writes tracks as CSV; at most the last two seconds are lost, however the program ends.
+    """Writes tracks as CSV; a crash loses at most the last two seconds.
 
-    The rows go to ``NAME.partial``, which takes its final name when the block ends without an
-    error.
+    The rows go to ``NAME.partial``, which gets its final name when the block ends without an error.
 
     Parameters
     ----------
     path
         The file to write.
     skeleton
-        Gives the joints their names.
+        Names of the joints.
     clock
-        Tells the time [s].
+        Returns the time [s].
 
     Raises
     ------
@@ -76,7 +75,7 @@ class CsvWriter:
         self._rows: list[Rows] = []
 
     def write(self, snapshot: Snapshot) -> None:
-        """Append one moment; of the people in it those who are confirmed."""
+        """Append one snapshot, without provisional people."""
         self._rows += map(rows_of, confirmed_only([snapshot]))
         if self._file.due or sum(map(len, self._rows)) >= _BUFFERED_ROWS:
             self._write_rows()
@@ -93,12 +92,12 @@ class CsvWriter:
         self._file.write(text.getvalue())
 
     def close(self) -> None:
-        """Give the complete file its name."""
+        """Complete the file: rename it to its final name."""
         with self:
             pass
 
     def abandon(self) -> None:
-        """End early: what was written stays under the name of an unfinished file."""
+        """End early: keep the content in ``NAME.partial``."""
         try:
             self._write_rows()
         finally:
@@ -121,7 +120,7 @@ class CsvWriter:
 
 
 def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
-    """Read tracks one moment at a time, however long the file is.
+    """Read tracks, one snapshot per time, in bounded memory.
 
     Parameters
     ----------
@@ -133,7 +132,7 @@ def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
     Raises
     ------
     InputError
-        When the file is not there or not right; names the lines.
+        When the file is missing or wrong; the message names the lines.
     """
     with opened_for_reading(path) as file:
         yield from snapshots_of(_blocks(file, path, skeleton), skeleton, path, unit="line", first=2)

@@ -1,22 +1,21 @@
-"""Tracks as Parquet: the rows of the CSV file, compact, and safe against a crash at any moment.
+"""Tracks as Parquet: compact, and safe against a crash at any time.
 
-A Parquet file without its footer is unreadable, and the footer is written last. So while a
-recording runs, every two seconds a complete small file, a part, goes into a folder beside it; once
-an hour the parts become a segment::
+A Parquet file is unreadable until its footer is written, at the end. So during a recording a
+complete small file, a part, is written every two seconds; once an hour the parts are replaced by a
+segment::
 
     tracks.parquet.parts/00000001.parquet           a segment: the first hour
     tracks.parquet.parts/00000002/000001.parquet    a part of the second hour
 
-A segment is written along with its parts and takes its name when its hour is over; then the parts
-are removed. At the end a recording of one segment becomes the file ``tracks.parquet``, and one of
-several the folder ``tracks.parquet``. After a crash, even by SIGKILL or loss of power, segments and
-parts are there, every one of them whole, and :func:`read_parquet` reads them in place of what is
-missing; lost are the seconds since the last part. A recording that ends with an error keeps its
-parts, so that an unfinished recording never looks like a finished one.
+The file of a segment grows along with its parts and gets its name when its hour is over; then the
+parts are removed. At the end a recording of one segment becomes the file ``tracks.parquet``, a
+longer one the folder ``tracks.parquet``. After SIGKILL or a power failure all segments and parts
+are complete, and :func:`read_parquet` reads them; only the seconds since the last part are lost.
+After an error the parts stay, so an unfinished recording never looks like a complete one.
 
-The columns are those of the CSV file, which pandas, R, DuckDB and others open as they are, and
-behind them everybody's state and each joint's velocity and covariance. Numbers are float32, stored
-byte by byte (BYTE_STREAM_SPLIT) and compressed with Zstandard. See ``docs/decisions/``.
+The columns are those of the CSV file, followed by the state of each person and the velocity and
+covariance of each joint. Numbers are float32, encoded with BYTE_STREAM_SPLIT and compressed with
+Zstandard. See ``docs/decisions/``.
 """
 
 import errno
@@ -35,18 +34,14 @@ import pyarrow as pa
 
 from trecsim.errors import InputError, SetupError
 from trecsim.skeleton import Skeleton
-from trecsim.store.atomic import PRIVATE_FILE, PRIVATE_FOLDER, disk_faults, sync_directory
+from trecsim.store.atomic import disk_faults, sync_directory
 from trecsim.store.claiming import FolderClaim
+from trecsim.store.open_segment import OpenSegment
 from trecsim.store.parquet_file import (
-    ROWS_OF_A_GROUP,
-    Contents,
     TracksInfo,
     file_rows,
-    joined,
-    parquet_file,
     read_file_info,
     write_file,
-    write_group,
 )
 from trecsim.store.rows import ROW, Rows, rows_of, snapshots_of, table_of
 from trecsim.store.segments import (
@@ -66,36 +61,37 @@ from trecsim.values import Snapshot
 HOUR_S = 3600.0
 
 _PART_S = 2.0
+_REMOVED_AT_ONCE = 20
 _ROWS_OF_A_PART = 1 << 18
 _BATCH_ROWS = 1 << 16
 
 
 class ParquetTracksWriter:
-    """Records tracks; however the program ends, what is older than `part_s` is on the disk.
+    """Writes tracks as Parquet; a crash loses at most the last `part_s`.
 
     Parameters
     ----------
     path
-        The file that will hold the whole recording, or the folder, if there is more than one
-        segment; until then see :func:`parts_of`.
+        The complete recording: a file, or a folder if there are several segments. Until it is
+        complete, the recording is at :func:`parts_of`.
     info
-        What the files shall say about themselves.
+        Metadata of the files.
     segment_s
-        A new segment begins this long after the first moment of the last one [s].
+        A new segment begins this long after the first time in the last one [s].
     part_s
-        A crash costs at most this much [s].
+        Time from one part to the next [s].
     clock
-        Tells the time [s].
+        Returns the time [s].
     resume
-        Go on with the recording at `path`, finished or not, if there is one. Moments that are not
-        later than its last one are left out.
+        Continue the recording at `path`, complete or not, if it exists. Snapshots that are not
+        later than its last one are skipped.
 
     Raises
     ------
     InputError
-        When the place is wrong, in use, or holds parts of a recording that has not ended.
+        When `path` cannot be written to, is in use, or has parts of an unfinished recording.
     SetupError
-        When the disk has no room; what was written before is kept.
+        When the disk has no room; the earlier content is kept.
     """
 
     def __init__(
@@ -122,13 +118,14 @@ class ParquetTracksWriter:
             raise
         self._after_s = max((one.contents.last_s for one in self._segments), default=-math.inf)
         self._number = max(segment_files(self._parts), default=0)
-        self._open: _OpenSegment | None = None
+        self._open: OpenSegment | None = None
+        self._obsolete: Path | None = None  # parts that a segment has replaced
         self._rows: list[Rows] = []
         self._flushed_s = clock()
         self._ended = False
 
     def write(self, snapshot: Snapshot) -> None:
-        """Add one moment."""
+        """Append one snapshot."""
         if snapshot.t_s <= self._after_s:
             return
         if self._open is not None and snapshot.t_s - self._open.first_s >= self._segment_s:
@@ -136,7 +133,7 @@ class ParquetTracksWriter:
         rows = rows_of(snapshot)
         if len(rows) and self._open is None:
             self._number += 1
-            self._open = _OpenSegment(self._parts, self._number, snapshot.t_s, self._info)
+            self._open = OpenSegment(self._parts, self._number, snapshot.t_s, self._info)
         self._rows.append(rows)
         due = self._clock() - self._flushed_s >= self._part_s
         if due or sum(map(len, self._rows)) >= _ROWS_OF_A_PART:
@@ -144,6 +141,7 @@ class ParquetTracksWriter:
 
     def _flush(self) -> None:
         self._flushed_s = self._clock()
+        self._remove_some()
         rows = np.concatenate(self._rows) if self._rows else np.empty(0, ROW)
         self._rows.clear()
         if len(rows) and self._open is not None:
@@ -155,16 +153,35 @@ class ParquetTracksWriter:
             return
         self._segments.append(self._open.close())
         write_catalogue(self._parts, self._segments)
-        self._open.remove_parts()
+        self._remove_rest()
+        self._obsolete = self._open.parts
         self._open = None
 
+    def _remove_some(self) -> None:
+        """Remove a few parts of the last hour; all at once would stall the caller."""
+        if self._obsolete is None:
+            return
+        with suppress(OSError):  # the segment replaces them anyway
+            parts = list(segment_files(self._obsolete).values())
+            for part in parts[:_REMOVED_AT_ONCE]:
+                part.unlink()
+            if len(parts) <= _REMOVED_AT_ONCE:
+                self._obsolete.rmdir()
+                self._obsolete = None
+
+    def _remove_rest(self) -> None:
+        if self._obsolete is not None:
+            with suppress(OSError):
+                shutil.rmtree(self._obsolete)
+            self._obsolete = None
+
     def close(self) -> None:
-        """End the recording: it takes its final name."""
+        """Complete the recording: rename it to its final name."""
         with self:
             pass
 
     def abandon(self) -> None:
-        """End early: what was written stays in the folder of parts."""
+        """End early: keep the content in the folder of parts."""
         if self._ended:
             return
         self._ended = True
@@ -173,6 +190,7 @@ class ParquetTracksWriter:
         finally:
             if self._open is not None:
                 self._open.abandon()
+            self._remove_rest()
             self._claim.release()
 
     def __enter__(self) -> Self:
@@ -186,7 +204,7 @@ class ParquetTracksWriter:
     ) -> None:
         if kind is not None:
             if isinstance(error, SetupError):
-                with suppress(SetupError):  # the same again, and the first is told
+                with suppress(SetupError):  # the disk is still full; report the first error
                     self.abandon()
                 raise self._with_kept(error) from error
             self.abandon()
@@ -196,6 +214,7 @@ class ParquetTracksWriter:
     def _finish(self) -> None:
         try:
             self._end_segment()
+            self._remove_rest()
             with disk_faults(self._path, running=True):
                 self._take_name()
             self._ended = True
@@ -209,9 +228,11 @@ class ParquetTracksWriter:
 
     def _take_name(self) -> None:
         files = segment_files(self._parts)
-        if not files:
-            write_file(self._path, [], self._info)
-        if len(files) > 1:
+        if not files or (len(files) > 1 and self._duration_s() < self._segment_s):
+            write_file(self._path, _tables(files.values(), self._info), self._info)
+            shutil.rmtree(self._parts)
+            self._claim.release()
+        elif len(files) > 1:
             self._claim.release()
             if self._path.is_file():
                 self._path.unlink()
@@ -223,78 +244,17 @@ class ParquetTracksWriter:
             self._claim.release()
         sync_directory(self._path.parent)
 
+    def _duration_s(self) -> float:
+        return self._segments[-1].contents.last_s - self._segments[0].contents.first_s
+
     def _with_kept(self, error: SetupError) -> SetupError:
         if not self._parts.is_dir() or not files_in(self._parts):
             return error
         return SetupError(f"{error}; what was recorded is kept in {self._parts}")
 
 
-class _OpenSegment:
-    """A segment that is being written: its parts, complete, and its file, still without an end."""
-
-    def __init__(self, folder: Path, number: int, first_s: float, info: TracksInfo) -> None:
-        self.first_s = first_s
-        self._folder = folder
-        self._info = info
-        self._parts = folder / segment_name(number)
-        self._target = folder / f"{segment_name(number)}{SUFFIX}"
-        self._temporary = folder / f".{self._target.name}.tmp"
-        self._part = 0
-        self._contents = Contents()
-        self._waiting: list[pa.Table] = []
-        with disk_faults(self._target, running=True):
-            flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC
-            self._file = os.fdopen(os.open(self._temporary, flags, PRIVATE_FILE), "wb")
-            self._writer = parquet_file(self._file, info)
-
-    def append(self, rows: Rows) -> None:
-        """Write rows, whole moments, as a part, and to the file of the segment."""
-        table = table_of(rows, self._info.skeleton, details=self._info.details)
-        self._part += 1
-        part = self._parts / f"{self._part:06d}{SUFFIX}"
-        with disk_faults(part, running=True):
-            self._parts.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
-            write_file(part, [table], self._info)
-            self._contents = self._contents.with_rows(rows)
-            self._waiting.append(table)
-            if sum(map(len, self._waiting)) >= ROWS_OF_A_GROUP:
-                self._write_group()
-
-    def _write_group(self) -> None:
-        write_group(self._writer, joined(self._waiting))
-        self._waiting.clear()
-
-    def close(self) -> Segment:
-        """Complete the file of the segment; the parts stay."""
-        with disk_faults(self._target, running=True):
-            if self._waiting:
-                self._write_group()
-            self._writer.close()
-            self._file.flush()
-            os.fsync(self._file.fileno())
-            self._file.close()
-            size_bytes = self._temporary.stat().st_size
-            self._temporary.replace(self._target)
-            sync_directory(self._folder)
-        return Segment(self._target, size_bytes, self._contents)
-
-    def remove_parts(self) -> None:
-        """Remove the parts, which the file of the segment replaces."""
-        with suppress(OSError):  # what remains does no harm
-            shutil.rmtree(self._parts)
-
-    def abandon(self) -> None:
-        """Give up the file of the segment; the parts stay."""
-        with suppress(OSError, pa.ArrowException):
-            self._writer.close()
-        with suppress(OSError):
-            self._file.close()
-        with suppress(OSError):
-            self._temporary.unlink(missing_ok=True)
-
-
 def parts_of(path: Path) -> Path:
-    """Return the folder that holds the recording `path` until it is complete."""
+    """Return the folder of the recording `path` until it is complete."""
     return path.with_name(path.name + ".parts")
 
 
@@ -327,38 +287,34 @@ def _prepare(path: Path, parts: Path, resume: bool) -> None:
             f"{parts} holds a recording that has not ended: keep it with "
             f"`trecsim export {parts} OUT.parquet`, then delete the directory"
         )
-    for temporary in parts.rglob(".*.tmp"):  # halves of files, which a crash left
+    for temporary in parts.rglob(".*.tmp"):  # incomplete files of a crash
         temporary.unlink()
     if resume and path.is_file():
         path.replace(parts / f"{segment_name(1)}{SUFFIX}")
 
 
 def _recovered(parts: Path, info: TracksInfo) -> list[Segment]:
-    """Make a segment of the parts that a crash left."""
+    """Merge the parts that a crash left into a segment."""
     with disk_faults(parts):
         whole = segment_files(parts)
         for number, folder in part_folders(parts).items():
             files = segment_files(folder).values()
             if number not in whole and files:
-                tables = (
-                    table_of(rows, info.skeleton, details=info.details)
-                    for file in files
-                    for rows in file_rows(file, info.skeleton)
-                )
-                write_file(parts / f"{segment_name(number)}{SUFFIX}", tables, info)
+                write_file(parts / f"{segment_name(number)}{SUFFIX}", _tables(files, info), info)
             shutil.rmtree(folder)
         segments = [one for one in segments_in(parts) if one.contents.rows]
         write_catalogue(parts, segments)
     return segments
 
 
-def write_parquet(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> None:
-    """Write one complete file from tables, one after the other, in little memory."""
-    write_file(path, tables, info)
+def _tables(files: Iterable[Path], info: TracksInfo) -> Iterator[pa.Table]:
+    for file in files:
+        for rows in file_rows(file, info.skeleton):
+            yield table_of(rows, info.skeleton, details=info.details)
 
 
 def tables_of(snapshots: Iterable[Snapshot], info: TracksInfo) -> Iterator[pa.Table]:
-    """Lay snapshots out as tables of a convenient size."""
+    """Convert snapshots to Arrow tables of moderate size."""
     rows: list[Rows] = []
     for snapshot in snapshots:
         rows.append(rows_of(snapshot))
@@ -372,20 +328,20 @@ def tables_of(snapshots: Iterable[Snapshot], info: TracksInfo) -> Iterator[pa.Ta
 def read_parquet(
     path: Path, from_s: float = -math.inf, until_s: float = math.inf
 ) -> Iterator[Snapshot]:
-    """Read tracks one moment at a time; of an unfinished recording, read segments and parts.
+    """Read tracks, one snapshot per time; of an unfinished recording, read segments and parts.
 
     Parameters
     ----------
     path
-        A Parquet file of tracks, complete or not, or a folder of segments or parts.
+        A Parquet file of tracks, or a folder of segments or parts.
     from_s, until_s
-        Read what lies between these times, both included [s]; no file in which nothing of it is
-        opened, as far as the catalogue tells.
+        Only snapshots between these times are read, both included [s]; other segments are not
+        opened.
 
     Raises
     ------
     InputError
-        When there is no such recording, or it is not right.
+        When the recording is missing or wrong.
     """
     skeleton = read_info(path).skeleton
     blocks = _blocks(path, skeleton, from_s, until_s)
@@ -395,7 +351,7 @@ def read_parquet(
 def _blocks(path: Path, skeleton: Skeleton, from_s: float, until_s: float) -> Iterator[Rows]:
     next_s = from_s
     for file in _files_between(path, from_s, until_s):
-        if file != path and not file.exists():  # its hour, or the recording, has just ended
+        if file != path and not file.exists():  # parts have just become a segment
             yield from _blocks(path, skeleton, next_s, until_s)
             return
         for rows in file_rows(file, skeleton, from_s, until_s):
@@ -414,14 +370,14 @@ def _files_between(path: Path, from_s: float, until_s: float) -> list[Path]:
 
 
 def _folder_of(path: Path) -> Path | None:
-    """Return the folder of segments or parts that stands for a recording; None for a file."""
+    """Return the folder of segments or parts of a recording; None for a file."""
     if path.is_dir():
         return path
     return parts_of(path) if not path.exists() and parts_of(path).is_dir() else None
 
 
 def read_info(path: Path) -> TracksInfo:
-    """Read what a recording says about itself; a file written by others says nothing.
+    """Read the metadata of a recording; files of other programs have none, and get the default.
 
     Raises
     ------
@@ -434,12 +390,12 @@ def read_info(path: Path) -> TracksInfo:
 
 
 def recording_segments(path: Path) -> list[Segment]:
-    """Return the files of a recording in order, with what each holds.
+    """Return the files of a recording in order, with their extents.
 
     Raises
     ------
     InputError
-        When there is no such recording, or it is damaged.
+        When the recording is missing or damaged.
     """
     folder = _folder_of(path)
     return segments_in(folder) if folder is not None else [segment_of(path)]

@@ -1,4 +1,4 @@
-"""The truth file of made data, `truth.npz`: who was where, known exactly."""
+"""Ground truth of synthetic scenes, `truth.npz`."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ _AXES = f"(person, time, {len(COCO17.joints)}, 3)"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """Where everybody truly was.
+    """Ground truth: the exact joints of all people.
 
     Attributes
     ----------
     t_s
-        The times at which it is known, increasing, at least one [s].
+        Times, increasing, at least one [s].
     xyz_m
-        Joints of everybody then, COCO-17 in files; NaN while absent [m].
+        Joints, COCO-17 in files; NaN while a person is absent [m].
     """
 
     t_s: Float64[np.ndarray, " time"]
@@ -39,7 +39,7 @@ def write_truth(
     t_s: Float64[np.ndarray, " time"],
     xyz_m: Float64[np.ndarray, "person time joint 3"],
 ) -> None:
-    """Write the truth.
+    """Write a truth file.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def write_truth(
     t_s
         Times [s].
     xyz_m
-        Joints of everybody, NaN while absent [m].
+        Joints, NaN while a person is absent [m].
 
     Raises
     ------
@@ -65,12 +65,12 @@ def read_truth(path: Path | str) -> Truth:
     Parameters
     ----------
     path
-        The file, or the directory of a made scene with its ``truth.npz``.
+        The file, or the directory of a synthetic scene with its ``truth.npz``.
 
     Raises
     ------
     InputError
-        It is not there, not a truth file, or contradicts itself.
+        It is missing, not a truth file, or inconsistent.
     """
     path = Path(path)
     path = path / TRUTH if path.is_dir() else path
@@ -120,7 +120,7 @@ def _time_faults(t_s: Float64[np.ndarray, " time"]) -> Iterator[str]:
 
 def _joint_faults(xyz_m: Float64[np.ndarray, "person time 17 3"]) -> Iterator[str]:
     for number, person_m in enumerate(xyz_m):
-        for begin in range(0, len(person_m), _TIMES_AT_ONCE):  # masks of all cost memory
+        for begin in range(0, len(person_m), _TIMES_AT_ONCE):  # bounds the memory of the masks
             faults = list(_faults_in(person_m[begin : begin + _TIMES_AT_ONCE]))
             if faults:
                 time, joint, text = faults[0]
@@ -129,7 +129,7 @@ def _joint_faults(xyz_m: Float64[np.ndarray, "person time 17 3"]) -> Iterator[st
 
 
 def _faults_in(xyz_m: Float64[np.ndarray, "time 17 3"]) -> Iterator[tuple[int, int, str]]:
-    """Yield where something cannot be, and what."""
+    """Yield the first impossible joint of each kind: time, joint, fault."""
     unknown = np.isnan(xyz_m)
     wrong = {
         "is infinite": np.isinf(xyz_m).any(axis=-1),
