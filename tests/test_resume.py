@@ -42,9 +42,16 @@ def checked(tmp_path: Path) -> CheckedSite:
     return check_site(make_site(tmp_path, more="[output]\nposes = true\n"))
 
 
-def stopped(checked: CheckedSite, out: Path, images: int) -> None:
-    done = iter(range(images + 1))
-    run(checked, out, stop=lambda: next(done) == images - 1)
+def stopped(checked: CheckedSite, out: Path, images: int, *, resume: bool = False) -> None:
+    """Run until so many images are done."""
+    seen: list[int] = []
+    run(
+        checked,
+        out,
+        resume=resume,
+        progress=lambda done, total: seen.append(done),
+        stop=lambda: images in seen,
+    )
 
 
 def assert_complete(out: Path, moments: int = 40) -> None:
@@ -107,8 +114,7 @@ def test_a_killed_run_is_continued(tmp_path: Path) -> None:
 
 def test_a_run_may_be_continued_more_than_once(checked: CheckedSite, tmp_path: Path) -> None:
     stopped(checked, tmp_path / "out", 39)
-    done = iter(range(100))
-    run(checked, tmp_path / "out", resume=True, stop=lambda: next(done) == 38)
+    stopped(checked, tmp_path / "out", 39, resume=True)
     summary = run(checked, tmp_path / "out", resume=True)
     assert_complete(tmp_path / "out")
     assert people(tmp_path / "out") == [0, 1, 2]
