@@ -1,6 +1,7 @@
 """`follow` tells when poses and rig cannot fit, and is silent when they do."""
 
 import logging
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -19,9 +20,11 @@ from made_faults import (
     scaled,
     turned,
 )
+from trecsim.consistency import Consistency, Thresholds
 from trecsim.geometry import Rig
 from trecsim.lab.simulation import read_scene, room_scene, simulate
 from trecsim.tracking import Tally, follow
+from trecsim.values import FrameSet, Snapshot
 
 SIZE_PX = (1920.0, 1080.0)
 
@@ -237,3 +240,19 @@ def test_remarks_are_logged_as_warnings(good, caplog):
     with caplog.at_level(logging.WARNING):
         text = only(changed(good.poses, scaled(0.5)), good.rig)
     assert text in caplog.messages
+
+
+def test_a_run_of_many_hours_is_watched_with_bounded_memory(good):
+    watch, view = Consistency(good.rig, Thresholds(spacing_growth=2.0)), good.poses[0]
+    nobody = Snapshot(
+        0.0,
+        np.empty(0, np.int64),
+        np.empty((0, 17, 3)),
+        np.empty((0, 17, 3, 3)),
+        np.empty((0, 17), np.int64),
+    )
+    for step in range(2_000):
+        at = replace(nobody, t_s=3.0 * step)
+        views = (replace(view, t_s=at.t_s), replace(view, camera="cam2", t_s=at.t_s))
+        watch.observe(FrameSet(at.t_s, views), at)
+    assert len(pickle.dumps(watch)) < 500_000

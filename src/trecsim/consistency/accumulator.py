@@ -56,6 +56,7 @@ class Consistency:
     _history: deque[Evidence] = field(init=False)
     _samples: int = field(default=0, init=False)
     _sampled_s: float = field(default=-math.inf, init=False)
+    _spacing_s: float = field(init=False)
     _frame_sets: int = field(default=0, init=False)
     _together: int = field(default=0, init=False)
     _anybody: bool = field(default=False, init=False)
@@ -69,6 +70,7 @@ class Consistency:
         self._place = {name: number for number, name in enumerate(self.rig.names)}
         self._spans = tuple(spans.Span() for _ in self.rig)
         self._extents = tuple(pixels.Extent() for _ in self.rig)
+        self._spacing_s = self.limit.spacing_s
         self._recent = deque(maxlen=self.limit.recent)
         self._history = deque(maxlen=_MOST_REMEMBERED)
 
@@ -114,12 +116,13 @@ class Consistency:
 
     def _due(self, t_s: float) -> bool:
         """Tell whether a frame set is to be sampled, and count it."""
-        limit, late = self.limit, max(0, self._samples - self.limit.settle)
-        spacing_s = min(limit.spacing_s * limit.spacing_growth**late, limit.longest_spacing_s)
-        spacing_s *= 0.75 + 0.5 * (self._samples * _GOLDEN % 1.0)
-        if 0.0 <= t_s - self._sampled_s < spacing_s:
+        varied = 0.75 + 0.5 * (self._samples * _GOLDEN % 1.0)
+        if 0.0 <= t_s - self._sampled_s < varied * self._spacing_s:
             return False
         self._samples += 1
+        if self._samples > self.limit.settle:
+            longer_s = self._spacing_s * self.limit.spacing_growth
+            self._spacing_s = min(longer_s, self.limit.longest_spacing_s)
         self._sampled_s = t_s
         return True
 
