@@ -1,6 +1,7 @@
 """The command `trecsim demo`."""
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -38,3 +39,16 @@ def test_the_demo_advises_only_what_the_installed_extras_can_do(
     assert "sample" not in advised("report")
     assert "trecsim report room" in advised("report", "video")
     assert "trecsim sample" in advised("report", "video")
+
+
+def test_without_matplotlib_the_demo_says_how_to_get_a_picture(
+    trecsim: Callable[..., tuple[int, str, str]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    small = ("--seconds", 1, "--people", 1, "--cameras", 2)
+    code, out, _ = trecsim("demo", "--out", tmp_path / "room", *small)
+    assert code == 0
+    assert "no picture: it needs Matplotlib: " in out
+    assert "[plot]" in out

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from trecsim.cli.first_run import compile_first
 from trecsim.cli.terminal import finish, fusion_time, note, progress_bar
-from trecsim.extras import has_extra
+from trecsim.extras import has_extra, install_command
 
 if TYPE_CHECKING:
     from trecsim.lab.demo import DemoSummary
@@ -84,7 +84,9 @@ def _told(result: "DemoSummary") -> str:
     ]
     width = max(len(name) for name, _ in rows)
     lines = [f"  {name:<{width}}  {value}" for name, value in rows]
-    picture = f"picture: {result.picture}" if result.picture else "no picture: see above"
+    picture = f"picture: {result.picture}"
+    if result.picture is None:
+        picture = f"no picture: it needs Matplotlib: {install_command('plot')}"
     commands = _next_commands(result.folder)
     width = max(map(len, commands))
     following = [f"  {command:<{width}}    {about}" for command, about in commands.items()]

@@ -190,6 +190,6 @@ def _draw(folder: Path, made: Simulation, comparison: Comparison | None) -> Path
         )
     try:
         plot_paths(read_tracks(folder / RUN), made.rig, picture, title=title, remark=remark)
-    except SetupError:  # the run has remarked on it already
+    except SetupError:  # without Matplotlib; the command says so
         return None
     return picture
