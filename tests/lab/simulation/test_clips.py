@@ -12,7 +12,7 @@ from trecsim.lab.simulation.clips import FACE_M, Take, posed, read_clip
 from trecsim.lab.simulation.motion import motion_of
 from trecsim.lab.simulation.on_foot import on_foot
 from trecsim.lab.simulation.pose import joints
-from trecsim.lab.simulation.turns import Place
+from trecsim.lab.simulation.rotations import Place
 
 ONE = body(1.8, np.random.default_rng(3))
 OTHER = body(1.6)

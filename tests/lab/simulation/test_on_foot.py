@@ -6,7 +6,7 @@ import pytest
 from trecsim.lab.simulation.actions import Run, Stand, Turn, Walk
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.on_foot import OnFoot, on_foot, standing
-from trecsim.lab.simulation.turns import Place
+from trecsim.lab.simulation.rotations import Place
 
 ONE = body(1.7, np.random.default_rng(1))
 WAYS: list[list[OnFoot]] = [

@@ -6,8 +6,8 @@ import pytest
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.paths import through
 from trecsim.lab.simulation.pose import blend, joints, pose_of
+from trecsim.lab.simulation.rotations import about
 from trecsim.lab.simulation.sampled import Sampled, between, sampled
-from trecsim.lab.simulation.turns import about
 from trecsim.lab.simulation.walkers import walker
 
 ONE = body(1.8, np.random.default_rng(2))

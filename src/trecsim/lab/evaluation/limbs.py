@@ -1,4 +1,4 @@
-"""Lengths of limbs: a bone cannot change its length, so that its length tells about the tracks.
+"""Limb lengths: bones have constant length, so their variation measures errors of the tracks.
 
 The fourteen lines are those of the thesis (section 3.7.2, figure 21, table 1).
 """
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Float64
 
-from trecsim.lab.evaluation.person_tracks import PersonTrack
+from trecsim.lab.evaluation.person_tracks import PersonTrack, mean_of_known
 from trecsim.skeleton import COCO17
 from trecsim.store.truth import Truth
 
@@ -43,8 +43,8 @@ _SYNONYMS = {
 }
 
 _ENDS = np.array([[COCO17.index(joint) for joint in ends] for ends in _LINES.values()])
-_NEAR_M = 0.5  # within this, mean over the joints, a track is that of a true person
-_MOST_MOMENTS = 200  # enough to tell whose track it is
+_NEAR_M = 0.5  # largest distance of a track from its person, mean over the joints
+_MOST_MOMENTS = 200  # frames compared to identify the person of a track
 
 Given = Mapping[int, Float64[np.ndarray, "14"]]
 """True lengths by identity, in the order of :data:`LIMBS`, NaN where not known [m]."""
@@ -90,18 +90,18 @@ def limb_lengths(xyz_m: Float[np.ndarray, "*batch 17 3"]) -> Float64[np.ndarray,
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LimbSeries:
-    """Lengths of one person's limbs over time.
+    """Limb lengths of one person over time.
 
     Attributes
     ----------
     person
         The identity.
     t_s
-        Moments [s].
+        Times of the frames [s].
     length_m
-        In the order of :data:`LIMBS`; NaN where an end is not known [m].
+        In the order of :data:`LIMBS`; NaN where an end is unknown [m].
     supported
-        Whether a camera supports both ends then.
+        Whether a camera supports both ends.
     """
 
     person: int
@@ -111,7 +111,7 @@ class LimbSeries:
 
 
 def limb_series(people: Iterable[PersonTrack]) -> tuple[LimbSeries, ...]:
-    """Return everybody's limb lengths over time."""
+    """Return the limb lengths of all people over time."""
     return tuple(
         LimbSeries(
             track.person,
@@ -134,11 +134,11 @@ class LimbRow:
     limb
         One of :data:`LIMBS`.
     n
-        Moments that count.
+        Number of frames.
     mean_m, sd_m
-        Of the length then [m]; NaN if there are none.
+        Mean and standard deviation of the length [m]; NaN without any.
     given_m
-        True length [m]; NaN where not known.
+        True length [m]; NaN if unknown.
     """
 
     person: int
@@ -150,12 +150,12 @@ class LimbRow:
 
     @property
     def difference_m(self) -> float:
-        """Mean length minus the true one [m]; NaN where either is not known."""
+        """Mean length minus the true one [m]; NaN if either is unknown."""
         return self.mean_m - self.given_m
 
     @property
     def difference_share(self) -> float:
-        """The difference as a share of the true length; NaN where that is not known."""
+        """The difference as a share of the true length; NaN if that is unknown."""
         return self.difference_m / self.given_m if self.given_m > 0 else float("nan")
 
     def row(self) -> dict[str, str | float]:
@@ -175,16 +175,16 @@ class LimbRow:
 def limb_table(
     series: Iterable[LimbSeries], given: Given | None = None, *, supported_only: bool = True
 ) -> tuple[LimbRow, ...]:
-    """Return mean and standard deviation of everybody's limb lengths, the thesis' table 2.
+    """Return mean and standard deviation of all limb lengths, as in the thesis' table 2.
 
     Parameters
     ----------
     series
         Lengths over time.
     given
-        True lengths, where known.
+        True lengths where known.
     supported_only
-        Count only the moments at which a camera supports both ends; else all.
+        Count only frames in which a camera supports both ends.
     """
     return tuple(
         row for one in series for row in _rows(one, (given or {}).get(one.person), supported_only)
@@ -208,16 +208,16 @@ def _rows(
 
 @dataclass(frozen=True, slots=True)
 class LimbSummary:
-    """All limbs of all people in a few figures; those seen longer weigh more.
+    """Mean figures over all limbs and people, weighted by the number of frames.
 
     Attributes
     ----------
     people
-        How many have a limb that counts.
+        Number of people with a limb.
     sd_m
         Mean standard deviation of a limb's length [m].
     difference_m
-        Mean absolute difference to the true lengths [m]; NaN where none is known.
+        Mean absolute difference from the true lengths [m]; NaN if none is known.
     """
 
     people: int
@@ -234,7 +234,7 @@ class LimbSummary:
 
 
 def limb_summary(rows: Sequence[LimbRow]) -> LimbSummary:
-    """Sum a table up."""
+    """Summarise a table."""
     counted = [row for row in rows if row.n]
     compared = [row for row in counted if np.isfinite(row.difference_m)]
     return LimbSummary(
@@ -251,24 +251,18 @@ def _weighted(values: Sequence[float], rows: Sequence[LimbRow]) -> float:
 def true_lengths(people: Iterable[PersonTrack], truth: Truth) -> Given:
     """Return the true limb lengths of each identity that is the track of a true person.
 
-    A person's true length is the mean over the truth. An identity is the track of whom it is
-    nearest to for most of its time, of those within half a metre, mean over the joints.
+    A true length is the mean over the ground truth. An identity belongs to the person to whom it is
+    nearest in most frames, within 0.5 m, mean over the joints.
     """
-    of_person = np.array([_mean_length(xyz_m) for xyz_m in truth.xyz_m]).reshape(-1, len(LIMBS))
+    of_person = np.array(
+        [mean_of_known(limb_lengths(xyz_m), axis=0) for xyz_m in truth.xyz_m]
+    ).reshape(-1, len(LIMBS))
     found = {track.person: _whose(track, truth) for track in people}
     return {identity: of_person[number] for identity, number in found.items() if number is not None}
 
 
-def _mean_length(xyz_m: Float64[np.ndarray, "time 17 3"]) -> Float64[np.ndarray, "14"]:
-    length_m = limb_lengths(xyz_m)
-    known = np.isfinite(length_m)
-    n = known.sum(axis=0)
-    total_m = np.where(known, length_m, 0.0).sum(axis=0)
-    return np.where(n > 0, total_m / np.maximum(n, 1), np.nan)
-
-
 def _whose(track: PersonTrack, truth: Truth) -> int | None:
-    """Return the number of the true person whose track this is, or None."""
+    """Return the number of the true person of a track, or None."""
     some = np.unique(np.linspace(0, len(track.t_s) - 1, _MOST_MOMENTS).astype(np.int64))
     some = some[(track.t_s[some] >= truth.t_s[0]) & (track.t_s[some] <= truth.t_s[-1])]
     after = np.searchsorted(truth.t_s, track.t_s[some]).clip(0, len(truth.t_s) - 1)
@@ -276,9 +270,7 @@ def _whose(track: PersonTrack, truth: Truth) -> int | None:
     closer = track.t_s[some] - truth.t_s[before] < truth.t_s[after] - track.t_s[some]
     true_m = truth.xyz_m[:, np.where(closer, before, after)]
     apart_m = np.linalg.norm(true_m - track.xyz_m[some], axis=-1)
-    known = np.isfinite(apart_m)
-    total_m, joints = np.where(known, apart_m, 0.0).sum(axis=-1), known.sum(axis=-1)
-    mean_m = np.where(joints > 0, total_m / np.maximum(joints, 1), np.inf)
+    mean_m = np.nan_to_num(mean_of_known(apart_m, axis=-1), nan=np.inf)
     near = mean_m.min(axis=0, initial=np.inf) < _NEAR_M
     if not near.any():
         return None

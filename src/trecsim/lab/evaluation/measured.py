@@ -19,10 +19,10 @@ LengthCm = Annotated[float, Field(gt=0, le=200)]
 
 
 class SubjectTable(Table):
-    """One person who was measured."""
+    """One measured person."""
 
     people: Annotated[tuple[Identity, ...], Field(strict=False, min_length=1)]
-    """The identities that the tracks give this person."""
+    """Identities of this person in the tracks."""
     lengths_cm: dict[str, LengthCm]
     """Length by the name of the limb, as `limb_named` knows it [cm]."""
 
@@ -31,9 +31,9 @@ class MeasuredFile(Table):
     """The whole file."""
 
     format: Literal["trecsim.limbs/1"]
-    """Names this format."""
+    """Format of the file."""
     subjects: dict[str, SubjectTable]
-    """Who was measured, by any name."""
+    """Measured people, by any name."""
 
 
 def read_measured(path: Path | str) -> Given:
@@ -47,7 +47,7 @@ def read_measured(path: Path | str) -> Given:
     Raises
     ------
     ConfigError
-        It cannot be read, or something in it is wrong; all faults are told with their lines.
+        It cannot be read or is invalid; all faults are reported with their lines.
 
     Examples
     --------

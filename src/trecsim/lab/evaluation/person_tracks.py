@@ -54,3 +54,17 @@ def pieces(t_s: Float64[np.ndarray, " time"], usual_s: float) -> Int64[np.ndarra
     array([0, 0, 0, 1, 1])
     """
     return np.cumsum(np.diff(t_s, prepend=t_s[:1]) > GAP_PERIODS * usual_s)
+
+
+def mean_of_known(values: Float64[np.ndarray, "..."], axis: int) -> Float64[np.ndarray, "..."]:
+    """Return the mean over one axis of the values that are not NaN; NaN without any.
+
+    Examples
+    --------
+    >>> mean_of_known(np.array([[1.0, np.nan, 3.0], [np.nan, np.nan, np.nan]]), axis=1)
+    array([ 2., nan])
+    """
+    known = np.isfinite(values)
+    count = known.sum(axis=axis)
+    total = np.where(known, values, 0.0).sum(axis=axis)
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan)

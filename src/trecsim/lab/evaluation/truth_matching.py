@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float64, Int64
 from trecsim.errors import InputError
 from trecsim.lab.evaluation.assignment import best_pairs
 from trecsim.lab.evaluation.moments import Moments
+from trecsim.lab.evaluation.person_tracks import mean_of_known
 from trecsim.store.truth import Truth
 
 GATE_M = 0.5  # largest distance of a match, mean over the joints
@@ -145,7 +146,7 @@ def _nearness(moments: Moments, truth: Truth, begin: int, end: int) -> Nearness:
     found_m = np.full((*row.shape, *moments.xyz_m.shape[1:]), np.nan)
     found_m[row != NOBODY] = moments.xyz_m[row[row != NOBODY]]
     apart_m = np.linalg.norm(truth_m[:, :, None] - found_m[:, None], axis=-1)
-    return Nearness(begin, person, known, row, apart_m, _mean(apart_m))
+    return Nearness(begin, person, known, row, apart_m, mean_of_known(apart_m, axis=-1))
 
 
 def match(near: Nearness) -> tuple[Int64[np.ndarray, " pair"], ...]:
@@ -194,13 +195,3 @@ class Matcher:
             np.concatenate(arrays) for arrays in zip(nobody, *self._pairs, strict=True)
         )
         return Matches(self._there, self._row, self._true_joints, moment, person, error_m)
-
-
-def _mean(
-    apart_m: Float64[np.ndarray, "moment truth person joint"],
-) -> Float64[np.ndarray, "moment truth person"]:
-    """Return the mean over the joints that both know; NaN without any."""
-    known = np.isfinite(apart_m)
-    total_m = np.where(known, apart_m, 0.0).sum(axis=-1)
-    count = known.sum(axis=-1)
-    return np.where(count > 0, total_m / np.maximum(count, 1), np.nan)

@@ -18,8 +18,8 @@ from trecsim.lab.simulation.frame_times import even
 from trecsim.lab.simulation.paths import STEP_S, smooth
 from trecsim.lab.simulation.pose import Joints, Pose, blend, cut, joined, pose_of
 from trecsim.lab.simulation.postures import STAND, Posture
+from trecsim.lab.simulation.rotations import Place, unit
 from trecsim.lab.simulation.sampled import between
-from trecsim.lab.simulation.turns import Place, unit
 from trecsim.store.npz import Shapes, read_arrays
 
 MOST_FRAMES, MOST_JOINTS = 1_000_000, 200

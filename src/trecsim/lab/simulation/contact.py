@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from trecsim.lab.simulation.body_shape import Body
 from trecsim.lab.simulation.paths import STEP_S, smooth
 from trecsim.lab.simulation.pose import STRAIGHT, Joints, Pose, joints
-from trecsim.lab.simulation.turns import unit
+from trecsim.lab.simulation.rotations import unit
 
 WRIST_M = 0.03
 SOFT_M = 0.006  # hands slow down within this height

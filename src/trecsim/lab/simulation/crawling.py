@@ -13,7 +13,7 @@ from trecsim.lab.simulation.locomotion import Segment, end_of, path_along, segme
 from trecsim.lab.simulation.on_foot import strides
 from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
 from trecsim.lab.simulation.pose import Pose, reaching
-from trecsim.lab.simulation.turns import Place, about, unit
+from trecsim.lab.simulation.rotations import Place, about, unit
 
 STRIDE = 0.29  # stride length as a share of the stature
 STANCE = 0.62  # share of a stride during which a hand or knee rests

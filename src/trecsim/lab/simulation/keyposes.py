@@ -10,7 +10,7 @@ from jaxtyping import Float64
 
 from trecsim.lab.simulation.body_shape import Body
 from trecsim.lab.simulation.pose import Pose
-from trecsim.lab.simulation.turns import about, unit
+from trecsim.lab.simulation.rotations import about, unit
 
 FLESH_M = 0.09  # distance of the joints of the trunk from what they rest on
 KNEE_M, ANKLE_M = 0.055, 0.06

@@ -10,7 +10,7 @@ from trecsim.lab.simulation import paths
 from trecsim.lab.simulation.actions import Point
 from trecsim.lab.simulation.frame_times import even
 from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
-from trecsim.lab.simulation.turns import Place
+from trecsim.lab.simulation.rotations import Place
 
 CURVE_S = 0.25  # standard deviation of the smoothing that rounds corners
 TURNING_S = 0.2  # standard deviation of the smoothing of the direction

@@ -33,8 +33,8 @@ from trecsim.lab.simulation.on_foot import OnFoot, on_foot
 from trecsim.lab.simulation.paths import STEP_S
 from trecsim.lab.simulation.pose import Pose, at, blend, joined
 from trecsim.lab.simulation.postures import LYING, STAND, Actor, Posture, stepping_over, transition
+from trecsim.lab.simulation.rotations import Place
 from trecsim.lab.simulation.sampled import Sampled
-from trecsim.lab.simulation.turns import Place
 
 LONGEST_S = 4 * 3600.0  # all of it is in memory
 CRAWLER_TURNS_RADPS = 1.5  # before going down

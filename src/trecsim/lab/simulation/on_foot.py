@@ -20,7 +20,7 @@ from trecsim.lab.simulation.locomotion import (
     turned,
 )
 from trecsim.lab.simulation.paths import STEP_S
-from trecsim.lab.simulation.turns import Place
+from trecsim.lab.simulation.rotations import Place
 from trecsim.lab.simulation.walkers import MID_STANCE, Walker, cadence_hz, stepping
 
 OnFoot = Stand | Turn | Walk | Run

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.lab.simulation.body_shape import JOINTS, Body
-from trecsim.lab.simulation.turns import Place, about, turn_between, unit
+from trecsim.lab.simulation.rotations import Place, about, turn_between, unit
 
 STRAIGHT = 0.9995  # a leg never becomes longer than this share of thigh and shin
 NEARLY_STRAIGHT = 0.12  # sine of the bend below which a joint says little about its hinge

@@ -13,7 +13,7 @@ from trecsim.lab.simulation.crawling import on_all_fours
 from trecsim.lab.simulation.frame_times import even, falling
 from trecsim.lab.simulation.on_foot import standing
 from trecsim.lab.simulation.pose import Pose, blend, joints, placed, pose_of, reaching
-from trecsim.lab.simulation.turns import Place, about
+from trecsim.lab.simulation.rotations import Place, about
 
 Times = Float64[np.ndarray, " time"]
 Name = Literal[

@@ -1,4 +1,4 @@
-"""Directions, turns and places on the floor."""
+"""Unit vectors, rotations and places on the floor."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 
 def unit(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3"]:
-    """Return vectors of length one; a vector of no length stays."""
+    """Return unit vectors; a zero vector stays zero."""
     length = np.linalg.norm(vector, axis=-1, keepdims=True)
     direction: Float64[np.ndarray, "*batch 3"] = vector / np.maximum(length, 1e-12)
     return direction
@@ -16,7 +16,7 @@ def unit(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch
 def about(
     axis: str, angle_rad: float | Float64[np.ndarray, " time"]
 ) -> Float64[np.ndarray, "*time 3 3"]:
-    """Return the turn about the forward ("x"), left ("y") or up ("z") axis, one per angle.
+    """Return the rotation about the forward ("x"), left ("y") or up ("z") axis, one per angle.
 
     Examples
     --------
@@ -36,12 +36,12 @@ def turn_between(
     b: Float64[np.ndarray, "*batch 3 3"],
     share: Float64[np.ndarray, "..."],
 ) -> Float64[np.ndarray, "*batch 3 3"]:
-    """Return the turn a share of the way from one to another, on the shortest way.
+    """Interpolate between two rotations on the shortest way.
 
     Parameters
     ----------
     a, b
-        Turns.
+        Rotations.
     share
         0 gives `a`, 1 gives `b`.
     """
@@ -59,7 +59,7 @@ def turn_between(
 def _turn_about(
     axis: Float64[np.ndarray, "*batch 3"], angle_rad: Float64[np.ndarray, "*batch"]
 ) -> Float64[np.ndarray, "*batch 3 3"]:
-    """Return the turns by angles about unit vectors."""
+    """Return the rotations by angles about unit vectors."""
     cross = np.zeros((*axis.shape, 3))
     for (row, column), value in zip(
         ((2, 1), (0, 2), (1, 0)), np.moveaxis(axis, -1, 0), strict=True
@@ -72,7 +72,7 @@ def _turn_about(
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where somebody is on the floor, and where he faces.
+    """Position and direction of a person on the floor.
 
     Attributes
     ----------
