@@ -1,4 +1,4 @@
-"""Made scenes for the tests of the tracker: frame sets and truth at their times."""
+"""Synthetic scenes for the tests of the tracker: frame sets and ground truth at their times."""
 
 from dataclasses import dataclass
 

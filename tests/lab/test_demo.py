@@ -1,4 +1,4 @@
-"""The demo: a whole run on made data, and what it does with directories."""
+"""The demo: a whole run on a synthetic scene, and what it does with directories."""
 
 from pathlib import Path
 

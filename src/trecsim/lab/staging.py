@@ -1,4 +1,4 @@
-"""Put a scene into files: its rig, what its cameras report, and the truth."""
+"""Write synthetic scenes to files: rig, 2D poses and ground truth."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,18 +17,18 @@ from trecsim.store.truth import write_truth
 
 @dataclass(frozen=True, slots=True)
 class Staged:
-    """What was written of a scene.
+    """Summary of a written scene.
 
     Attributes
     ----------
     folder
-        Where it lies.
+        Folder of the files.
     scene
-        What the scene is called.
+        Name of the scene.
     seed, seconds
-        Which simulation of it this is, and how long [s].
+        Seed, and length [s].
     cameras, people, images
-        How many.
+        Number of each.
     """
 
     folder: Path
@@ -53,10 +53,9 @@ def stage(
     Parameters
     ----------
     scene
-        All that is to be simulated; see :func:`trecsim.lab.simulation.scene_file.read_scene`.
+        The scene; see :func:`trecsim.lab.simulation.scene_file.read_scene`.
     folder
-        Gets the files; is made if it is not there, and must be empty. After an error nothing of
-        them is left.
+        Folder for the files; created if missing, must be empty. After an error no file is left.
     seed
         The same one gives the same files; None takes that of the scene.
     simulating
@@ -137,7 +136,7 @@ def write_simulation(made: Simulation, folder: Path, writing: Progress | None = 
 
 @contextmanager
 def _emptied_after_an_error(folder: Path) -> Iterator[None]:
-    """Make the folder, and take back what was put into it unless the block ends well."""
+    """Create the folder, and remove what the block wrote if it fails."""
     with disk_faults(folder):
         folder.mkdir(parents=True, exist_ok=True)
     done = False

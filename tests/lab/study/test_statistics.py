@@ -1,4 +1,4 @@
-"""Effects, interactions and noise on made data of which they are known."""
+"""Effects, interactions and noise on synthetic data with known effects."""
 
 import numpy as np
 import pytest

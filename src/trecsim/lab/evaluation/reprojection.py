@@ -1,4 +1,4 @@
-"""How far tracks, seen through the cameras, lie from the key points found in the images."""
+"""Reprojection errors: distances of projected tracks from the key points in the images."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -13,11 +13,11 @@ from trecsim.skeleton import COCO17
 from trecsim.values import Poses2D
 
 ALL_CAMERAS, ALL_JOINTS = "all cameras", "all joints"
-NEAR = 0.25  # of the size of a person in the image: further off on average is somebody else
-FAR = 0.5  # of it: from here on a key point counts as this far, however far it is
-FARTHEST_PX = 1e6  # close to the plane of a camera a joint may be anywhere
-FEWEST = 3  # joints that person and track must share
-GAP_PERIODS = 3.0  # across longer gaps a track is not drawn on
+NEAR = 0.25  # largest mean distance of a match, as a share of the person's size in the image
+FAR = 0.5  # largest distance at which a key point counts, as a share of that size
+FARTHEST_PX = 1e6  # bound for joints near the plane of a camera
+FEWEST = 3  # least number of common joints
+GAP_PERIODS = 3.0  # longer gaps are not interpolated
 _ROUNDING_S = 2e-6  # times in files are rounded to the microsecond
 _AT_ONE_TIME = 4096  # images
 
@@ -26,16 +26,16 @@ Pixels = Float64[np.ndarray, "image joint 2"]
 
 @dataclass(frozen=True, slots=True)
 class ReprojectionRow:
-    """Distances between the key points of one kind in one camera and the tracks.
+    """Distances between key points of one joint in one camera and the tracks.
 
     Attributes
     ----------
     camera, joint
-        Names, or those of all together.
+        Names of camera and joint, or of all together.
     n
-        Key points of people that belong to a track.
+        Number of key points of matched people.
     median_px, p90_px
-        Of their distance to it in the raw image [px]; NaN where there are none.
+        Median and 90th percentile of the distance in the raw image [px]; NaN without any.
     """
 
     camera: str
@@ -57,18 +57,18 @@ class ReprojectionRow:
 
 @dataclass(frozen=True, slots=True)
 class CameraRow:
-    """How many of the people found by one camera belong to a track.
+    """Number of people detected by one camera, and matched with a track.
 
     Attributes
     ----------
     camera
         Its name.
     images
-        That were looked at.
+        Number of images.
     people
-        Found in them.
+        Number of detections in them.
     matched
-        Of these, those that belong to a track.
+        Number of detections that match a track.
     """
 
     camera: str
@@ -89,13 +89,13 @@ class CameraRow:
 
 @dataclass(frozen=True, slots=True)
 class Reprojection:
-    """Tracks seen through the cameras.
+    """Reprojection errors of tracks.
 
     Attributes
     ----------
     rows
-        First over all cameras and joints, then per joint over all cameras, then per camera: all
-        joints and each of them.
+        Over all cameras and joints, then by joint over all cameras, then by camera: all joints
+        and each joint.
     cameras
         In the order of the rig.
     """
@@ -112,29 +112,29 @@ class Reprojection:
 def reprojection(
     poses: Iterable[Poses2D], rig: Rig, people: Sequence[PersonTrack], usual_s: float
 ) -> Reprojection:
-    """Compare tracks with the 2D poses they were made of, or with others.
+    """Compare tracks with 2D poses.
 
     Parameters
     ----------
     poses
-        Images in any order; all in memory are a few thousand at a time.
+        Images in any order; a few thousand are in memory at a time.
     rig
         The cameras; their clocks' offset and drift are added to the images' times.
     people
         The tracks.
     usual_s
-        Usual time between two moments of the tracks; NaN if there is none [s].
+        Typical frame period of the tracks; NaN if there is none [s].
 
     Raises
     ------
     CalibrationError
-        An image comes from a camera that the rig has not.
+        An image comes from a camera that is not in the rig.
 
     Notes
     -----
-    Each person found in an image belongs to the track that is nearest at the image's own time,
-    mean over the joints that both know; positions are interpolated linearly between moments. One
-    further off than a quarter of the person's size in the image belongs to none.
+    Each detection is assigned to the track that is nearest at the time of the image, mean over the
+    common joints; positions are interpolated linearly between frames. A detection further away
+    than a quarter of the person's size in the image is unmatched.
     """
     counts = {camera.name: _Count(camera) for camera in rig}
     images = iter(poses)
@@ -186,16 +186,16 @@ class _Count:
 def positions_at(
     track: PersonTrack, t_s: Float64[np.ndarray, " image"], longest_s: float
 ) -> Float64[np.ndarray, "image joint 3"]:
-    """Return where somebody was at any times, interpolated; NaN outside the track [m].
+    """Return interpolated positions at any times; NaN outside the track [m].
 
     Parameters
     ----------
     track
-        Of the person.
+        Track of one person.
     t_s
         The times [s].
     longest_s
-        Moments further apart than this leave a gap [s]; NaN: none does.
+        Longest gap to interpolate [s]; NaN for any.
     """
     last = len(track.t_s) - 1
     after = np.searchsorted(track.t_s, t_s, side="right").clip(0, last)
@@ -216,8 +216,10 @@ def _apart(
     track_px: Pixels,
     image_of: Int64[np.ndarray, " person"],
 ) -> tuple[Float64[np.ndarray, "person joint"], Float64[np.ndarray, " person"]]:
-    """Return the distance of each key point [px], and of each person in sizes of the track."""
-    by_joint = np.ascontiguousarray(np.moveaxis(track_px, 1, 0))  # sixteen times as fast this way
+    """Return the distance of each key point [px], and of each person relative to its size."""
+    by_joint = np.ascontiguousarray(
+        np.moveaxis(track_px, 1, 0)
+    )  # sixteen times faster with this layout
     spread_px = np.fmax.reduce(by_joint) - np.fmin.reduce(by_joint)
     size_px = np.linalg.norm(spread_px, axis=-1)[image_of]
     away_px = found_px - track_px[image_of]
