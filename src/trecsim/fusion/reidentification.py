@@ -73,17 +73,17 @@ def within(dead: list[DeadTrack], t_s: float, recall_s: float) -> list[DeadTrack
 class Identities:
     """Gives identities to new tracks; none is given to two people.
 
-    Attributes
-    ----------
-    dead
-        Tracks whose identities may be given again, to the same people.
-
     Parameters
     ----------
     recall_s
-        For how long after its death [s].
+        For how long after a track's death its identity may be given again, to the same person [s].
     first_id
         The first identity.
+
+    Attributes
+    ----------
+    dead
+        Tracks whose identities may be given again.
     """
 
     def __init__(self, recall_s: float, first_id: int = 0) -> None:
