@@ -169,13 +169,13 @@ def midpoint(p, u, q, v):
     return (a + b) / 2, np.linalg.norm(a - b)
 
 
-def lasting_information(model, j, x, last_s, now_s):
+def bias_information(model, j, x, last_s, now_s):
     """Information on a joint whose cameras' key points all err for good."""
     info = np.zeros((3, 3))
     for c in np.flatnonzero(last_s > now_s - 0.12):
         sigma_px = model.noise.sigma_m[j] * model.focal_px[c] / depth(model.P[c], x)
         J = exact_jacobian(model.P[c], x)
-        info += J.T @ J / (model.noise.lasting * (sigma_px**2 + model.noise.floor_px**2))
+        info += J.T @ J / (model.noise.bias_share * (sigma_px**2 + model.noise.floor_px**2))
     return info
 
 
@@ -183,13 +183,13 @@ def lasting_m2(model, j, x, last_s, now_s):
     """Covariance of the lasting error of a joint's position."""
     two_s = np.sort(last_s)[-2]
     off_m = 0.1 + 0.1 * np.clip(now_s - 0.12 - two_s, 0.0, 5.0)
-    info = lasting_information(model, j, x, last_s, now_s)
+    info = bias_information(model, j, x, last_s, now_s)
     return np.linalg.inv(info + np.eye(3) / off_m**2)
 
 
 def wandering_m2ps2(model, j, x, last_s, now_s):
     """Covariance of the error of a joint's velocity that lasting errors cause as they wander."""
-    info = lasting_information(model, j, x, last_s, now_s)
+    info = bias_information(model, j, x, last_s, now_s)
     return np.linalg.inv(info / 5.0**2 + np.eye(3) / 0.2**2)
 
 
@@ -255,7 +255,9 @@ def log_mixture(P, focal_px, seen, noise, prior_m2, shift_m):
         var = (seen.sigma_m[v] / m_per_px) ** 2 + noise.floor_px**2
         student = (1.0 + e @ e / var / noise.tail) ** (-(noise.tail + 2.0) / 2.0)
         total += (
-            seen.worth[v] / noise.quick * np.log1p(noise.odds_m2 / (m_per_px**2 * var) * student)
+            seen.credit[v]
+            / noise.white_share
+            * np.log1p(noise.odds_m2 / (m_per_px**2 * var) * student)
         )
     return total
 
@@ -354,7 +356,7 @@ def needless(P, focal_px, xyz_m, xy_px, match, confirmed):
 def stays_of_twins(offset, xy_px, factor):
     """Return which detections stay when of every two twins in an image the better one does."""
     known = np.isfinite(xy_px[..., 0])
-    worth = (known / factor).sum(axis=1)
+    credit = (known / factor).sum(axis=1)
     stays = known.any(axis=1)
     for first, last in pairwise(offset):
         for d in range(first, last):
@@ -365,5 +367,5 @@ def stays_of_twins(offset, xy_px, factor):
                     continue
                 apart = np.abs(xy_px[d, both] - xy_px[e, both]).max()
                 if apart <= 0.03 * (box.max(axis=0) - box.min(axis=0)).max():
-                    stays[d if worth[e] > worth[d] else e] = False
+                    stays[d if credit[e] > credit[d] else e] = False
     return stays

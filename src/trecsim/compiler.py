@@ -60,8 +60,8 @@ def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = Fals
 def inner(function: Callable[..., Any] | None = None, *, allocates: bool = False) -> Any:
     """Compile a function that only other kernels call, as part of them.
 
-    It has no wrapper for Python, and its code is optimised and kept within the kernels that call it:
-    that saves a third of the compile time, and a tenth of the run time.
+    It has no wrapper for Python, and its code is optimised and kept as part of the kernels that
+    call it. That saves a third of the compile time and a tenth of the run time.
 
     Parameters
     ----------

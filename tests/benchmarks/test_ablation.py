@@ -48,12 +48,12 @@ def test_every_part_switches_something_off_and_says_what_happens_instead() -> No
 
 def test_a_constant_of_a_kernel_counts_in_all_that_call_it_and_only_for_as_long() -> None:
     module = sys.modules["trecsim.fusion.kernels.prefilter"]
-    usual = module.score_to_factor(0.5, 1.0)
+    usual = module.score_to_sigma_scale(0.5, 1.0)
     with replaced("steep", {"kernels.prefilter.SCORE_POWER": 0.0}):
-        assert module.score_to_factor(0.5, 1.0) == 1.0
+        assert module.score_to_sigma_scale(0.5, 1.0) == 1.0
         assert kernels.prefilter is module.prefilter
         assert kernels.prefilter is not PREFILTER
-    assert module.score_to_factor(0.5, 1.0) == usual > 1.0
+    assert module.score_to_sigma_scale(0.5, 1.0) == usual > 1.0
     assert kernels.prefilter is PREFILTER
 
 

@@ -92,8 +92,8 @@ def test_weak_joints_land_where_least_squares_puts_them():
     limbs = kernels.Limbs(pairs, np.full(4, 0.01**2), np.zeros(4))
     for _ in range(60):
         anatomy.gather(A, b, x, d, cov, place, limbs, length, var)
-        anatomy.factor(A)
-        anatomy.solve_factored(A, b)
+        anatomy.cholesky(A)
+        anatomy.solve_cholesky(A, b)
         d[1:] = b.reshape(3, 3)
 
     def residuals(shift, d=d):
@@ -118,10 +118,10 @@ def test_a_factor_gives_solutions_and_the_blocks_of_the_inverse():
     A = A @ A.T + np.eye(9)
     b = rng.normal(size=9)
     expected, inverse = np.linalg.solve(A, b), np.linalg.inv(A)
-    anatomy.factor(A)
-    anatomy.solve_factored(A, b)
+    anatomy.cholesky(A)
+    anatomy.solve_cholesky(A, b)
     np.testing.assert_allclose(b, expected, atol=1e-10)
-    anatomy.invert_factor(A)
+    anatomy.invert_cholesky(A)
     block = np.empty((3, 3))
     for first in (0, 3, 6):
         anatomy.joint_block(A, first, block)
@@ -135,7 +135,7 @@ def test_a_message_from_the_body_is_what_makes_the_joint_what_the_body_says():
     told, shift = np.diag([1e3, 1e2, 0.0]), np.array([0.05, -0.02, 0.01])
     after = np.linalg.inv(np.linalg.inv(before) + told)
     info, vector = np.empty((3, 3)), np.empty(3)
-    size = lengths.quotient(before, after, shift, info, vector)
+    size = lengths.message_from_body(before, after, shift, info, vector)
     np.testing.assert_allclose(info, told, atol=1e-8)
     np.testing.assert_allclose(vector, np.linalg.inv(after) @ shift, rtol=1e-8)
     assert np.isclose(size, np.trace(np.linalg.inv(after)))
@@ -170,7 +170,9 @@ def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
     for _ in range(30):
         info = np.eye(3) / 0.05**2
         vector, size = info @ (there - x), 3 / 0.05**2
-        anatomy.believe(R[0], z[0], c[0], x, info, vector, size, 1.0, 0.0, span, weights, tmp)
+        anatomy.apply_body_message(
+            R[0], z[0], c[0], x, info, vector, size, 1.0, 0.0, span, weights, tmp
+        )
     np.testing.assert_allclose(x, there, atol=1e-3)
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(R[0] @ c[0], z[0], atol=1e-9)

@@ -9,7 +9,7 @@ import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels import information, lengths, locating
-from trecsim.fusion.kernels.fitting import fold_moments
+from trecsim.fusion.kernels.fitting_kernels import fold_moments
 from trecsim.fusion.kernels.locating import newton_step
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -21,9 +21,9 @@ def positive(rng, scale=1.0):
     return A @ A.T + 1e-3 * scale**2 * np.eye(3)
 
 
-def placed(place):
+def placed(knot_time):
     weights = np.empty(4)
-    return kernels.locate(place, LIVE, weights), weights
+    return kernels.locate(knot_time, LIVE, weights), weights
 
 
 @given(SEEDS, st.integers(0, 4))
@@ -49,12 +49,12 @@ def test_back_substitution_solves_the_banded_equations(seed):
 
 
 @given(SEEDS, st.floats(0, 5))
-def test_the_covariance_of_a_point_is_that_of_the_dense_inverse(seed, place):
+def test_the_covariance_of_a_point_is_that_of_the_dense_inverse(seed, knot_time):
     rng = np.random.default_rng(seed)
     R = reference.banded(rng)
-    B = reference.spread_over(*placed(place), N)
+    B = reference.spread_over(*placed(knot_time), N)
     got = np.empty((1, 1, 3, 3))
-    kernels.covariance_all(R[None, None], place, got)
+    kernels.covariance_all(R[None, None], knot_time, got)
     expected = B @ np.linalg.inv(R.T @ R) @ B.T
     np.testing.assert_allclose(got[0, 0], expected, rtol=1e-6, atol=1e-9 * np.abs(expected).max())
 
@@ -108,11 +108,11 @@ def test_every_moment_enters_the_curve_at_its_mean_time(seed, moments):
     total = kernels.sums(1, moments + 1)  # the last one is empty
     locating.clear(total, 0)
     for m in range(moments):
-        place, weight = rng.uniform(0, 5), rng.uniform(0.5, 9.0)
+        knot_time, weight = rng.uniform(0, 5), rng.uniform(0.5, 9.0)
         info, shift = positive(rng, 3.0), rng.normal(0, 0.1, 3)
         total.info[0, m], total.rhs[0, m] = info, info @ shift
-        total.place[0, m], total.weight[0, m] = place * weight, weight
-        B = reference.spread_over(*placed(place), N)
+        total.knot_time[0, m], total.weight[0, m] = knot_time * weight, weight
+        B = reference.spread_over(*placed(knot_time), N)
         expected = expected + B.T @ info @ B
         vector = vector + B.T @ info @ (B @ c + shift)
     fold_moments(R, z, c, total, 0, kernels.scratch(N))
@@ -141,8 +141,8 @@ def test_a_trajectory_stays_sound_through_thousands_of_frames():
         assert (np.diag(R[0, 0]) > 0).all()
         assert not np.tril(R[0, 0], -1).any()
     kernels.control_points(R[0, 0], z[0, 0], c[0, 0])
-    for place in np.linspace(0, 5, 11):
-        kernels.covariance_all(R, place, cov)
+    for knot_time in np.linspace(0, 5, 11):
+        kernels.covariance_all(R, knot_time, cov)
         np.testing.assert_allclose(cov[0, 0], cov[0, 0].T, rtol=1e-9, atol=0)
         assert (np.linalg.eigvalsh(cov[0, 0]) > 0).all()
     assert np.abs(c - 1.0).max() < 1.0

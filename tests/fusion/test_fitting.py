@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.fitting import surprise
+from trecsim.fusion.kernels.fitting_kernels import nis_ratio
 from trecsim.fusion.kernels.locating import moments
 
 OFF_M = np.array([0.03, -0.02, 0.04])
@@ -67,7 +67,10 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
 
     nu = MODEL.noise.tail
     worth = [
-        inlier[v] / MODEL.noise.quick * (nu + 2) / (nu + whitened(v, shift) @ whitened(v, shift))
+        inlier[v]
+        / MODEL.noise.white_share
+        * (nu + 2)
+        / (nu + whitened(v, shift) @ whitened(v, shift))
         for v in range(3)
     ]
 
@@ -79,7 +82,7 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
     np.testing.assert_allclose(shift, least_squares(residuals, np.zeros(3)).x, atol=5e-4)
 
 
-def test_the_surprise_of_shifts_as_predicted_is_one():
+def test_the_nis_ratio_of_shifts_as_predicted_is_one():
     """Shifts drawn from prior minus posterior covariance: what a fit without news would show."""
     rng = np.random.default_rng(5)
     prior = np.tile(np.diag([0.03, 0.02, 0.05]) ** 2, (17, 1, 1))
@@ -87,16 +90,16 @@ def test_the_surprise_of_shifts_as_predicted_is_one():
     found = np.ones(17, bool)
     found[3] = False
     drawn = [
-        surprise(rng.multivariate_normal(np.zeros(3), 0.7 * prior[0], 17), after, prior, found)
+        nis_ratio(rng.multivariate_normal(np.zeros(3), 0.7 * prior[0], 17), after, prior, found)
         for _ in range(400)
     ]
     assert abs(np.mean(drawn) - 1.0) < 0.05
-    assert surprise(np.zeros((17, 3)), after, prior, found) == 0.0
-    assert surprise(np.ones((17, 3)), after, prior, np.zeros(17, bool)) == 0.0
+    assert nis_ratio(np.zeros((17, 3)), after, prior, found) == 0.0
+    assert nis_ratio(np.ones((17, 3)), after, prior, np.zeros(17, bool)) == 0.0
 
 
 @pytest.mark.parametrize("jumps", ["the body", "a joint"])
-def test_a_body_that_jumps_is_believed_and_a_joint_that_jumps_is_not(jumps):
+def test_a_jump_of_the_body_is_followed_and_one_of_a_joint_is_not(jumps):
     """By 25 cm: a body in all cameras has turned; a joint in one of them is something else."""
     n_joint, place = 17, 3.6
     rest = np.random.default_rng(1).normal([0, 0, 1.1], [0.2, 0.2, 0.4], (n_joint, 3))
@@ -125,7 +128,7 @@ def test_a_body_that_jumps_is_believed_and_a_joint_that_jumps_is_not(jumps):
     else:
         assert inlier[0, 2, 0] < 0.01
         assert (np.delete(inlier[0], 0, axis=1) > 0.5).all()
-        # What else was known of the body has not been loosened.
+        # What else was known of the body keeps its covariance.
         assert (np.abs(np.diagonal(R[0, 1])) >= np.abs(np.diagonal(before[0, 1])) - 1e-9).all()
 
 

@@ -7,7 +7,7 @@ from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.body import contact_height_m
-from trecsim.fusion.kernels.ground import learn_level, lowest, resting
+from trecsim.fusion.kernels.ground import ground_contact, learn_level, lowest
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet
 
@@ -31,7 +31,7 @@ def learnt(level, heights, n_seen=2):
 
 
 def test_the_kernels_know_how_high_joints_are_that_rest():
-    assert MODEL.limbs.rest_m.tolist() == REST_M.tolist()
+    assert MODEL.limbs.contact_height_m.tolist() == REST_M.tolist()
 
 
 def test_a_body_rests_on_its_lowest_joint():
@@ -64,11 +64,11 @@ def test_the_ground_rises_with_somebody_on_stairs_and_not_with_somebody_who_jump
 def test_somebody_who_floats_is_brought_down_and_somebody_who_jumps_is_not():
     level = np.array([0.0, 0.02**2])
     loose = SURE * 30.0**2
-    joint, rise_m, variance_m2 = resting(standing(0.3), loose, REST_M, level)
+    joint, rise_m, variance_m2 = ground_contact(standing(0.3), loose, REST_M, level)
     assert joint == COCO17.index("left_ankle")
     assert rise_m == pytest.approx(-0.3)
     assert 0.0 < variance_m2 < 0.05**2
-    assert resting(standing(0.3), SURE, REST_M, level)[0] == -1
+    assert ground_contact(standing(0.3), SURE, REST_M, level)[0] == -1
 
 
 def test_one_camera_keeps_the_distance_of_somebody_who_walks_for_four_seconds():

@@ -58,7 +58,7 @@ def test_evidence_for_other_pairs_grows_as_the_twin_says(seed):
     eyes, xy_px, factor, match = drawn(rng)
     before = rng.uniform(0, 30, 3)
     evidence = before.copy()
-    kernels.note_exchanges(
+    kernels.note_swaps(
         np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor, match, MODEL.ray_of,
         MODEL.position_m, MODEL.bones, MODEL.bone_m, MODEL.noise, 25.0, 20.0, evidence,
     )  # fmt: skip
@@ -82,7 +82,7 @@ def test_two_people_made_of_the_wrong_halves_are_found_out():
         evidence[:] = 0.0
         rows = np.array([match, [match[0] + 1, 7 - match[1]], [-1, -1]])
         for _ in range(3):
-            kernels.note_exchanges(
+            kernels.note_swaps(
                 np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor, rows, MODEL.ray_of,
                 MODEL.position_m, MODEL.bones, MODEL.bone_m, MODEL.noise, 25.0, 20.0, evidence,
             )  # fmt: skip
@@ -102,7 +102,7 @@ def test_who_is_needless_is_as_the_twin_says(seed):
     xyz_m = np.stack([people, people])
     confirmed, looks = rng.random(3) < 0.8, np.array([0.0, 1.0, 2.0])
     before = looks.copy()
-    kernels.note_needless(
+    kernels.note_redundant(
         MODEL.P, MODEL.focal_px, np.array([0, 1]), xyz_m, xy_px, match, confirmed, looks
     )
     needless = reference.needless(MODEL.P, MODEL.focal_px, xyz_m, xy_px, match, confirmed)
@@ -117,7 +117,7 @@ def test_a_body_made_of_two_others_who_fit_its_detections_is_needless():
     # The third is seen where the first should be in one image, and the second in the other.
     match = np.array([[-1, 3], [1, -1], [0, 4]])
     for confirmed, expected in (([True] * 3, [0, 0, 1]), ([True, False, True], [0, 0, 0])):
-        kernels.note_needless(
+        kernels.note_redundant(
             MODEL.P, MODEL.focal_px, np.array([0, 1]), np.stack([people, people]), xy_px, match,
             np.array(confirmed), looks,
         )  # fmt: skip

@@ -18,7 +18,7 @@ NO_LIMBS = kernels.Limbs(np.empty((0, 2), np.int64), np.empty(0), np.zeros(17))
 def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None):
     x, cov, velocity_cov = x[None].copy(), cov[None].copy(), np.zeros((1, 17, 3, 3))
     limb_m = np.empty((1, 0)) if limb_m is None else limb_m[None]
-    kernels.state_all(
+    kernels.report_all(
         MODEL.P, MODEL.focal_px, MODEL.noise, joint_s[None], NOW_S, limbs, limb_m,
         np.full(limb_m.shape, 1e-6), x, cov, velocity_cov,
     )  # fmt: skip

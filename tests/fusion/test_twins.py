@@ -8,7 +8,7 @@ from fusion.made import NOISE, frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import Tracker
 from trecsim.fusion.images import prepare
-from trecsim.fusion.kernels.prefilter import blot_out_twins
+from trecsim.fusion.kernels.prefilter import suppress_duplicates
 from trecsim.values import FrameSet, Poses2D
 
 
@@ -23,7 +23,7 @@ def test_twins_are_found_as_by_the_reference(seed):
     offset = np.array([0, 5, 5, 12])
     expected = reference.stays_of_twins(offset, xy_px, factor)
     found = np.isfinite(xy_px[..., 0]).any(axis=1)
-    left = blot_out_twins(offset, xy_px, factor)
+    left = suppress_duplicates(offset, xy_px, factor)
     np.testing.assert_array_equal(np.isfinite(xy_px[..., 0]).any(axis=1), expected)
     assert len(found) - left == found.sum() - expected.sum()
 

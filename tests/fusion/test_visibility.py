@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL, somebody
 from trecsim.fusion import kernels, visibility
-from trecsim.fusion.kernels.visibility import gap_m2, hidden_share, in_image
+from trecsim.fusion.kernels.visibility_kernels import gap_m2, hidden_share, in_image
 from trecsim.geometry import Camera, Rig
 from trecsim.lab.simulation.camera_placement import look_at
 from trecsim.skeleton import COCO17, Skeleton

@@ -34,11 +34,11 @@ def check_matches(
     To be called once every `CHECK_S`: the errors of a detector persist, so that more checks would
     not be independent.
     """
-    kernels.note_needless(
+    kernels.note_redundant(
         model.P, model.focal_px, images.cam, xyz_m, images.xy_px, association.match,
         people.confirmed, people.redundant_count,
     )  # fmt: skip
-    kernels.note_exchanges(
+    kernels.note_swaps(
         images.cam, images.offset, images.xy_px, images.sigma_scale, association.match,
         model.ray_of, model.position_m, model.bones, model.bone_m, model.noise, CLEAR_PAIR,
         MOST_SWAP_EVIDENCE, people.swap_evidence,

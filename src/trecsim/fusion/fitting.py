@@ -132,5 +132,5 @@ def constrain(people: Population, now: float, model: Model, t_s: float, elapsed_
     kernels.constrain_all(
         people.R, people.z, people.c, people.xyz_m, people.cov_m2, support(people, t_s),
         model.limbs, people.limb_m, people.limb_m2, people.ground_level,
-        model.noise.quick, now, elapsed_s,
+        model.noise.white_share, now, elapsed_s,
     )  # fmt: skip

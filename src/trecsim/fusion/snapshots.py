@@ -59,7 +59,7 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
     # NumPy takes rows by `take` in a third of the time that an index needs.
     xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
     velocity_cov_m2ps2 = velocity_cov_m2ps2.take(who, axis=0)
-    kernels.state_all(
+    kernels.report_all(
         model.P, model.focal_px, model.noise, people.joint_last_seen_s.take(who, axis=0), t_s,
         model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
         xyz_m, cov_m2, velocity_cov_m2ps2,

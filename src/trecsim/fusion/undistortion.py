@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trecsim.fusion.kernels.undistortion import BROWN, FISHEYE, IDEAL, Undistortion
+from trecsim.fusion.kernels.undistortion_kernels import BROWN, FISHEYE, IDEAL, Undistortion
 from trecsim.geometry import Rig
 from trecsim.geometry.distortion import TABLE_LENGTH, Brown, Fisheye, lens
 

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.fusion.kernels.visibility import BROWN, FISHEYE, PINHOLE, Lenses, Silhouette
+from trecsim.fusion.kernels.visibility_kernels import BROWN, FISHEYE, PINHOLE, Lenses, Silhouette
 from trecsim.geometry import Camera, Rig
 from trecsim.geometry.distortion import lens
 from trecsim.skeleton import Skeleton

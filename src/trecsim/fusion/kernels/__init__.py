@@ -5,9 +5,8 @@ Importing this package imports numba; only the fusion does.
 """
 
 from trecsim.fusion.kernels.anatomy import constrain_all
-from trecsim.fusion.kernels.assignment import assign
 from trecsim.fusion.kernels.curve import evaluate_all, locate
-from trecsim.fusion.kernels.fitting import fit_all
+from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.information import (
     control_points,
     covariance_all,
@@ -17,6 +16,7 @@ from trecsim.fusion.kernels.information import (
     start_all,
 )
 from trecsim.fusion.kernels.lengths import Limbs
+from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.locating import Observed, locate_joint, scratch, sums
 from trecsim.fusion.kernels.matching import (
     FREE,
@@ -30,8 +30,8 @@ from trecsim.fusion.kernels.matching import (
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
 from trecsim.fusion.kernels.pairing import (
     midpoints,
-    note_exchanges,
-    note_needless,
+    note_redundant,
+    note_swaps,
     pair_scores,
     ray_midpoint,
 )
@@ -45,10 +45,10 @@ from trecsim.fusion.kernels.presence import (
     note_support,
     survive_all,
 )
-from trecsim.fusion.kernels.stating import state_all
-from trecsim.fusion.kernels.undistortion import Undistortion, undistort
+from trecsim.fusion.kernels.reported_covariance import report_all
+from trecsim.fusion.kernels.undistortion_kernels import Undistortion, undistort
 from trecsim.fusion.kernels.velocity import velocity_all
-from trecsim.fusion.kernels.visibility import Lenses, Silhouette, expect_all
+from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, expect_all
 
 __all__ = [
     "FREE",
@@ -81,19 +81,19 @@ __all__ = [
     "locate_joint",
     "match_view",
     "midpoints",
-    "note_exchanges",
-    "note_needless",
+    "note_redundant",
     "note_support",
+    "note_swaps",
     "owners",
     "pair_scores",
     "prefilter",
     "project",
     "ray_midpoint",
+    "report_all",
     "responsibility",
     "score_view",
     "scratch",
     "start_all",
-    "state_all",
     "sums",
     "survive_all",
     "undistort",

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import BLOCK, locate, point
-from trecsim.fusion.kernels.ground import learn_level, resting
+from trecsim.fusion.kernels.ground import ground_contact, learn_level
 from trecsim.fusion.kernels.information import (
     REACH,
     clear_row,
@@ -16,7 +16,7 @@ from trecsim.fusion.kernels.information import (
     fold_gaussian,
     invert3,
 )
-from trecsim.fusion.kernels.lengths import TIE_M2, learn, quotient
+from trecsim.fusion.kernels.lengths import TIE_M2, learn, message_from_body
 
 _STEPS = 3
 # Variance of how far the body moves a joint in one step [m^2]. A limb across the line of sight says
@@ -49,11 +49,11 @@ def stretch(j, k, x, d, length_m, u):
         u[p] = x[k, p] + d[k, p] - x[j, p] - d[j, p]
         length += u[p] * u[p]
     length = max(math.sqrt(length), 1e-3)
-    rest = length_m - length
+    residual = length_m - length
     for p in range(3):
         u[p] /= length
-        rest += u[p] * (d[k, p] - d[j, p])
-    return rest
+        residual += u[p] * (d[k, p] - d[j, p])
+    return residual
 
 
 @inner
@@ -67,8 +67,8 @@ def along_m2(u, cov_m2):
 
 
 @inner
-def add_limb(A, b, first, second, u, rest, var):
-    """Add "the second joint is `rest` further along `u` than the first" to ``A d = b``.
+def add_limb(A, b, first, second, u, residual, var):
+    """Add "the second joint is `residual` further along `u` than the first" to ``A d = b``.
 
     `first` and `second` are the joints' first unknowns, -1 for one that does not move.
     """
@@ -76,7 +76,7 @@ def add_limb(A, b, first, second, u, rest, var):
         if m < 0:
             continue
         for p in range(3):
-            b[m + p] += sign * u[p] * rest / var
+            b[m + p] += sign * u[p] * residual / var
             for q in range(3):
                 A[m + p, m + q] += u[p] * u[q] / var
     if first >= 0 and second >= 0:
@@ -87,11 +87,11 @@ def add_limb(A, b, first, second, u, rest, var):
 
 
 @inner(allocates=True)
-def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
+def gather(A, b, x, d, cov_m2, unknown_of, limbs, limb_m, limb_m2):
     """Write the normal equations of the weak joints' shifts to `A`, `b`.
 
-    `place` is the index of a joint's first unknown, or -1 where the joint is well known; `x` are
-    joints as fitted, `d` their shifts so far, (joint, 3).
+    `unknown_of` is the index of a joint's first unknown, -1 where the joint is well known; `x` are
+    the fitted joints, `d` their shifts so far, (joint, 3).
     """
     clear_row(b)
     for i in range(b.shape[0]):
@@ -99,26 +99,26 @@ def gather(A, b, x, d, cov_m2, place, limbs, limb_m, limb_m2):
     inverse = np.empty((3, 3))
     u = np.empty(3)
     for j in range(x.shape[0]):
-        if place[j] >= 0:
+        if unknown_of[j] >= 0:
             invert3(cov_m2[j], inverse)
             for p in range(3):
                 for q in range(3):
-                    A[place[j] + p, place[j] + q] = inverse[p, q]
-                A[place[j] + p, place[j] + p] += 1.0 / _REACH_M2
+                    A[unknown_of[j] + p, unknown_of[j] + q] = inverse[p, q]
+                A[unknown_of[j] + p, unknown_of[j] + p] += 1.0 / _REACH_M2
     for i in range(limbs.joints.shape[0]):
         j, k = limbs.joints[i]
-        if place[j] < 0 and place[k] < 0:
+        if unknown_of[j] < 0 and unknown_of[k] < 0:
             continue
-        rest = stretch(j, k, x, d, limb_m[i], u)
+        residual = stretch(j, k, x, d, limb_m[i], u)
         var = limb_m2[i] + limbs.slack_m2[i] + TIE_M2
         for m in (j, k):
-            if place[m] < 0:
+            if unknown_of[m] < 0:
                 var += along_m2(u, cov_m2[m])
-        add_limb(A, b, place[j], place[k], u, rest, var)
+        add_limb(A, b, unknown_of[j], unknown_of[k], u, residual, var)
 
 
 @inner
-def factor(A):
+def cholesky(A):
     """Overwrite the lower triangle of the symmetric positive `A` by its Cholesky factor.
 
     The diagonal holds the inverse of the factor's, which is what every later step needs.
@@ -137,8 +137,8 @@ def factor(A):
 
 
 @inner
-def solve_factored(A, b):
-    """Overwrite `b` by the solution of ``A x = b``, with `A` as `factor` leaves it."""
+def solve_cholesky(A, b):
+    """Overwrite `b` by the solution of ``A x = b``, with `A` as `cholesky` leaves it."""
     n = A.shape[0]
     for i in range(n):
         s = b[i]
@@ -153,8 +153,8 @@ def solve_factored(A, b):
 
 
 @inner
-def invert_factor(A):
-    """Overwrite the Cholesky factor that `factor` leaves in `A` by its inverse."""
+def invert_cholesky(A):
+    """Overwrite the Cholesky factor that `cholesky` leaves in `A` by its inverse."""
     n = A.shape[0]
     for i in range(n):
         for k in range(i):
@@ -191,25 +191,25 @@ def right_side(R, c, z):
 
 
 @inner(allocates=True)
-def believe(R, z, c, x, info, vector, size, quick, lasting, span, weights, tmp):
-    """Move a joint as its body says, in place, and keep `lasting` of that as information.
+def apply_body_message(R, z, c, x, info, vector, size, white_share, new_share, span, weights, tmp):
+    """Move a joint as its body says, in place, and keep `new_share` of that as information.
 
     Parameters
     ----------
     R, z, c, x
         The joint: square-root information, control points and place.
     info, vector, size
-        The body's message; see `quotient`. `info` and `vector` are destroyed.
-    quick
+        The body's message; see `message_from_body`. `info` and `vector` are destroyed.
+    white_share
         See `relax_body`.
-    lasting
+    new_share
         Share of the message's information that is new, 0 to 1.
     span, weights
         Place of the time on the knot grid.
     tmp
         `Held`.
     """
-    n, root = R.shape[0], math.sqrt(quick)
+    n, root = R.shape[0], math.sqrt(white_share)
     for i in range(n):
         tmp.z[i] = root * z[i]
         for k in range(n):
@@ -218,12 +218,12 @@ def believe(R, z, c, x, info, vector, size, quick, lasting, span, weights, tmp):
     for p in range(3):
         new_vector[p] = 0.0  # the right side follows from the control points below
         for q in range(3):
-            new_info[p, q] = lasting / quick * info[p, q]
+            new_info[p, q] = new_share / white_share * info[p, q]
         # How far a joint may go in one step tells nothing of where it is.
-        new_info[p, p] -= lasting / quick / _REACH_M2
+        new_info[p, p] -= new_share / white_share / _REACH_M2
     least = 1e-6 * size
     fold_gaussian(
-        R, z, new_info, new_vector, lasting * least, x, span, weights, tmp.rows, tmp.right
+        R, z, new_info, new_vector, new_share * least, x, span, weights, tmp.rows, tmp.right
     )
     fold_gaussian(tmp.R, tmp.z, info, vector, least, x, span, weights, tmp.rows, tmp.right)
     control_points(tmp.R, tmp.z, c)
@@ -245,33 +245,47 @@ def without_reach(held_m2, cov_m2):
 
 
 @inner
-def weak_joints(cov_m2, n_seen, quick, place, before_m2):
+def weak_joints(cov_m2, n_seen, white_share, unknown_of, before_m2):
     """Find the joints that need their body; return the number of their unknowns.
 
     Parameters
     ----------
-    cov_m2, n_seen, quick
+    cov_m2, n_seen, white_share
         As for `relax_body`.
-    place
+    unknown_of
         Result, (joint,): a joint's first unknown, or -1 where it is well known.
     before_m2
         Result, (joint, 3, 3): covariances as they count against the body.
     """
     n = 0
-    for j in range(place.shape[0]):
+    for j in range(unknown_of.shape[0]):
         for p in range(3):
             for q in range(3):
-                before_m2[j, p, q] = cov_m2[j, p, q] / quick
+                before_m2[j, p, q] = cov_m2[j, p, q] / white_share
         spread_m2 = before_m2[j, 0, 0] + before_m2[j, 1, 1] + before_m2[j, 2, 2]
         weak = n_seen[j] < 2 or spread_m2 > _WEAK_M2
-        place[j] = n if weak else -1
+        unknown_of[j] = n if weak else -1
         n += 3 if weak else 0
     return n
 
 
 @inner(allocates=True)
 def relax_body(
-    R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, span, weights, quick, lasting, tmp
+    R,
+    z,
+    c,
+    x,
+    cov_m2,
+    n_seen,
+    limbs,
+    limb_m,
+    limb_m2,
+    level,
+    span,
+    weights,
+    white_share,
+    new_share,
+    tmp,
 ):
     """Hold by limbs and ground the joints that fewer than two cameras see well, in place.
 
@@ -290,10 +304,10 @@ def relax_body(
         Height and variance of the ground under the person, (2,).
     span, weights
         Place of the frame set's time on the knot grid.
-    quick
+    white_share
         See `Noise`. Against the body, a curve is only as sure as if nothing in the errors of its
         key points lasted.
-    lasting
+    new_share
         Share of what the body says that is new since the last frame set, 0 to 1.
     tmp
         `Held`.
@@ -305,41 +319,49 @@ def relax_body(
     Gauss-Newton. Where a single camera sees a whole body, its size and the ground on which it
     rests are what fixes its distance.
 
-    A trajectory follows what the body says, but takes little of it as information: the joints
-    would hear their own opinion again from each other, frame set after frame set, and be sure of
-    a distance that nobody has seen.
+    A trajectory follows the message of the body, but keeps little of it as information. Otherwise
+    the same information would be counted again in each frame set (data incest), and the estimate
+    would become certain of a distance that no camera has observed.
     """
     n_joint = x.shape[0]
-    place, before_m2 = np.empty(n_joint, np.int64), np.empty((n_joint, 3, 3))
-    n = weak_joints(cov_m2, n_seen, quick, place, before_m2)
+    unknown_of, before_m2 = np.empty(n_joint, np.int64), np.empty((n_joint, 3, 3))
+    n = weak_joints(cov_m2, n_seen, white_share, unknown_of, before_m2)
     if n == 0:
         return
     A, b = np.empty((n, n)), np.empty(n)
     d = np.zeros((n_joint, 3))
-    rests, rise_m, rise_m2 = resting(x, before_m2, limbs.rest_m, level)
+    contact_joint, rise_m, rise_m2 = ground_contact(x, before_m2, limbs.contact_height_m, level)
     for _ in range(_STEPS):
-        gather(A, b, x, d, before_m2, place, limbs, limb_m, limb_m2)
-        if rests >= 0 and place[rests] >= 0:
-            A[place[rests] + 2, place[rests] + 2] += 1.0 / rise_m2
-            b[place[rests] + 2] += rise_m / rise_m2
-        factor(A)
-        solve_factored(A, b)
+        gather(A, b, x, d, before_m2, unknown_of, limbs, limb_m, limb_m2)
+        if contact_joint >= 0 and unknown_of[contact_joint] >= 0:
+            A[unknown_of[contact_joint] + 2, unknown_of[contact_joint] + 2] += 1.0 / rise_m2
+            b[unknown_of[contact_joint] + 2] += rise_m / rise_m2
+        cholesky(A)
+        solve_cholesky(A, b)
         for j in range(n_joint):
-            if place[j] >= 0:
-                d[j, 0], d[j, 1], d[j, 2] = b[place[j]], b[place[j] + 1], b[place[j] + 2]
-    invert_factor(A)
+            if unknown_of[j] >= 0:
+                d[j, 0], d[j, 1], d[j, 2] = (
+                    b[unknown_of[j]],
+                    b[unknown_of[j] + 1],
+                    b[unknown_of[j] + 2],
+                )
+    invert_cholesky(A)
     after, info, vector = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     for j in range(n_joint):
-        if place[j] < 0:
+        if unknown_of[j] < 0:
             continue
-        joint_block(A, place[j], after)
-        size = quotient(before_m2[j], after, d[j], info, vector)
-        believe(R[j], z[j], c[j], x[j], info, vector, size, quick, lasting, span, weights, tmp)
+        joint_block(A, unknown_of[j], after)
+        size = message_from_body(before_m2[j], after, d[j], info, vector)
+        apply_body_message(
+            R[j], z[j], c[j], x[j], info, vector, size, white_share, new_share, span, weights, tmp
+        )
         without_reach(after, cov_m2[j])
 
 
 @kernel(allocates=True)
-def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, quick, now, elapsed_s):
+def constrain_all(
+    R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, white_share, now, elapsed_s
+):
     """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 
     Parameters
@@ -355,7 +377,7 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, qui
         `Limbs`; lengths and variances per track, (track, limb).
     level
         Height and variance of the ground under everybody, (track, 2).
-    quick
+    white_share
         See `relax_body`.
     now
         Time of the frame set, in knots.
@@ -366,11 +388,11 @@ def constrain_all(R, z, c, x, cov_m2, n_seen, limbs, limb_m, limb_m2, level, qui
     tmp = Held(np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3))
     weights = np.empty(4)
     span = locate(now, n // 3, weights)
-    lasting = min(1.0, elapsed_s / _BODY_S)
+    new_share = min(1.0, elapsed_s / _BODY_S)
     for k in range(R.shape[0]):
         learn(x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], elapsed_s)
-        learn_level(x[k], cov_m2[k], n_seen[k], limbs.rest_m, level[k], elapsed_s)
+        learn_level(x[k], cov_m2[k], n_seen[k], limbs.contact_height_m, level[k], elapsed_s)
         relax_body(
             R[k], z[k], c[k], x[k], cov_m2[k], n_seen[k], limbs, limb_m[k], limb_m2[k], level[k],
-            span, weights, quick, lasting, tmp,
+            span, weights, white_share, new_share, tmp,
         )  # fmt: skip

@@ -11,12 +11,12 @@ ORDER = 4
 
 
 @inner
-def locate(place, live, weights):
-    """Write the weights of the four control points active at `place`; return the first of them.
+def locate(knot_time, live, weights):
+    """Write the weights of the four control points active at `knot_time`; return the first of them.
 
     Parameters
     ----------
-    place
+    knot_time
         Time in knots since the oldest live one; beyond the live part it is taken at its end.
     live
         Number of live control points.
@@ -27,8 +27,8 @@ def locate(place, live, weights):
     -----
     Uniform cubic B-spline basis (thesis eq. 38-41).
     """
-    span = min(max(math.floor(place), 0), live - ORDER)
-    u = min(max(place - span, 0.0), 1.0)
+    span = min(max(math.floor(knot_time), 0), live - ORDER)
+    u = min(max(knot_time - span, 0.0), 1.0)
     v = 1.0 - u
     weights[0] = v * v * v / 6.0
     weights[1] = (3.0 * u * u * u - 6.0 * u * u + 4.0) / 6.0
@@ -38,20 +38,20 @@ def locate(place, live, weights):
 
 
 @inner
-def derivative(place, live, knot_s, weights):
+def derivative(knot_time, live, knot_s, weights):
     """Write the weights of the control points in the curve's velocity; return the first of them.
 
     Parameters
     ----------
-    place, live
+    knot_time, live
         As for `locate`.
     knot_s
         Distance between knots [s].
     weights
         Result, (4,) [1/s].
     """
-    span = min(max(math.floor(place), 0), live - ORDER)
-    u = min(max(place - span, 0.0), 1.0)
+    span = min(max(math.floor(knot_time), 0), live - ORDER)
+    u = min(max(knot_time - span, 0.0), 1.0)
     v = 1.0 - u
     weights[0] = -v * v / 2.0 / knot_s
     weights[1] = (3.0 * u * u - 4.0 * u) / 2.0 / knot_s
@@ -73,14 +73,14 @@ def point(c, span, weights, xyz_m):
 
 
 @kernel(allocates=True)
-def evaluate_all(c, place, xyz_m):
+def evaluate_all(c, knot_time, xyz_m):
     """Write everybody's joints at several times to `xyz_m` (time, track, joint, 3).
 
-    `c` are control points (track, joint, n), `place` the times in knots (time,); see `locate`.
+    `c` are control points (track, joint, n), `knot_time` the times in knots (time,); see `locate`.
     """
     weights = np.empty(ORDER)
-    for v in range(place.shape[0]):
-        span = locate(place[v], c.shape[2] // BLOCK, weights)
+    for v in range(knot_time.shape[0]):
+        span = locate(knot_time[v], c.shape[2] // BLOCK, weights)
         for k in range(c.shape[0]):
             for j in range(c.shape[1]):
                 point(c[k, j], span, weights, xyz_m[v, k, j])

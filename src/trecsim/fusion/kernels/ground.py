@@ -20,20 +20,20 @@ _GATE = 3.0
 
 
 @inner
-def lowest(x, rest_m):
+def lowest(x, contact_height_m):
     """Return the joint whose body would touch a level ground first.
 
-    `x` are joints, (joint, 3), `rest_m` (joint,) how high each is when the body rests on it.
+    `x` are joints, (joint, 3), `contact_height_m` (joint,) the height of each that touches.
     """
     best = 0
     for j in range(1, x.shape[0]):
-        if x[j, 2] - rest_m[j] < x[best, 2] - rest_m[best]:
+        if x[j, 2] - contact_height_m[j] < x[best, 2] - contact_height_m[best]:
             best = j
     return best
 
 
 @inner
-def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
+def learn_level(x, cov_m2, n_seen, contact_height_m, level, elapsed_s):
     """Update, in place, height and variance of the ground under one person.
 
     Parameters
@@ -42,7 +42,7 @@ def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
         Joints and covariances, (joint, 3) and (joint, 3, 3).
     n_seen
         How many cameras support each joint, (joint,).
-    rest_m
+    contact_height_m
         See `lowest`.
     level
         Height of the ground [m] and its variance [m^2], (2,).
@@ -57,10 +57,10 @@ def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
     if elapsed_s <= 0.0:
         return
     level[1] += _SLOPE_M2 * elapsed_s
-    j = lowest(x, rest_m)
+    j = lowest(x, contact_height_m)
     if n_seen[j] < 2:
         return
-    off = x[j, 2] - rest_m[j] - level[0]
+    off = x[j, 2] - contact_height_m[j] - level[0]
     var = cov_m2[j, 2, 2] + _MEASURE_M2
     if off * off > _GATE * _GATE * (level[1] + var):
         level[1] += _STAIRS_M2 * elapsed_s
@@ -71,13 +71,13 @@ def learn_level(x, cov_m2, n_seen, rest_m, level, elapsed_s):
 
 
 @inner
-def resting(x, cov_m2, rest_m, level):
+def ground_contact(x, cov_m2, contact_height_m, level):
     """Return which joint rests on the ground, how far it must rise, and the variance of that.
 
     The joint is -1 when nobody rests there. Parameters as for `learn_level`.
     """
-    j = lowest(x, rest_m)
-    rise_m = level[0] + rest_m[j] - x[j, 2]
+    j = lowest(x, contact_height_m)
+    rise_m = level[0] + contact_height_m[j] - x[j, 2]
     var = level[1] + _MEASURE_M2
     if rise_m * rise_m > _GATE * _GATE * (var + cov_m2[j, 2, 2]):
         return -1, 0.0, math.inf

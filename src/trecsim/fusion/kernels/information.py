@@ -15,10 +15,11 @@ from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
 
 REACH = ORDER * BLOCK
-# What the velocity of a torso's joint counts that no camera supports, next to one that some do.
+# Weight of a torso joint that no camera supports in the mean velocity of the body; supported joints
+# have weight 1.
 UNSEEN_WEIGHT = 0.05
-# How much of its velocity a body keeps over one knot that no two cameras see: what one of them sees
-# tells of it sideways, and along its ray nobody knows whether somebody still walks.
+# Where fewer than two cameras support the body, depth is unobserved: the velocity of the body is
+# multiplied by this for each knot.
 KEPT = 0.8
 
 
@@ -237,11 +238,11 @@ def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
 
 
 @kernel(allocates=True)
-def covariance_all(R, place, cov_m2):
+def covariance_all(R, knot_time, cov_m2):
     """Write everybody's covariances at one time (in knots) to `cov_m2` (track, joint, 3, 3)."""
     y = np.empty((R.shape[2], BLOCK))
     weights = np.empty(ORDER)
-    span = locate(place, R.shape[2] // BLOCK, weights)
+    span = locate(knot_time, R.shape[2] // BLOCK, weights)
     for k in range(R.shape[0]):
         for j in range(R.shape[1]):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
@@ -270,12 +271,12 @@ def copy(source, out):
 
 
 @inner
-def scale(R, z, factor):
-    """Multiply a joint's square-root information by `factor`, in place."""
+def scale(R, z, by):
+    """Multiply a joint's square-root information by `by`, in place."""
     for i in range(R.shape[0]):
-        z[i] *= factor
+        z[i] *= by
         for k in range(R.shape[1]):
-            R[i, k] *= factor
+            R[i, k] *= by
 
 
 @inner

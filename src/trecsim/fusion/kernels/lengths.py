@@ -31,13 +31,13 @@ class Limbs(NamedTuple):
         The two joints of each.
     slack_m2
         Variance about a person's mean length: what posture changes.
-    rest_m
+    contact_height_m
         How high each joint is when the body rests on it.
     """
 
     joints: Int64[np.ndarray, "limb 2"]
     slack_m2: Float64[np.ndarray, " limb"]
-    rest_m: Float64[np.ndarray, " joint"]
+    contact_height_m: Float64[np.ndarray, " joint"]
 
 
 @inner
@@ -105,27 +105,30 @@ def tighten(x, cov_m2, limbs, limb_m, limb_m2):
             a, b = limbs.joints[i]
             length, var = length_along(x, cov_m2, a, b, u)
             var += limb_m2[i] + limbs.slack_m2[i] + TIE_M2
-            rest = limb_m[i] - length
-            if length == 0.0 or rest * rest > GATE * GATE * var:
+            residual = limb_m[i] - length
+            if length == 0.0 or residual * residual > GATE * GATE * var:
                 continue
-            pull(x[a], cov_m2[a], u, -rest, var, sweep == 0, gain)
-            pull(x[b], cov_m2[b], u, rest, var, sweep == 0, gain)
+            pull(x[a], cov_m2[a], u, -residual, var, sweep == 0, gain)
+            pull(x[b], cov_m2[b], u, residual, var, sweep == 0, gain)
 
 
 @inner
-def pull(x, cov_m2, u, rest, var, informed, gain):
-    """Move one joint along `u` by its share of `rest`, in place; shrink its covariance if told."""
+def pull(x, cov_m2, u, residual, var, informed, gain):
+    """Move a joint along `u` by its share of `residual`, in place.
+
+    Its covariance shrinks if `informed` is set.
+    """
     for p in range(3):
         gain[p] = cov_m2[p, 0] * u[0] + cov_m2[p, 1] * u[1] + cov_m2[p, 2] * u[2]
     for p in range(3):
-        x[p] += gain[p] * rest / var
+        x[p] += gain[p] * residual / var
         if informed:
             for q in range(3):
                 cov_m2[p, q] -= gain[p] * gain[q] / var
 
 
 @inner(allocates=True)
-def quotient(before_m2, after_m2, shift_m, info, vector):
+def message_from_body(before_m2, after_m2, shift_m, info, vector):
     """Write what the body says of a joint beyond its trajectory; return the information of both.
 
     Parameters

@@ -26,7 +26,7 @@ class Observed(NamedTuple):
     ----------
     cam
         Cameras of the images.
-    place, moment
+    knot_time, moment
         When they were taken, in knots, and the number of the moment each belongs to.
     xyz_m
         Predicted place of the joint at each image's own time.
@@ -34,17 +34,17 @@ class Observed(NamedTuple):
         Key points; NaN where missing.
     sigma_m
         Noise of each key point as a length at the person's distance.
-    worth
+    credit
         What each observation is worth, 0 to 1.
     """
 
     cam: Int64[np.ndarray, " view"]
-    place: Float64[np.ndarray, " view"]
+    knot_time: Float64[np.ndarray, " view"]
     moment: Int64[np.ndarray, " view"]
     xyz_m: Float64[np.ndarray, "view 3"]
     xy_px: Float64[np.ndarray, "view 2"]
     sigma_m: Float64[np.ndarray, " view"]
-    worth: Float64[np.ndarray, " view"]
+    credit: Float64[np.ndarray, " view"]
 
 
 class Sums(NamedTuple):
@@ -54,13 +54,13 @@ class Sums(NamedTuple):
     ----------
     info, rhs
         Information and information vector of a joint's shift from its prediction.
-    place, weight
+    knot_time, weight
         Weighted sum of the images' times in knots, and sum of the weights.
     """
 
     info: Float64[np.ndarray, "joint moment 3 3"]
     rhs: Float64[np.ndarray, "joint moment 3"]
-    place: Float64[np.ndarray, "joint moment"]
+    knot_time: Float64[np.ndarray, "joint moment"]
     weight: Float64[np.ndarray, "joint moment"]
 
 
@@ -96,14 +96,14 @@ def sums(n_joint, n_moment):
 
 
 @inner
-def moments(place, moment):
+def moments(knot_time, moment):
     """Write the moment each image belongs to, counted back from the newest; return how many."""
     newest = -math.inf
-    for v in range(place.shape[0]):
-        newest = max(newest, place[v])
+    for v in range(knot_time.shape[0]):
+        newest = max(newest, knot_time[v])
     most = 0
-    for v in range(place.shape[0]):
-        moment[v] = int((newest - place[v]) / TOGETHER)
+    for v in range(knot_time.shape[0]):
+        moment[v] = int((newest - knot_time[v]) / TOGETHER)
         most = max(most, moment[v])
     return most + 1
 
@@ -127,7 +127,7 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
 def clear(total, j):
     """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
     for m in range(total.weight.shape[1]):
-        total.place[j, m] = 0.0
+        total.knot_time[j, m] = 0.0
         total.weight[j, m] = 0.0
         for p in range(3):
             total.rhs[j, m, p] = 0.0
@@ -168,10 +168,10 @@ def locate_joint(
     Jacobian of eq. 42-46. The images of a frame set share one shift of the predicted curve.
     """
     # Out of the tuples once, as every access to one of their arrays costs more than its use.
-    cam, moment, place, worth = seen.cam, seen.moment, seen.place, seen.worth
+    cam, moment, knot_time, credit = seen.cam, seen.moment, seen.knot_time, seen.credit
     xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
-    info, rhs, sum_place, sum_weight = total.info, total.rhs, total.place, total.weight
-    quick = noise.quick
+    info, rhs, sum_place, sum_weight = total.info, total.rhs, total.knot_time, total.weight
+    white_share = noise.white_share
     tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
     for a in range(3):
         shift_m[a] = 0.0
@@ -196,10 +196,10 @@ def locate_joint(
             inlier[v] = odds / (1.0 + odds)
             # Student's t as a scale mixture of Gaussians, in two dimensions.
             heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
-            weight = inlier[v] * worth[v] * heavy / (quick * var)
+            weight = inlier[v] * credit[v] * heavy / (white_share * var)
             m = moment[v]
             size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
-            sum_place[j, m] += size * place[v]
+            sum_place[j, m] += size * knot_time[v]
             sum_weight[j, m] += size
         if newton_step(total, j, shift_m, cov_m2, tmp) < STILL_M2:
             return

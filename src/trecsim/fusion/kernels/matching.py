@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from trecsim.compiler import inner, kernel
-from trecsim.fusion.kernels.assignment import assign
+from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
 
 # A detection that belongs to nobody, and one whose track two cameras support.
@@ -38,7 +38,7 @@ def mean_distance_m(uv, depth_m, focal_px, xy_px):
 
 
 @inner
-def person_log_ratio(uv, S, depth_m, focal_px, xy_px, factor, noise, flipped):
+def person_log_ratio(uv, S, depth_m, focal_px, xy_px, sigma_scale, noise, flipped):
     """Return the log likelihood ratio of one detection and one person to clutter."""
     sigma_m, mirror = noise.sigma_m, noise.mirror
     total = noise.log_flip if flipped else 0.0
@@ -49,7 +49,7 @@ def person_log_ratio(uv, S, depth_m, focal_px, xy_px, factor, noise, flipped):
         if math.isnan(xy_px[m, 0]) or not depth_m[j] > NEAR_M:
             continue
         m_per_px = depth_m[j] / focal_px
-        sigma = sigma_m[j] / m_per_px * factor[m]
+        sigma = sigma_m[j] / m_per_px * sigma_scale[m]
         var = sigma * sigma + least_px2
         odds = inlier_odds(
             xy_px[m, 0] - uv[j, 0], xy_px[m, 1] - uv[j, 1],
@@ -83,7 +83,7 @@ def gap_px(box, other):
 
 
 @kernel(allocates=True)
-def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, out, flip):
+def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, sigma_scale, noise, reach_m, out, flip):
     """Score every detection of one image against every track: log likelihood ratio to clutter.
 
     Parameters
@@ -94,7 +94,7 @@ def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, o
     xyz_m, cov_m2
         Tracks at the image's time, (track, joint, 3) and (track, joint, 3, 3); NaN where a joint
         is not known.
-    xy_px, factor
+    xy_px, sigma_scale
         Undistorted key points (person, joint, 2), NaN where not to be used, and by how much each
         is less certain than a good one.
     noise
@@ -123,7 +123,7 @@ def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, factor, noise, reach_m, o
             if not mean_distance_m(uv, depth_m, focal, xy_px[d]) <= reach_m:
                 continue
             for f in range(2):
-                ratio = person_log_ratio(uv, S, depth_m, focal, xy_px[d], factor[d], noise, f)
+                ratio = person_log_ratio(uv, S, depth_m, focal, xy_px[d], sigma_scale[d], noise, f)
                 if ratio > out[k, d]:
                     out[k, d] = ratio
                     flip[k, d] = f
@@ -210,7 +210,7 @@ def responsibility(ratio, track, person, temper):
 
 @kernel(allocates=True)
 def associate_all(
-    P, focal_px, cam, offset, xyz_m, cov_m2, xy_px, factor, noise, reach_m, match, flip, sure
+    P, focal_px, cam, offset, xyz_m, cov_m2, xy_px, sigma_scale, noise, reach_m, match, flip, sure
 ):
     """Assign the detections of every image to the tracks.
 
@@ -222,7 +222,7 @@ def associate_all(
         Camera of each image, and where its detections begin.
     xyz_m
         Predictions at each image's own time, (view, track, joint, 3).
-    cov_m2, xy_px, factor, noise, reach_m
+    cov_m2, xy_px, sigma_scale, noise, reach_m
         As for `score_view`, with the detections of all images.
     match, flip, sure
         Results, (track, view): index of the detection or -1, 1 where it is read mirrored, and
@@ -241,8 +241,8 @@ def associate_all(
         ratio = np.empty((n_track, last - first))
         mirrored = np.empty((n_track, last - first), np.int64)
         score_view(
-            P, focal_px, cam[v], xyz_m[v], cov_m2, xy_px[first:last], factor[first:last], noise,
-            reach_m, ratio, mirrored,
+            P, focal_px, cam[v], xyz_m[v], cov_m2, xy_px[first:last], sigma_scale[first:last],
+            noise, reach_m, ratio, mirrored,
         )  # fmt: skip
         match_view(ratio, best)
         for k in range(n_track):
@@ -253,14 +253,14 @@ def associate_all(
 
 
 @kernel
-def owners(match, two_s, now_s, lately_s, owner):
+def owners(match, last_two_view_s, now_s, lately_s, owner):
     """Write to whom each detection belongs, if anybody; return how many may begin somebody new.
 
     Parameters
     ----------
     match
         Detection of each track in each image or -1, (track, view).
-    two_s, now_s, lately_s
+    last_two_view_s, now_s, lately_s
         When two cameras last supported each track (track,), the time now, and what is lately [s].
     owner
         Result, (person,): the track where two cameras have not supported it lately, `TAKEN` where
@@ -270,7 +270,7 @@ def owners(match, two_s, now_s, lately_s, owner):
         owner[d] = FREE
     free = owner.shape[0]
     for k in range(match.shape[0]):
-        lonely = now_s - two_s[k] > lately_s
+        lonely = now_s - last_two_view_s[k] > lately_s
         for v in range(match.shape[1]):
             if match[k, v] >= 0:
                 owner[match[k, v]] = k if lonely else TAKEN

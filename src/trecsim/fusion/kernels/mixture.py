@@ -38,7 +38,7 @@ class Noise(NamedTuple):
         Log prior odds that a detection has left and right exchanged.
     tail
         Degrees of freedom of the inliers' distribution; few mean heavy tails.
-    quick, lasting
+    white_share, bias_share
         Variance of the errors that change from image to image, and of those that last for
         seconds, next to that of the noise.
     """
@@ -50,8 +50,8 @@ class Noise(NamedTuple):
     outlier_share: float
     log_flip: float
     tail: float
-    quick: float
-    lasting: float
+    white_share: float
+    bias_share: float
 
 
 @inner

@@ -76,7 +76,7 @@ def midpoints(p, u, q, v, most_m, out):
 
 
 @inner
-def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
+def meeting_score(i, k, flipped, origin_m, ray, sigma_scale, noise, x):
     """Return how well the rays of detections `i` and `k` meet, and how many joints do.
 
     The points halfway are written to `x` (joint, 3), NaN where the rays miss each other.
@@ -89,7 +89,7 @@ def meeting_score(i, k, flipped, origin_m, ray, factor, noise, x):
         if math.isnan(gap):
             x[j, 0] = math.nan
             continue
-        sigma = noise.sigma_m[j] * math.sqrt(factor[i, j] ** 2 + factor[k, m] ** 2)
+        sigma = noise.sigma_m[j] * math.sqrt(sigma_scale[i, j] ** 2 + sigma_scale[k, m] ** 2)
         gauss = math.exp(-0.5 * (gap / sigma) ** 2) / (sigma * _SQRT_2_PI)
         total += math.log((1.0 - noise.outlier_share) * gauss + noise.outlier_share)
         if gap < _GATE * sigma:
@@ -114,7 +114,7 @@ def limb_score(x, limbs, limb_m):
 
 
 @kernel(allocates=True)
-def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
+def pair_scores(cam, origin_m, ray, sigma_scale, limbs, limb_m, noise, out, flip):
     """Score how well any two detections of different cameras are one person.
 
     Parameters
@@ -124,7 +124,7 @@ def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
     origin_m, ray
         Where its viewing rays start (person, 3) and their unit directions (person, joint, 3),
         NaN where the key point is missing.
-    factor
+    sigma_scale
         By how much each key point is less certain than a good one, (person, joint).
     limbs, limb_m
         Joints of each limb (limb, 2) and its usual length (limb,) [m].
@@ -147,7 +147,7 @@ def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
             if cam[i] == cam[k]:
                 continue
             for f in range(2):
-                total, close = meeting_score(i, k, f, origin_m, ray, factor, noise, x)
+                total, close = meeting_score(i, k, f, origin_m, ray, sigma_scale, noise, x)
                 if close < _FEWEST:
                     continue
                 total += limb_score(x, limbs, limb_m)
@@ -157,8 +157,8 @@ def pair_scores(cam, origin_m, ray, factor, limbs, limb_m, noise, out, flip):
 
 
 @kernel(allocates=True)
-def note_exchanges(
-    cam, offset, xy_px, factor, match, ray_of, position_m, limbs, limb_m, noise, clear, most,
+def note_swaps(
+    cam, offset, xy_px, sigma_scale, match, ray_of, position_m, limbs, limb_m, noise, clear, most,
     evidence,
 ):  # fmt: skip
     """Gather evidence that people are two people: another one in each of two images.
@@ -167,7 +167,7 @@ def note_exchanges(
     ----------
     cam, offset
         Camera of each image, and where its detections begin.
-    xy_px, factor
+    xy_px, sigma_scale
         Undistorted key points of all detections and their factors of uncertainty.
     match
         Detection of each track in each image or -1, (track, view). Only tracks with exactly two
@@ -197,7 +197,7 @@ def note_exchanges(
         np.empty((2, n_joint)),
         np.empty((n_joint, 3)),
     )
-    sight = cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room
+    sight = cam, xy_px, sigma_scale, ray_of, position_m, limbs, limb_m, noise, room
     # Filled in loops: `np.zeros` and `np.full` would be compiled for each type and shape.
     held, own, gain = np.empty(xy_px.shape[0], np.int64), np.empty(n_track), np.empty(n_track)
     pair, view = np.empty((n_track, 2), np.int64), np.empty((n_track, 2), np.int64)
@@ -258,29 +258,29 @@ def hold(match, held, pair, view):
 def pair_score(sight, view, i, k):
     """Return how well detections of two images are one person, at least 0: as log ratio to chance.
 
-    `sight` is what `note_exchanges` knows of them, and room to work in; `view` are the images.
+    `sight` is what `note_swaps` knows of them, and room to work in; `view` are the images.
     """
-    cam, xy_px, factor, ray_of, position_m, limbs, limb_m, noise, room = sight
-    origin_m, ray, trust, x = room
+    cam, xy_px, sigma_scale, ray_of, position_m, limbs, limb_m, noise, room = sight
+    origin_m, ray, pair_scale, x = room
     one, other = np.int64(0), np.int64(1)  # typed: nothing is compiled for 0 and 1 as well
-    look(one, i, cam[view[0]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
-    look(other, k, cam[view[1]], xy_px, factor, ray_of, position_m, origin_m, ray, trust)
+    look(one, i, cam[view[0]], xy_px, sigma_scale, ray_of, position_m, origin_m, ray, pair_scale)
+    look(other, k, cam[view[1]], xy_px, sigma_scale, ray_of, position_m, origin_m, ray, pair_scale)
     best = 0.0
     for f in range(2):
-        total, close = meeting_score(one, other, f, origin_m, ray, trust, noise, x)
+        total, close = meeting_score(one, other, f, origin_m, ray, pair_scale, noise, x)
         if close >= _FEWEST:
             best = max(best, total + limb_score(x, limbs, limb_m))
     return best
 
 
 @inner
-def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
+def look(row, d, c, xy_px, sigma_scale, ray_of, position_m, origin_m, ray, pair_scale):
     """Write where the rays of detection `d` of camera `c` begin and go to, and its factors."""
     for a in range(3):
         origin_m[row, a] = position_m[c, a]
     for j in range(xy_px.shape[1]):
         u, v = xy_px[d, j, 0], xy_px[d, j, 1]
-        trust[row, j] = factor[d, j]
+        pair_scale[row, j] = sigma_scale[d, j]
         length2 = 0.0
         for a in range(3):
             ray[row, j, a] = ray_of[c, a, 0] * u + ray_of[c, a, 1] * v + ray_of[c, a, 2]
@@ -290,7 +290,7 @@ def look(row, d, c, xy_px, factor, ray_of, position_m, origin_m, ray, trust):
 
 
 @kernel
-def note_needless(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
+def note_redundant(P, focal_px, cam, xyz_m, xy_px, match, confirmed, looks):
     """Count the looks at which people are not needed to explain what the cameras see.
 
     Parameters

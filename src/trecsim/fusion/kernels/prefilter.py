@@ -5,21 +5,21 @@ import math
 import numpy as np
 
 from trecsim.compiler import inner, kernel
-from trecsim.fusion.kernels.undistortion import undistort
+from trecsim.fusion.kernels.undistortion_kernels import undistort
 
 # How the noise of a key point grows as its score falls, and by how much at most.
-SCORE_POWER, LARGEST_FACTOR = 1.7, 6.0
+SCORE_POWER, LARGEST_SIGMA_SCALE = 1.7, 6.0
 # No image is so large that a key point of it lies here [px].
 FAR_PX = 1e5
-# Detections of an image whose key points all lie this close, as a share of the detection's size,
-# are the same person found twice.
-TWIN_SHARE = 0.03
-# So many key points in common tell twins; one or two may meet by chance.
-TWIN_JOINTS = 3
+# Two detections of an image are duplicates if all their common key points lie this close, as a
+# share of the detection's size.
+DUPLICATE_SHARE = 0.03
+# Fewest common key points of duplicates; one or two may coincide by chance.
+DUPLICATE_JOINTS = 3
 
 
 @inner
-def score_to_factor(score, good_score):
+def score_to_sigma_scale(score, good_score):
     """Return by how much a key point of this score is less certain than a good one.
 
     Notes
@@ -29,12 +29,12 @@ def score_to_factor(score, good_score):
     """
     if score >= good_score:
         return 1.0
-    return min((good_score / max(score, 1e-3)) ** SCORE_POWER, LARGEST_FACTOR)
+    return min((good_score / max(score, 1e-3)) ** SCORE_POWER, LARGEST_SIGMA_SCALE)
 
 
 @kernel
 def prefilter(
-    xy_px, score, cam, offset, undistortion, min_score, good_score, min_joints, factor, kept
+    xy_px, score, cam, offset, undistortion, min_score, good_score, min_joints, sigma_scale, kept
 ):
     """Undistort the key points of all images, and drop what cannot be used or is there twice.
 
@@ -51,8 +51,8 @@ def prefilter(
         Scores below which a key point is not used, and from which on it is as good as it gets.
     min_joints
         Fewest key points that a detection must have left.
-    factor
-        Result, (person, joint), in the order of `xy_px`: see `score_to_factor`.
+    sigma_scale
+        Result, (person, joint), in the order of `xy_px`: see `score_to_sigma_scale`.
     kept
         Result, (view + 1,): `offset` among the detections that are kept.
     """
@@ -60,18 +60,18 @@ def prefilter(
         undistort(undistortion, cam[v], xy_px[offset[v] : offset[v + 1]])
         for d in range(offset[v], offset[v + 1]):
             for j in range(xy_px.shape[1]):
-                factor[d, j] = LARGEST_FACTOR
+                sigma_scale[d, j] = LARGEST_SIGMA_SCALE
                 near = abs(xy_px[d, j, 0]) < FAR_PX and abs(xy_px[d, j, 1]) < FAR_PX
                 if near and score[d, j] >= min_score:
-                    factor[d, j] = score_to_factor(score[d, j], good_score)
+                    sigma_scale[d, j] = score_to_sigma_scale(score[d, j], good_score)
                 else:
                     xy_px[d, j, 0] = xy_px[d, j, 1] = math.nan
-    blot_out_twins(offset, xy_px, factor)
-    close_up(xy_px, factor, offset, min_joints, kept)
+    suppress_duplicates(offset, xy_px, sigma_scale)
+    close_up(xy_px, sigma_scale, offset, min_joints, kept)
 
 
 @inner
-def close_up(xy_px, factor, offset, min_joints, kept):
+def close_up(xy_px, sigma_scale, offset, min_joints, kept):
     """Move the detections that have so many key points to the front, in place; see `prefilter`."""
     n = 0
     kept[0] = 0
@@ -81,42 +81,42 @@ def close_up(xy_px, factor, offset, min_joints, kept):
             for j in range(xy_px.shape[1]):
                 known += not math.isnan(xy_px[d, j, 0])
                 xy_px[n, j, 0], xy_px[n, j, 1] = xy_px[d, j, 0], xy_px[d, j, 1]
-                factor[n, j] = factor[d, j]
+                sigma_scale[n, j] = sigma_scale[d, j]
             n += known >= min_joints
         kept[v + 1] = n
 
 
 @inner(allocates=True)
-def blot_out_twins(offset, xy_px, factor):
-    """Blot out, in place, what an estimator has found twice; return how many detections are left.
+def suppress_duplicates(offset, xy_px, sigma_scale):
+    """Suppress duplicate detections, in place; return how many detections are left.
 
     Parameters
     ----------
     offset
         Image ``v`` has the detections ``offset[v] .. offset[v + 1]``.
-    xy_px, factor
+    xy_px, sigma_scale
         Key points (person, joint, 2), NaN where unknown, and by how much each is less certain
-        than a good one, (person, joint). Of two twins the better one stays.
+        than a good one, (person, joint). Of two duplicates the more certain one stays.
     """
-    worth = np.empty(xy_px.shape[0])
+    total_weight = np.empty(xy_px.shape[0])
     for d in range(xy_px.shape[0]):
-        worth[d] = 0.0
+        total_weight[d] = 0.0
         for j in range(xy_px.shape[1]):
             if not math.isnan(xy_px[d, j, 0]):
-                worth[d] += 1.0 / factor[d, j]
+                total_weight[d] += 1.0 / sigma_scale[d, j]
     left = xy_px.shape[0]
     for v in range(offset.shape[0] - 1):
         for d in range(offset[v], offset[v + 1]):
-            reach_px = TWIN_SHARE * extent_px(xy_px[d])
+            reach_px = DUPLICATE_SHARE * extent_px(xy_px[d])
             for e in range(d + 1, offset[v + 1]):
                 if (
-                    worth[d] == 0.0
-                    or worth[e] == 0.0
-                    or not are_twins(xy_px[d], xy_px[e], reach_px)
+                    total_weight[d] == 0.0
+                    or total_weight[e] == 0.0
+                    or not are_duplicates(xy_px[d], xy_px[e], reach_px)
                 ):
                     continue
-                gone = d if worth[e] > worth[d] else e
-                worth[gone] = 0.0
+                gone = d if total_weight[e] > total_weight[d] else e
+                total_weight[gone] = 0.0
                 left -= 1
                 for j in range(xy_px.shape[1]):
                     xy_px[gone, j, 0] = xy_px[gone, j, 1] = math.nan
@@ -137,7 +137,7 @@ def extent_px(xy_px):
 
 
 @inner
-def are_twins(one_px, other_px, reach_px):
+def are_duplicates(one_px, other_px, reach_px):
     """Return whether two detections have enough key points in common, all in one place."""
     common = 0
     for j in range(one_px.shape[0]):
@@ -147,4 +147,4 @@ def are_twins(one_px, other_px, reach_px):
         for a in range(2):
             if abs(one_px[j, a] - other_px[j, a]) > reach_px:
                 return False
-    return common >= TWIN_JOINTS
+    return common >= DUPLICATE_JOINTS

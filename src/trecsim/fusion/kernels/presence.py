@@ -8,15 +8,15 @@ from trecsim.compiler import inner, kernel
 SUPPORT_S = 0.12
 # A key point supports its joint from this responsibility on; so many of them support a person.
 INLIER, FEWEST_INLIERS = 0.5, 3
-# The share of `death_s` after which somebody is given up whom no camera should find, as people have
-# left then, or whom so many as `CROWDED` should: that all of them miss the same person is rare.
+# A track dies after a share of `death_s` if no camera has the person in view (the person has left),
+# or if `CROWDED` or more cameras do: that all of them miss a real person is unlikely.
 UNSEEN_PATIENCE, CROWDED_PATIENCE, CROWDED = 0.5, 0.7, 3
 # Somebody new who is not confirmed yet needs two cameras again within this time [s].
 TENTATIVE_S = 0.25
 
 
 @kernel
-def note_support(cam, t_s, match, inlier, camera_s, joint_s):
+def note_support(cam, t_s, match, inlier, last_seen_in_s, joint_last_seen_s):
     """Write down, in place, which camera supports whom and which joint, and when.
 
     Parameters
@@ -27,7 +27,7 @@ def note_support(cam, t_s, match, inlier, camera_s, joint_s):
         Detection of each track in each image or -1, (track, view).
     inlier
         Responsibility of each joint for its key point, (track, view, joint).
-    camera_s, joint_s
+    last_seen_in_s, joint_last_seen_s
         When each camera last supported a person (track, cam) and a joint (track, joint, cam) [s].
     """
     for k in range(match.shape[0]):
@@ -39,10 +39,10 @@ def note_support(cam, t_s, match, inlier, camera_s, joint_s):
                 supported += inlier[k, v, j] > INLIER
             if supported < FEWEST_INLIERS:
                 continue
-            camera_s[k, cam[v]] = max(camera_s[k, cam[v]], t_s[v])
+            last_seen_in_s[k, cam[v]] = max(last_seen_in_s[k, cam[v]], t_s[v])
             for j in range(inlier.shape[2]):
                 if inlier[k, v, j] > INLIER:
-                    joint_s[k, j, cam[v]] = max(joint_s[k, j, cam[v]], t_s[v])
+                    joint_last_seen_s[k, j, cam[v]] = max(joint_last_seen_s[k, j, cam[v]], t_s[v])
 
 
 @kernel
@@ -57,16 +57,18 @@ def count_since(last_s, since_s, out):
 
 
 @kernel
-def age(camera_s, match, flip, now_s, elapsed_s, two_s, together_s, mirrored_s):
+def age(
+    last_seen_in_s, match, flip, now_s, elapsed_s, last_two_view_s, two_view_duration_s, mirrored_s
+):
     """Count the time for which people have been supported by two cameras, and read mirrored.
 
     Parameters
     ----------
-    camera_s, match, flip
+    last_seen_in_s, match, flip
         As for `note_support`; 1 where a detection is read mirrored, (track, view).
     now_s, elapsed_s
         Time of the frame set, and since the last one [s].
-    two_s, together_s, mirrored_s
+    last_two_view_s, two_view_duration_s, mirrored_s
         Per track, changed in place: when two cameras last supported the person, for how long
         they have, for how long most cameras have read the person mirrored [s].
 
@@ -75,10 +77,10 @@ def age(camera_s, match, flip, now_s, elapsed_s, two_s, together_s, mirrored_s):
     Whoever began with both cameras seeing the back for the front has a mirrored body, and every
     later detection is read mirrored to fit it. One camera that errs now and then is outvoted.
     """
-    for k in range(camera_s.shape[0]):
-        if supporting(camera_s[k], now_s) >= 2:
-            two_s[k] = now_s
-            together_s[k] += elapsed_s
+    for k in range(last_seen_in_s.shape[0]):
+        if supporting(last_seen_in_s[k], now_s) >= 2:
+            last_two_view_s[k] = now_s
+            two_view_duration_s[k] += elapsed_s
         seen = votes = 0
         for v in range(match.shape[1]):
             if match[k, v] >= 0:
@@ -89,19 +91,19 @@ def age(camera_s, match, flip, now_s, elapsed_s, two_s, together_s, mirrored_s):
 
 
 @inner
-def supporting(camera_s, now_s):
+def supporting(last_seen_in_s, now_s):
     """Return how many cameras support a person now."""
     n = 0
-    for c in range(camera_s.shape[0]):
-        n += camera_s[c] > now_s - SUPPORT_S
+    for c in range(last_seen_in_s.shape[0]):
+        n += last_seen_in_s[c] > now_s - SUPPORT_S
     return n
 
 
 @kernel
-def confirm_all(camera_s, together_s, now_s, confirm_s, confirmed):
+def confirm_all(last_seen_in_s, two_view_duration_s, now_s, confirm_s, confirmed):
     """Confirm, in place, whom two cameras have supported long enough or three support now."""
-    for k in range(camera_s.shape[0]):
-        if together_s[k] >= confirm_s - 1e-9 or supporting(camera_s[k], now_s) >= 3:
+    for k in range(last_seen_in_s.shape[0]):
+        if two_view_duration_s[k] >= confirm_s - 1e-9 or supporting(last_seen_in_s[k], now_s) >= 3:
             confirmed[k] = True
 
 
@@ -123,12 +125,14 @@ def any_close(x_m, torso, distance_m):
 
 
 @kernel
-def survive_all(camera_s, two_s, confirmed, expected, x_m, now_s, death_s, doubt_s, alive):
+def survive_all(
+    last_seen_in_s, last_two_view_s, confirmed, expected, x_m, now_s, death_s, doubt_s, alive
+):
     """Write who lives on to `alive` (track,); see `trecsim.fusion.lifecycle.survivors`."""
-    for k in range(camera_s.shape[0]):
-        alone_s = now_s - two_s[k]
+    for k in range(last_seen_in_s.shape[0]):
+        alone_s = now_s - last_two_view_s[k]
         alive[k] = (
-            now_s - last_seen_s(camera_s[k]) <= death_s * patience(expected[k])
+            now_s - last_seen_s(last_seen_in_s[k]) <= death_s * patience(expected[k])
             and not (alone_s > doubt_s and expected[k] >= CROWDED)
             and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
@@ -144,22 +148,23 @@ def patience(expected):
 
 
 @inner
-def last_seen_s(camera_s):
+def last_seen_s(last_seen_in_s):
     """Return when any camera last supported a person [s]."""
     last_s = -math.inf
-    for c in range(camera_s.shape[0]):
-        last_s = max(last_s, camera_s[c])
+    for c in range(last_seen_in_s.shape[0]):
+        last_s = max(last_s, last_seen_in_s[c])
     return last_s
 
 
 @kernel
-def ask_all(camera_s, two_s, now_s, death_s, doubt_s, asked):
+def ask_all(last_seen_in_s, last_two_view_s, now_s, death_s, doubt_s, asked):
     """Write whose life hangs on how many cameras should find them to `asked` (track,)."""
     any_ = False
-    for k in range(camera_s.shape[0]):
+    for k in range(last_seen_in_s.shape[0]):
         asked[k] = (
-            now_s - last_seen_s(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
-            or now_s - two_s[k] > doubt_s
+            now_s - last_seen_s(last_seen_in_s[k])
+            > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
+            or now_s - last_two_view_s[k] > doubt_s
         )
         any_ |= asked[k]
     return any_

@@ -8,14 +8,14 @@ from trecsim.fusion.kernels.information import curve_covariance
 
 
 @kernel(allocates=True)
-def velocity_all(R, c, place, knot_s, velocity_mps, cov_m2ps2):
+def velocity_all(R, c, knot_time, knot_s, velocity_mps, cov_m2ps2):
     """Write the velocities of all joints of all tracks at one time, and their covariances.
 
     Parameters
     ----------
     R, c
         Square-root information and control points, (track, joint, n, n) and (track, joint, n).
-    place, knot_s
+    knot_time, knot_s
         Time in knots since the oldest live one, and distance between knots [s].
     velocity_mps, cov_m2ps2
         Results, (track, joint, 3) [m/s] and (track, joint, 3, 3) [m^2/s^2].
@@ -27,7 +27,7 @@ def velocity_all(R, c, place, knot_s, velocity_mps, cov_m2ps2):
     """
     y = np.empty((R.shape[2], BLOCK))
     weights = np.empty(ORDER)
-    span = derivative(place, R.shape[2] // BLOCK, knot_s, weights)
+    span = derivative(knot_time, R.shape[2] // BLOCK, knot_s, weights)
     for k in range(R.shape[0]):
         for j in range(R.shape[1]):
             point(c[k, j], span, weights, velocity_mps[k, j])

@@ -23,10 +23,11 @@ from trecsim.fusion.kernels.locating import (
     sums,
 )
 
-# A body has turned when the squares of its joints' shifts are so many times what the predictions
-# lead to expect. Usually they are far less, as the errors of a detector persist and process noise
-# allows for the liveliest joints; that, and the most by which a variance is raised.
-SURPRISE, USUAL, MOST = 2.5, 1.25, 50.0
+# Covariance inflation. The normalised innovation squared of all joints of a body, over its expected
+# value, shows a sharp turn from `NIS_GATE` on. In steady motion it is near `USUAL_NIS` or below, as
+# a detector's errors persist and the process noise allows for the fastest joints. The inflation is
+# the ratio over its usual value, at most `LARGEST_INFLATION`.
+NIS_GATE, USUAL_NIS, LARGEST_INFLATION = 2.5, 1.25, 50.0
 
 
 @inner
@@ -42,7 +43,7 @@ def fold_moments(R, z, c, total, j, tmp):
     for m in range(total.weight.shape[1]):
         if not total.weight[j, m] > 0.0:
             continue
-        span = locate(total.place[j, m] / total.weight[j, m], c.shape[0] // 3, tmp.basis)
+        span = locate(total.knot_time[j, m] / total.weight[j, m], c.shape[0] // 3, tmp.basis)
         point(c, span, tmp.basis, tmp.x)
         least = 1e-6 * (info[j, m, 0, 0] + info[j, m, 1, 1] + info[j, m, 2, 2])
         fold_gaussian(
@@ -52,19 +53,19 @@ def fold_moments(R, z, c, total, j, tmp):
 
 
 @inner
-def gather_views(seen, cam, place, moment, match, worth):
+def gather_views(seen, cam, knot_time, moment, match, credit):
     """Copy what the matched images of one track have in common to `seen`; return how many."""
     n = 0
     for v in range(match.shape[0]):
         if match[v] >= 0:
-            seen.cam[n], seen.place[n], seen.moment[n] = cam[v], place[v], moment[v]
-            seen.worth[n] = worth[v]
+            seen.cam[n], seen.knot_time[n], seen.moment[n] = cam[v], knot_time[v], moment[v]
+            seen.credit[n] = credit[v]
             n += 1
     return n
 
 
 @inner
-def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
+def gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise):
     """Copy the key points of joint `j` in the matched images of one track to `seen`; count them.
 
     `xyz_m` is (view, joint, 3), the track's own.
@@ -78,7 +79,7 @@ def gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise):
         for a in range(3):
             seen.xyz_m[n, a] = xyz_m[v, j, a]
         seen.xy_px[n, 0], seen.xy_px[n, 1] = xy_px[d, m, 0], xy_px[d, m, 1]
-        seen.sigma_m[n] = noise.sigma_m[j] * factor[d, m]
+        seen.sigma_m[n] = noise.sigma_m[j] * sigma_scale[d, m]
         known += not math.isnan(seen.xy_px[n, 0])
         n += 1
     return known
@@ -92,11 +93,11 @@ def seek_body(
     n,
     xyz_m,
     prior_m2,
-    wider,
+    inflation,
     match,
     flip,
     xy_px,
-    factor,
+    sigma_scale,
     noise,
     total,
     found,
@@ -112,8 +113,8 @@ def seek_body(
     ----------
     seen, n
         `Observed`, with what the person's `n` images have in common filled in.
-    wider
-        Factor on the predictions' variances.
+    inflation
+        Factor on the covariances of the predictions.
     total, found, shift_m, cov_m2, inlier
         Results: `Sums`; whether there is a key point of each joint, (joint,); how far the joints
         lie from their predictions, with covariances; responsibilities, (view, joint).
@@ -121,10 +122,10 @@ def seek_body(
         Scratch: (view,), and `Scratch`.
     """
     for j in range(found.shape[0]):
-        known = gather_joint(seen, j, xyz_m, match, flip, xy_px, factor, noise)
+        known = gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise)
         for a in range(3):
             for b in range(3):
-                tmp.prior[a, b] = wider * prior_m2[j, a, b]
+                tmp.prior[a, b] = inflation * prior_m2[j, a, b]
         found[j] = known > 0
         if known:
             locate_joint(
@@ -137,40 +138,40 @@ def seek_body(
 
 
 @inner(allocates=True)
-def surprise(shift_m, cov_m2, prior_m2, found):
-    """Return the squared shifts of all joints, next to what the predictions lead to expect.
+def nis_ratio(shift_m, cov_m2, prior_m2, found):
+    """Return the normalised innovation squared of all joints, over its expected value.
 
     Notes
     -----
     With a prediction's covariance ``P`` and the fit's ``Q``, a shift ``d`` of the prediction has
-    covariance ``P - Q``, so that ``d P^-1 d`` is ``3 - tr(P^-1 Q)`` in the mean. The joints are
-    taken together, since people turn as a whole: two dozen numbers tell what three can not.
+    covariance ``P - Q``, so that ``d P^-1 d`` has the mean ``3 - tr(P^-1 Q)``. The sum over all
+    joints has far less relative spread than a single joint's, and people turn as a whole.
     """
     info = np.empty((3, 3))
-    told = expected = 0.0
+    found_nis = expected_nis = 0.0
     for j in range(found.shape[0]):
         if not found[j]:
             continue
         invert3(prior_m2[j], info)
         for p in range(3):
-            expected += 1.0
+            expected_nis += 1.0
             for q in range(3):
-                told += shift_m[j, p] * info[p, q] * shift_m[j, q]
-                expected -= info[p, q] * cov_m2[j, q, p]
-    return told / expected if expected > 0.0 else 0.0
+                found_nis += shift_m[j, p] * info[p, q] * shift_m[j, q]
+                expected_nis -= info[p, q] * cov_m2[j, q, p]
+    return found_nis / expected_nis if expected_nis > 0.0 else 0.0
 
 
 @inner
-def loosen(R, z, wider):
-    """Raise the variances of one person's trajectories by a factor, in place."""
+def inflate_covariance(R, z, inflation):
+    """Multiply the covariance of one person's trajectories by `inflation`, in place."""
     for j in range(R.shape[0]):
-        scale(R[j], z[j], 1.0 / math.sqrt(wider))
+        scale(R[j], z[j], 1.0 / math.sqrt(inflation))
 
 
 @kernel(allocates=True)
 def fit_all(
-    R, z, c, xyz_m, prior_m2, cam, P, focal_px, place,
-    xy_px, factor, match, flip, worth, noise, now, inlier, x_m, cov_m2,
+    R, z, c, xyz_m, prior_m2, cam, P, focal_px, knot_time,
+    xy_px, sigma_scale, match, flip, credit, noise, now, inlier, x_m, cov_m2,
 ):  # fmt: skip
     """Fit every track to the detections assigned to it in one frame set, in place.
 
@@ -185,11 +186,11 @@ def fit_all(
         Their covariance at the frame set's time, (track, joint, 3, 3).
     cam, P, focal_px
         Camera of each image (view,); projections (cam, 3, 4) and mean focal lengths (cam,).
-    place
+    knot_time
         Time of each image, in knots, (view,).
-    xy_px, factor
+    xy_px, sigma_scale
         All detections of the set, (person, joint, 2) and (person, joint); see `score_view`.
-    match, flip, worth
+    match, flip, credit
         Per track and view: index of its detection or -1; 1 to read it mirrored; weight 0 to 1.
     noise
         The detector's `Noise`.
@@ -203,10 +204,10 @@ def fit_all(
 
     Notes
     -----
-    Trajectories are stiff while people move as they did. Who turns sharply is found by the
-    shifts of all joints together; then everything known of the body is worth less, by as much as
-    the shifts say (a fading memory, as of the strong tracking filter of Zhou and Frank 1996), and
-    the joints are sought again.
+    The process noise is low, which suits steady motion. A sharp turn shows in the innovations of
+    all joints together; then the covariance of the whole body is inflated by the ratio of the
+    innovations to their usual size (as in the strong tracking filter of Zhou and Frank 1996), and
+    the joints are located again.
     """
     n_view, n_joint = cam.shape[0], R.shape[1]
     seen = Observed(
@@ -214,24 +215,24 @@ def fit_all(
         np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
     )  # fmt: skip
     moment = np.empty(n_view, np.int64)
-    total = sums(n_joint, moments(place, moment) if n_view else 0)
+    total = sums(n_joint, moments(knot_time, moment) if n_view else 0)
     found, shift_m = np.empty(n_joint, np.bool_), np.empty((n_joint, 3))
     after_m2, tmp = np.empty((n_joint, 3, 3)), scratch(R.shape[2])
     r, weights = np.empty(n_view), np.empty(4)
     span = locate(now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
-        n = gather_views(seen, cam, place, moment, match[k], worth[k])
-        wider = 1.0
+        n = gather_views(seen, cam, knot_time, moment, match[k], credit[k])
+        inflation = 1.0
         for again in range(2):
             seek_body(
-                P, focal_px, seen, n, xyz_m[:, k], prior_m2[k], wider, match[k], flip[k], xy_px,
-                factor, noise, total, found, shift_m, after_m2, inlier[k], r, tmp,
+                P, focal_px, seen, n, xyz_m[:, k], prior_m2[k], inflation, match[k], flip[k], xy_px,
+                sigma_scale, noise, total, found, shift_m, after_m2, inlier[k], r, tmp,
             )  # fmt: skip
-            turned = 0.0 if again else surprise(shift_m, after_m2, prior_m2[k], found)
-            if turned <= SURPRISE:
+            ratio = 0.0 if again else nis_ratio(shift_m, after_m2, prior_m2[k], found)
+            if ratio <= NIS_GATE:
                 break
-            wider = min(turned / USUAL, MOST)
-            loosen(R[k], z[k], wider)
+            inflation = min(ratio / USUAL_NIS, LARGEST_INFLATION)
+            inflate_covariance(R[k], z[k], inflation)
         for j in range(n_joint):
             if found[j]:
                 fold_moments(R[k, j], z[k, j], c[k, j], total, j, tmp)

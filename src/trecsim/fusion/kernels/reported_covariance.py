@@ -1,4 +1,4 @@
-"""What is said about a moment: joints held by their limbs, and how sure they really are."""
+"""What is reported of a moment: joints adjusted to the limb lengths, covariances with bias."""
 
 import math
 
@@ -19,7 +19,7 @@ _WANDER_PER_S, _OFF_MPS = 5.0, 0.2
 
 
 @inner
-def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
+def bias_information(P, focal_px, noise, j, x, last_s, now_s, info):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
     Parameters
@@ -45,7 +45,7 @@ def lasting_information(P, focal_px, noise, j, x, last_s, now_s, info):
         if not w > NEAR_M:
             continue
         sigma_px = noise.sigma_m[j] * focal_px[c] / w
-        var = noise.lasting * (sigma_px * sigma_px + noise.floor_px * noise.floor_px)
+        var = noise.bias_share * (sigma_px * sigma_px + noise.floor_px * noise.floor_px)
         for p in range(3):
             for q in range(3):
                 info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
@@ -62,7 +62,7 @@ def unseen_sigma_m(last_s, now_s):
 
 
 @inner
-def widen(cov, info, scale, sigma, bounded, lasting):
+def widen(cov, info, scale, sigma, bounded, bias_m2):
     """Add the covariance of a lasting error to `cov` (3, 3), in place.
 
     Parameters
@@ -70,26 +70,26 @@ def widen(cov, info, scale, sigma, bounded, lasting):
     cov
         Of a joint's position or velocity.
     info
-        See `lasting_information`.
+        See `bias_information`.
     scale
         Standard deviation of the error per metre of lasting error of the position.
     sigma
         Its standard deviation in directions that no camera tells of.
-    bounded, lasting
+    bounded, bias_m2
         Scratch, (3, 3).
     """
     for p in range(3):
         for q in range(3):
             bounded[p, q] = info[p, q] / (scale * scale)
         bounded[p, p] += 1.0 / (sigma * sigma)
-    invert3(bounded, lasting)
+    invert3(bounded, bias_m2)
     for p in range(3):
         for q in range(3):
-            cov[p, q] += lasting[p, q]
+            cov[p, q] += bias_m2[p, q]
 
 
 @kernel(allocates=True)
-def state_all(
+def report_all(
     P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2, velocity_cov_m2ps2
 ):
     """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
@@ -97,7 +97,7 @@ def state_all(
     Parameters
     ----------
     P, focal_px, noise
-        As for `lasting_information`.
+        As for `bias_information`.
     joint_s, now_s
         When each camera last supported each joint, (track, joint, cam), and the time of what is
         stated [s].
@@ -109,15 +109,16 @@ def state_all(
 
     Notes
     -----
-    Most of what a detector errs by lasts for seconds. No smoothing removes it, and no residual
-    shows it, as the trajectory has it, too: so it is added here, and not before. It is also what
-    stretches limbs; they are held here, where it is known how far a joint may really be off.
+    Most of a detector's error is a bias that lasts for seconds. Smoothing does not remove it, and
+    no residual shows it, as the trajectory contains it, too; so its covariance is added to what is
+    reported, not to the state. The bias also stretches limbs; the joints are adjusted to the limb
+    lengths here, where their covariance includes it.
     """
-    info, bounded, lasting = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    info, bounded, bias_m2 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
-            lasting_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], now_s, info)
+            bias_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], now_s, info)
             off_m = unseen_sigma_m(joint_s[k, j], now_s)
-            widen(cov_m2[k, j], info, 1.0, off_m, bounded, lasting)
-            widen(velocity_cov_m2ps2[k, j], info, _WANDER_PER_S, _OFF_MPS, bounded, lasting)
+            widen(cov_m2[k, j], info, 1.0, off_m, bounded, bias_m2)
+            widen(velocity_cov_m2ps2[k, j], info, _WANDER_PER_S, _OFF_MPS, bounded, bias_m2)
         tighten(x[k], cov_m2[k], limbs, limb_m[k], limb_m2[k])
