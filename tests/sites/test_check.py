@@ -61,7 +61,7 @@ def test_a_video_that_lacks_a_few_columns_is_taken_as_cut(site: Path) -> None:
     write_rig(rig, site.parent / "rig.toml")
     remarks = check_site(site).remarks
     assert "cam0: expected images of 65 x 48 px" in remarks[0]
-    assert "taken as cut off" in remarks[0]
+    assert "assuming the image was cropped" in remarks[0]
 
 
 def test_an_estimator_that_is_not_installed_is_told_with_the_nearest(site: Path) -> None:
