@@ -102,7 +102,7 @@ def test_a_part_must_have_a_length(folder: Path, from_s: float, to_s: float) -> 
 
 
 def test_a_part_with_nobody_in_it_is_told(folder: Path) -> None:
-    with pytest.raises(InputError, match="nobody from 100 s"):
+    with pytest.raises(InputError, match="there are no people from 100 s"):
         read(folder, from_s=100.0)
 
 
