@@ -30,7 +30,7 @@ from trecsim.sinks import Sinks
 from trecsim.skeleton import COCO17
 from trecsim.sources import read_poses
 from trecsim.sources.base import Arrival, Source
-from trecsim.sources.mailbox import Fault, Mailbox, deliver
+from trecsim.sources.camera_mailbox import Fault, Mailbox, deliver
 from trecsim.store.atomic import partial_path
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.rig_digest import rig_sha256

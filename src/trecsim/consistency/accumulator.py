@@ -5,7 +5,7 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 
 from trecsim.consistency import judge, nobody, pixels, spans, told
-from trecsim.consistency.evidence import Evidence, weighed
+from trecsim.consistency.camera_evidence import Evidence, weighed
 from trecsim.consistency.sights import Moment, moment
 from trecsim.consistency.thresholds import Thresholds
 from trecsim.consistency.verdict import Verdict

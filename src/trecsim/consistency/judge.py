@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.consistency import told
-from trecsim.consistency.evidence import Evidence, off_without
+from trecsim.consistency.camera_evidence import Evidence, off_without
 from trecsim.consistency.hypotheses import Trial, explained
 from trecsim.consistency.sights import Moment, gather
 from trecsim.consistency.spans import Span

@@ -20,7 +20,7 @@ from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
-from trecsim.sources.mailbox import TICK_S, Mailbox
+from trecsim.sources.camera_mailbox import TICK_S, Mailbox
 from trecsim.values import Frame, Poses2D
 
 _LIVE_DEPTH = 16  # poses of a camera that may wait for the fusion

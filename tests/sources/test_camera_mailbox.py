@@ -5,7 +5,7 @@ from threading import Event
 import numpy as np
 
 from trecsim.errors import InputError
-from trecsim.sources.mailbox import Mailbox, deliver
+from trecsim.sources.camera_mailbox import Mailbox, deliver
 from trecsim.values import Poses2D
 
 
