@@ -11,7 +11,7 @@ SHAPES := trecsim.values,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimators.pool,$\
   trecsim.fusion,trecsim.store,trecsim.lab.simulation,trecsim.lab.evaluation,trecsim.lab.plots,$\
   trecsim.lab.report,trecsim.lab.study.design,trecsim.lab.study.resampling,$\
-  trecsim.lab.study.standing,trecsim.lab.study.inference
+  trecsim.lab.study.default_rank,trecsim.lab.study.inference
 
 PYTEST := $(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal $\
   --jaxtyping-packages=$(SHAPES),shape_checker.check
