@@ -260,3 +260,19 @@ def test_the_digest_of_a_rig_changes_with_every_number() -> None:
 
 def test_the_digest_survives_the_file(tmp_path: Path, checked: CheckedSite) -> None:
     assert rig_sha256(read_rig(tmp_path / "rig.toml")) == rig_sha256(checked.rig)
+
+
+def test_the_summary_of_a_run_holds_what_does_not_fit(tmp_path: Path) -> None:
+    site = make_site(tmp_path)
+    poses = tmp_path / "walk.poses.jsonl"
+    late = [
+        json.dumps({**json.loads(line), "t_s": json.loads(line)["t_s"] + 1000.0})
+        if '"cam1"' in line
+        else line
+        for line in poses.read_text().splitlines()
+    ]
+    poses.write_text("\n".join(late) + "\n")
+    summary = run(check_site(site), tmp_path / "out")
+    facts = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert facts["remarks"] == list(summary.remarks)
+    assert any("cam1" in text for text in summary.remarks)

@@ -74,6 +74,8 @@ class RunSummary:
     gaps_s
         Where the recording was continued: the last time before and the first time after, each [s].
         Numbers of images, frame sets and people count from the last of these on.
+    remarks
+        What was said about poses and rig that do not fit together.
     """
 
     site: str
@@ -88,6 +90,7 @@ class RunSummary:
     wall_s: float
     fusion_ms: dict[str, float]
     gaps_s: tuple[tuple[float, float], ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def run(
@@ -319,6 +322,7 @@ class _Watch:
             last_s=self.last_s,
             wall_s=time.monotonic() - began_s,
             fusion_ms=self.tally.fusion_ms(),
+            remarks=tuple(self.tally.remarks),
             gaps_s=self.gaps_s,
         )
 
