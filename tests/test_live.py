@@ -110,3 +110,21 @@ def test_images_are_estimated_in_order_and_slow_estimators_drop_the_oldest():
         assert 0.12 not in times
     assert len(faults) <= 3
     assert {str(fault) for fault in faults} <= {"an image that cannot be read"}
+
+
+def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_estimated():
+    poses = {(one.camera, one.t_s): one for one in SCENE.poses if one.t_s < 0.5}
+
+    def images(camera):
+        times_s = [t_s for name, t_s in poses if name == camera]
+        for n, t_s in enumerate(times_s):
+            time.sleep(0.01)
+            yield Frame(camera, n, t_s, np.zeros((8, 8, 3), np.uint8))
+
+    def estimator(frame):
+        return None if frame.index == 2 else poses[frame.camera, frame.t_s]
+
+    faults, kept = [], Kept()
+    live([images(FIRST)], SCENE.rig, Sinks(poses=[kept]), estimator=estimator, fault=faults.append)
+    assert [str(one) for one in faults] == ["the estimator returned NoneType; expected Poses2D"]
+    assert len(kept.items) > 3

@@ -132,10 +132,13 @@ def test_a_recording_that_is_complete_stays_as_it_is(
     checked: CheckedSite, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     run(checked, tmp_path / "out")
+    told = (tmp_path / "out" / "summary.json").read_text()
     with caplog.at_level(logging.WARNING):
         summary = run(checked, tmp_path / "out", resume=True)
     assert (summary.images, summary.frame_sets) == (0, 0)
+    assert (tmp_path / "out" / "summary.json").read_text() == told
     assert "no image is later than 1.560 s, where the recording ends" in caplog.text
+    assert "there is nobody to be found" not in caplog.text
     assert_complete(tmp_path / "out")
 
 

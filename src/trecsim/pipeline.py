@@ -206,7 +206,7 @@ def live(
         Is kept up to date.
     """
     told = fault or _log_fault
-    warm_up()
+    warm_up(losing=True)  # a kernel that is compiled later would stop everything for seconds
     follower = Follower(
         rig,
         settings,

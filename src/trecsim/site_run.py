@@ -145,8 +145,9 @@ def run(
                     discard_recording(folder)
                 raise fault
             summary = watch.summary(checked.file.site.name, folder, began_s, fault)
-            _write_summary(summary, checked)
-            picture(summary)
+            if not watch.nothing_new or not (folder / "summary.json").exists():
+                _write_summary(summary, checked)
+                picture(summary)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(_interrupted(folder, watch)) from None
     if fault is not None:
@@ -202,8 +203,10 @@ def _record(
                 step=sinks.take_step,
                 first_id=watch.stored.next_person,
             )
-            flow(recorded(watch.images(images)), follower, sinks)
-            if watch.resumed and watch.done == 0:
+            first = list(islice(images, 1))
+            if first or not watch.resumed:
+                flow(recorded(watch.images(chain(first, images))), follower, sinks)
+            else:
                 logger.warning(
                     "%s: nothing to go on with: no image is later than %.3f s, where the recording "
                     "ends", folder, watch.stored.last_s,
@@ -298,6 +301,11 @@ class _Watch:
     @property
     def resumed(self) -> bool:
         return self.stored.last_s is not None
+
+    @property
+    def nothing_new(self) -> bool:
+        """Whether the recording held everything before."""
+        return self.resumed and not self.done
 
     def write(self, snapshot: Snapshot, /) -> None:
         if self.stored.last_s is not None and snapshot.t_s <= self.stored.last_s:

@@ -34,6 +34,14 @@ def test_progress_counts_every_kernel_and_none_is_compiled_twice_or_left_out() -
     assert set(missing.split()) <= {"expect_all", "score_view"}
 
 
+def test_where_nobody_can_wait_all_that_a_lost_person_needs_is_compiled() -> None:
+    probe = PROBE.replace("(done, total)))", "(done, total)), losing=True)")
+    done = subprocess.run(
+        [sys.executable, "-c", probe], capture_output=True, text=True, check=True, env=os.environ
+    )
+    assert set(done.stdout.splitlines()[2].split()) <= {"score_view"}
+
+
 def test_the_garbage_collector_is_left_as_it_was() -> None:
     before = gc.get_threshold()
     warm_up()

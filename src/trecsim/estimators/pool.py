@@ -167,7 +167,7 @@ def _estimate_live(
                 done = begun[camera].popleft()
                 error = done.exception()
                 if error is None:
-                    poses.put(done.result())
+                    _put(done.result(), poses, fault)
                 elif isinstance(error, Exception):
                     fault(error)
 
@@ -184,6 +184,14 @@ def _estimate_live(
             future.add_done_callback(partial(finished, frame.camera))
     frames.close()
     poses.end()
+
+
+def _put(found: object, poses: Mailbox[Poses2D], fault: Callable[[Exception], None]) -> None:
+    """Let 2D poses wait, and tell if an estimator returned something else."""
+    if isinstance(found, Poses2D):
+        poses.put(found)
+    else:
+        fault(InputError(f"the estimator returned {type(found).__name__}; expected Poses2D"))
 
 
 def estimate_frames(

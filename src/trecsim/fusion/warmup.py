@@ -20,7 +20,9 @@ COUNT = 22
 _K = np.array([[1000.0, 0.0, 640.0], [0.0, 1000.0, 360.0], [0.0, 0.0, 1.0]])
 
 
-def warm_up(progress: Callable[[int, int | None], None] | None = None) -> None:
+def warm_up(
+    progress: Callable[[int, int | None], None] | None = None, *, losing: bool = False
+) -> None:
     """Run every kernel that any site needs, on a synthetic scene of one person.
 
     What is not in the cache yet is compiled; later frame sets then take their usual time. Kernels
@@ -30,6 +32,8 @@ def warm_up(progress: Callable[[int, int | None], None] | None = None) -> None:
     ----------
     progress
         Called after each kernel with how many are ready and how many there are.
+    losing
+        Also compile what is needed once no camera detects a person, for whoever cannot wait then.
     """
     ready = 0
 
@@ -40,13 +44,16 @@ def warm_up(progress: Callable[[int, int | None], None] | None = None) -> None:
             progress(min(ready, COUNT), COUNT)
 
     with compiling(tell):
-        _follow_somebody()
+        _follow_somebody(losing)
     if progress is not None:
         progress(COUNT, COUNT)
 
 
-def _follow_somebody() -> None:
-    """Follow one person with two cameras, then with one, so that limbs and ground place it."""
+def _follow_somebody(losing: bool) -> None:
+    """Follow one person with two cameras, then with one, so that limbs and ground place it.
+
+    If it is to be lost, no camera delivers anything in the end.
+    """
     rig = Rig((_camera("first", 0.0), _camera("second", 1.2)))
     tracker = Tracker(rig)
     xyz_m = np.array([(x, 0.0, z) for x, z in _STANDING_M])
@@ -62,6 +69,9 @@ def _follow_somebody() -> None:
             for camera in rig
         )
         tracker.step(FrameSet(0.04 * n, views if n < 8 else views[:1]))
+    if losing:
+        for n in range(12, 30):
+            tracker.step(FrameSet(0.04 * n, ()))
 
 
 def _camera(name: str, angle_rad: float) -> Camera:
