@@ -19,6 +19,9 @@ from trecsim.redaction import redacted
         ("http://cam/1?user=a&password=b&rate=5", "http://cam/1?user=***&password=***&rate=5"),
         ("cam1=rtsp://:pw@cam/1, then", "cam1=rtsp://***@cam/1, then"),
         ("admin:pw@cam/1", "***@cam/1"),
+        ("http://cam/1?pw=b&rate=5", "http://cam/1?pw=***&rate=5"),
+        ("rtsp://cam/user=a_password=b_channel=1.sdp", "rtsp://cam/user=a_password=***"),
+        ("user=a_password=b_channel=1", "user=a_password=***"),
         ("'rtsp://admin:a-long-passw...", "'rtsp://***"),
         ("rtsp://cam:554/1", "rtsp://cam:554/1"),
         ("https://cam:8443: refused", "https://cam:8443: refused"),
@@ -47,6 +50,8 @@ def test_no_log_message_and_no_argument_fault_on_the_command_line_shows_a_passwo
     [
         ["estimate", "rtsp://admin:pw@10.0.0.12:554/stream1", "--out", "a.poses.jsonl"],
         ["estimate", "north=rtsp://admin:pw@10.0.0.12:554/stream1", "--out", "a.poses.jsonl"],
+        ["estimate", "rtsp://cam/user=admin_password=pw_channel=1", "--out", "a.poses.jsonl"],
+        ["estimate", "http://cam/1?password=pw", "--out", "a.poses.jsonl"],
         ["track", "rtsp://admin:pw@cam/rig.toml", "rtsp://admin:pw@cam/poses"],
         ["rig", "show", "http://admin:pw@cam/rig.toml"],
         ["site", "check", "http://admin:pw@cam/site.toml"],

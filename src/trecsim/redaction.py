@@ -10,6 +10,8 @@ _BARE_USER = re.compile(r"(?<![^\s'\"=(\[{])[^\s'\"=/:@(\[{]+:[^\s'\"/@]+@(?=[\w
 _QUERY = re.compile(
     r"([?&;][\w.-]*(?:pass|pwd|token|key|auth|secret|user|sig)[\w.-]*=)[^&\s'\"]+", re.IGNORECASE
 )
+# Some cameras take it in the path: rtsp://10.0.0.12/user=admin_password=pw_channel=1_stream=0.sdp
+_PASSWORD = re.compile(r"((?:password|passwd|pwd|\bpw|\bpass)=)[^&\s'\"]+", re.IGNORECASE)
 
 
 def redacted(text: str) -> str:
@@ -24,7 +26,7 @@ def redacted(text: str) -> str:
         text = _BARE_USER.sub("***@", _USER.sub(r"\1***@", text))
     if ":/" in text:  # an address that was cut before its @
         text = _CUT_USER.sub(r"\1***", text)
-    return _QUERY.sub(r"\1***", text) if "=" in text else text
+    return _PASSWORD.sub(r"\1***", _QUERY.sub(r"\1***", text)) if "=" in text else text
 
 
 def is_address(text: str) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from trecsim.cli.models_command import fetch_first
 from trecsim.cli.terminal import finish, progress_bar
 from trecsim.errors import Error, InputError
+from trecsim.redaction import is_address
 
 if TYPE_CHECKING:
     from trecsim.values import Poses2D
@@ -193,7 +194,7 @@ def _named(given: str, faults: list[str]) -> list[tuple[str, Path]]:
             faults.append(f"there is no video in the directory {path}{hint}")
         return [(file.stem, file) for file in found]
     name, equals, rest = given.partition("=")
-    if equals and not path.exists():
+    if equals and not path.exists() and not is_address(name):  # it may hold a `=` of its own
         if not name.strip() or not rest:
             faults.append(f"{given!r}: expected NAME=VIDEO")
             return []
