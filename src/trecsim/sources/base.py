@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 from trecsim.values import Frame, Poses2D
 
@@ -10,6 +10,7 @@ Item = TypeVar("Item", Frame, Poses2D)
 Item_co = TypeVar("Item_co", Frame, Poses2D, covariant=True)
 
 
+@runtime_checkable
 class Source(Protocol[Item_co]):
     """Delivers what one camera takes, or poses of several cameras, in the order in which it comes.
 
