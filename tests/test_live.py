@@ -121,10 +121,15 @@ def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_esti
             time.sleep(0.01)
             yield Frame(camera, n, t_s, np.zeros((8, 8, 3), np.uint8))
 
-    def estimator(frame):
-        return None if frame.index == 2 else poses[frame.camera, frame.t_s]
+    class Forgetful:
+        skeleton = "coco17"
+
+        def __call__(self, frame):
+            return None if frame.index == 2 else poses[frame.camera, frame.t_s]
 
     faults, kept = [], Kept()
-    live([images(FIRST)], SCENE.rig, Sinks(poses=[kept]), estimator=estimator, fault=faults.append)
+    live(
+        [images(FIRST)], SCENE.rig, Sinks(poses=[kept]), estimator=Forgetful(), fault=faults.append
+    )
     assert [str(one) for one in faults] == ["the estimator returned NoneType; expected Poses2D"]
     assert len(kept.items) > 3
