@@ -4,7 +4,6 @@ Nothing is resampled and nothing waits for a common clock: a frame set is only t
 images reach the fusion, where each enters at its own time.
 """
 
-import logging
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
@@ -14,17 +13,15 @@ from statistics import median
 
 from trecsim.errors import Error
 from trecsim.sync.camera_queue import LEARN_INTERVALS, CameraQueue
+from trecsim.sync.stream_remarks import LATE_S, StreamRemarks
 from trecsim.sync.stream_time import StreamTime
 from trecsim.values import FrameSet, Poses2D
-
-logger = logging.getLogger(__name__)
 
 LEARN_S = 1.0  # so long the periods are learnt, or for LEARN_INTERVALS, if that comes first
 WINDOW_PERIODS = 0.9  # below 1, so that an image never falls together with its successor's peers
 NEAREST_PERIODS = 0.55  # join the nearest set if within this; slightly above half a period
 OTHER_RATE = 1.5  # ratio of two cameras' periods from which on they do not run in step
 FALLBACK_WINDOW_S = 0.02  # where no camera delivered twice
-LATE_S = 1.0  # a camera that delivers later than this, and than it may, is remarked
 MAX_WAITING = 4096  # images; a camera that floods us cannot fill the memory
 EMPTY_EVERY_S = 0.1  # of live cameras that are all silent, an empty set tells so often
 
@@ -138,8 +135,7 @@ class FrameSetBuffer:
         self._newest: tuple[float, float] | None = None  # stamp of the newest set, and its arrival
         self._given_s = -math.inf
         self._learning = True
-        self._remarked: set[str] = set()
-        self._silent: set[str] = set()
+        self._remarks = StreamRemarks()
 
     def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[FrameSet]:
         """Take in one image; yield the sets that are closed now.
@@ -167,7 +163,7 @@ class FrameSetBuffer:
             The present, by the clock of arrivals [s].
         """
         self._time.move_on(arrived_s)
-        self._warn_of_silence()
+        self._remarks.silence(self._cameras, self._time, self._max_delay_s)
         yield from self._closed()
         if self._newest is None or self._count or not self._time.all_silent():
             return
@@ -187,10 +183,10 @@ class FrameSetBuffer:
             yield self._take()
 
     def _add(self, image: Poses2D, arrived_s: float | None) -> None:
-        self._warn_if_late(image)
-        if image.camera in self._silent:
-            self._silent.discard(image.camera)
-            logger.warning("camera %r delivers images again", image.camera)
+        late_s = self._given_s - image.t_s
+        if late_s > max(LATE_S, self._max_delay_s):
+            self._remarks.late(image.camera, late_s)
+        self._remarks.delivers(image.camera)
         camera = self._cameras.setdefault(image.camera, CameraQueue())
         self._misdated.extend(camera.pop_misdated(image))
         time = self._time.note(image.camera, image.t_s, arrived_s)
@@ -239,7 +235,7 @@ class FrameSetBuffer:
         self._count -= len(taken)
         views = tuple(one.image for one in taken)
         if self._are_ahead(views):
-            self._warn_of_ahead(views[0])
+            self._remarks.ahead(views[0].camera, views[0].t_s - self._given_s)
             return FrameSet(views[-1].t_s, views)
         self._newest = views[-1].t_s, taken[-1].heard_s
         return FrameSet(self._time_of(views[-1].t_s), views)
@@ -316,39 +312,6 @@ class FrameSetBuffer:
             return self._window_s
         period_s = self._period()
         return WINDOW_PERIODS * period_s if period_s < math.inf else FALLBACK_WINDOW_S
-
-    def _warn_of_silence(self) -> None:
-        for name in self._cameras.keys() - self._silent:
-            time = self._time.heard(name)
-            if self._time.is_silent(time, self._max_delay_s + LATE_S):
-                self._silent.add(name)
-                logger.warning(
-                    "camera %r has delivered no image for %.3g s",
-                    name,
-                    self._time.elapsed_s - time.heard_s,
-                )
-
-    def _warn_if_late(self, image: Poses2D) -> None:
-        late_s = self._given_s - image.t_s
-        if late_s > max(LATE_S, self._max_delay_s) and image.camera not in self._remarked:
-            self._remarked.add(image.camera)
-            logger.warning(
-                "camera %r delivers %.3g s late, after the other cameras' images of that time were "
-                "used. Check its connection or, in a file, the order of the cameras; and its time "
-                "offset",
-                image.camera,
-                late_s,
-            )
-
-    def _warn_of_ahead(self, image: Poses2D) -> None:
-        if image.camera not in self._remarked:
-            self._remarked.add(image.camera)
-            logger.warning(
-                "camera %r is %.3g s ahead of the other cameras, so its images are not combined "
-                "with theirs. Check its clock and its time offset",
-                image.camera,
-                image.t_s - self._given_s,
-            )
 
 
 def _in_phase(camera: CameraQueue, opener: CameraQueue, limit_s: float) -> bool:
