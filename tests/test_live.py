@@ -133,3 +133,21 @@ def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_esti
     )
     assert [str(one) for one in faults] == ["the estimator returned NoneType; expected Poses2D"]
     assert len(kept.items) > 3
+
+
+def test_poses_that_cannot_be_used_are_told_once_and_stop_no_other_camera():
+    def strange():
+        for n in range(5):
+            yield Poses2D("cellar", 0.1 * n, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
+            yield Poses2D(FIRST, np.nan, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0))
+            time.sleep(0.01)
+
+    faults, snapshots = [], Kept()
+    sources = [strange(), *map(source, SCENE.rig.names[1:])]
+    live(sources, SCENE.rig, Sinks([snapshots]), fault=faults.append)
+    told = sorted(str(fault) for fault in faults)
+    assert len(told) == 2
+    assert any("'cellar': expected a camera of the rig" in text for text in told)
+    assert any(f"{FIRST!r}: expected images at a finite time" in text for text in told)
+    assert snapshots.items[-1].t_s > 2.2
+    assert len(snapshots.items[-1].id) == 1

@@ -13,6 +13,7 @@ Recordings are read in the order of their time stamps, so the result is always t
 sources are read as they deliver, and none waits for another.
 """
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -201,7 +202,8 @@ def live(
     stop
         Asked after each arrival, and while nothing arrives.
     fault
-        Is told, in another thread, what ended a source or failed on an image; logged if None.
+        Is told what ended a source or failed on an image, in another thread, and once for each
+        camera whose 2D poses cannot be used; logged if None.
     tally
         Is kept up to date.
     """
@@ -216,7 +218,7 @@ def live(
         step=sinks.take_step,
     )
     arrivals = _delivered(sources, estimator, told).arrivals()
-    flow(_until(arrivals, stop), follower, sinks)
+    flow(_usable(_until(arrivals, stop), rig, told), follower, sinks)
 
 
 def _delivered(
@@ -244,8 +246,34 @@ def _until(
             return
 
 
+def _usable(
+    arrivals: Iterator[Arrival[Poses2D]], rig: Rig, fault: Fault
+) -> Iterator[Arrival[Poses2D]]:
+    """Leave out 2D poses that cannot be used: one bad camera stops no other."""
+    told: set[str] = set()
+    for arrival in arrivals:
+        wrong = None if arrival.item is None else _what_is_wrong(arrival.item, rig)
+        if wrong is None or arrival.item is None:
+            yield arrival
+        elif arrival.item.camera not in told:
+            told.add(arrival.item.camera)
+            fault(InputError(f"camera {arrival.item.camera!r}: {wrong}; such images are left out"))
+
+
+def _what_is_wrong(poses: Poses2D, rig: Rig) -> str | None:
+    n_joint = len(COCO17.joints)
+    if poses.camera not in rig.names:
+        return f"expected a camera of the rig ({', '.join(rig.names)})"
+    if not math.isfinite(poses.t_s):
+        return f"expected images at a finite time, found t_s = {poses.t_s}"
+    people = len(poses.xy_px)
+    if poses.xy_px.shape != (people, n_joint, 2) or poses.score.shape != (people, n_joint):
+        return f"expected poses of {n_joint} joints, found arrays of {poses.xy_px.shape}"
+    return None
+
+
 def _log_fault(error: Exception) -> None:
-    logger.error("a source ended: %s", error)
+    logger.error("%s", error)
 
 
 @dataclass(frozen=True, slots=True)
