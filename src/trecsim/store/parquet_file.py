@@ -182,7 +182,7 @@ def _extent(file: pq.ParquetFile, name: str) -> tuple[float, float]:
     known = [one for one in groups if one is not None]
     if len(known) < len(groups):  # others write files without statistics
         numbers = file.read(columns=[name])[name].to_numpy()
-        return numbers.min(), numbers.max()
+        return numbers.min().item(), numbers.max().item()
     return min(low for low, _ in known), max(high for _, high in known)
 
 
