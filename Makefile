@@ -31,6 +31,7 @@ help:  ## Show this list.
 
 demo: .venv/installed-report .venv/installed-evaluate  ## Follow people through a simulated room and show the result.
 	$(BIN)/trecsim demo
+	@command -v trecsim > /dev/null || echo "to use trecsim in this shell: . $(BIN)/activate"
 
 test: .venv/installed-test  ## Run all tests, the same each time (4 min on 2 cores).
 	$(BIN)/python tests/compile_kernels.py

@@ -72,7 +72,7 @@ def flow(arrivals: Iterable[Arrival[Poses2D]], follower: Follower, sinks: Sinks)
         if arrival is None:
             break
         sinks.take(_snapshots(arrival, follower, sinks))
-    sinks.take(follower.flush())
+    sinks.take(follower.flush(complete=fault is None))
     if fault is not None:
         raise fault
 

@@ -176,10 +176,16 @@ class Follower:
         """
         return self._steps(self._buffer.poll(arrived_s))
 
-    def flush(self) -> Iterator[Snapshot]:
-        """Yield the snapshots of the images that still wait; no image comes any more."""
+    def flush(self, *, complete: bool = True) -> Iterator[Snapshot]:
+        """Yield the snapshots of the images that still wait; no image comes any more.
+
+        Parameters
+        ----------
+        complete
+            Whether all images came, and no error ended them.
+        """
         yield from self._steps(self._buffer.flush())
-        self._tally.remark(self._consistency.end())
+        self._tally.remark(self._consistency.end(complete=complete))
 
     def _steps(self, frame_sets: Iterable[FrameSet]) -> Iterator[Snapshot]:
         for frame_set in frame_sets:

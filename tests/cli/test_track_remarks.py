@@ -39,3 +39,15 @@ def test_poses_with_only_a_header_are_said_to_hold_no_image(trecsim, shared_data
     summary = json.loads(out)
     assert (code, summary["frame_sets"], summary["people"]) == (0, 0, 0)
     assert summary["remarks"] == ["the poses hold no image: there is nobody to be found"]
+
+
+def test_poses_of_unknown_cameras_get_the_error_and_no_remark_on_missing_people(
+    trecsim, shared_data, tmp_path, caplog
+):
+    poses = tmp_path / "other.poses.jsonl"
+    poses.write_text(HEADER + '{"camera": "porch", "t_s": 0, "people": []}\n')
+    rig = shared_data / "foreign_input" / "clocks-apart" / "rig.toml"
+    code, _, err = trecsim("track", rig, poses, "--out", tmp_path / "a.csv")
+    assert code == 2
+    assert "camera 'porch' is not in the rig" in err
+    assert caplog.messages == []

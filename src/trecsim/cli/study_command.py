@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from trecsim.lab.study.plan import Study
     from trecsim.lab.study.settings_file_table import StudyTable
 
-Texts = Annotated[Sequence[str], Parameter(negative=())]
+Texts = Annotated[Sequence[str], Parameter(negative=(), show_default=False)]
 
 
 def study(
@@ -22,7 +22,7 @@ def study(
     /,
     *,
     out: Path = Path("study"),
-    set_: Annotated[Sequence[str], Parameter(name="--set", negative=())] = (),
+    set_: Annotated[Texts, Parameter(name="--set")] = (),
     scene: Texts = (),
     seeds: str | None = None,
     design: Literal["grid", "one-at-a-time", "random"] | None = None,

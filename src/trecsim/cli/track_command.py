@@ -12,6 +12,7 @@ from trecsim.errors import InputError
 
 _OF_RIGS = (".toml", ".yml", ".yaml", ".xml", ".txt")  # and of no 2D poses
 Reading = Annotated[RigOptions, Parameter(name="*")]
+Names = Annotated[tuple[str, ...], Parameter(show_default=False)]
 
 
 def track(
@@ -22,7 +23,7 @@ def track(
     out: Path = Path("tracks.csv"),
     lag_s: float = 0.0,
     fps: float | None = None,
-    names: tuple[str, ...] = (),
+    names: Names = (),
     timing: Path | None = None,
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,

@@ -94,8 +94,14 @@ class Consistency:
             return self._examine(final=False)
         return []
 
-    def end(self) -> list[str]:
-        """Return what remains to be said at the end of a run."""
+    def end(self, *, complete: bool = True) -> list[str]:
+        """Return what remains to be said at the end of a run.
+
+        Parameters
+        ----------
+        complete
+            Whether all images came. If an error ended the run, it explains why nobody was found.
+        """
         found = self._examine(final=True)
         delivered = {
             name: span
@@ -105,7 +111,7 @@ class Consistency:
         found += self._clocks()
         text = spans.apart(delivered, self.limit.fewest_images)
         found += [] if text is None else [text]
-        if not self._anybody and not self._said and text is None:
+        if complete and not self._anybody and not self._said and text is None:
             found.append(nobody.why(delivered, self.rig, self._frame_sets, self._together))
         return found
 
