@@ -19,7 +19,7 @@ from harness.options import Options
 
 TRECSIM = Path(sys.executable).with_name("trecsim")
 ROUNDS = 9
-# The processor time of this loop tells how fast the machine runs Python, as the compiler does.
+# Processor time of this loop: the machine's speed in Python, in which numba's compiler is written.
 ADDITIONS = """
 total = 0
 for number in range(20_000_000):
