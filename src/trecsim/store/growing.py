@@ -4,6 +4,7 @@ import errno
 import logging
 import os
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
@@ -24,7 +25,33 @@ logger = logging.getLogger(__name__)
 FLUSH_EVERY_S = 2.0
 
 
-class GrowingFile:
+class KeepsPartial(ABC):
+    """Something that is closed when its block ends well, and else left under a partial name."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Complete it: it takes its final name."""
+
+    @abstractmethod
+    def abandon(self) -> None:
+        """End early: keep the content under the name of what is not complete."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is None:
+            self.close()
+        else:
+            self.abandon()
+
+
+class GrowingFile(KeepsPartial):
     r"""A file that is written under ``NAME.partial`` and takes its name when it is complete.
 
     The content is flushed to the operating system at least every `flush_s`, so a killed program
@@ -159,20 +186,6 @@ class GrowingFile:
             self._file.close()
         except OSError as error:
             logger.debug("%s: %s", self._path, error)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if kind is None:
-            self.close()
-        else:
-            self.abandon()
 
 
 def _locked(path: Path, target: Path) -> IO[bytes]:

@@ -8,8 +8,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 import pyarrow as pa
@@ -24,7 +22,7 @@ from trecsim.store.atomic import (
     opened_for_reading,
     partial_path,
 )
-from trecsim.store.growing import GrowingFile, without_cut_line
+from trecsim.store.growing import GrowingFile, KeepsPartial, without_cut_line
 from trecsim.store.limits import LATEST_S
 from trecsim.store.segments import segment_files, segment_name
 
@@ -86,7 +84,7 @@ class Timing:
     fusion_ms: Float64[np.ndarray, " step"]
 
 
-class TimingWriter:
+class TimingWriter(KeepsPartial):
     """Writes timings; a crash loses at most the last two seconds.
 
     The rows go to ``NAME.partial``, which gets its final name when the block ends without an error.
@@ -194,20 +192,6 @@ class TimingWriter:
     def abandon(self) -> None:
         """End early: keep the content under the name of unfinished timings."""
         self._file.abandon()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if kind is None:
-            self.close()
-        else:
-            self.abandon()
 
 
 def _parts_of(path: Path) -> Path:
