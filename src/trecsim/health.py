@@ -1,0 +1,193 @@
+"""How well a live site works: values that say it, and the rules by which they are judged."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+STALE_S = 2.0  # a camera without an image for longer is stale,
+DOWN_S = 10.0  # for longer than this it is down
+STALLED_S = 3.0  # a fusion without a result for longer is stalled
+
+CameraState = Literal["live", "stale", "down", "ended"]
+Clock = Literal["sender", "arrival"]
+FusionState = Literal["starting", "running", "stalled", "ended"]
+StoreState = Literal["off", "writing", "failing"]
+
+
+def camera_state(age_s: float | None, *, ended: bool = False) -> CameraState:
+    """Return the state of a camera from the age of its newest image.
+
+    Parameters
+    ----------
+    age_s
+        How long ago the newest image arrived [s]; None before the first.
+    ended
+        Whether it was a recording that has come to its end.
+
+    Examples
+    --------
+    >>> camera_state(0.1), camera_state(4.0), camera_state(None), camera_state(60.0, ended=True)
+    ('live', 'stale', 'down', 'ended')
+    """
+    if ended:
+        return "ended"
+    if age_s is None or age_s > DOWN_S:
+        return "down"
+    return "stale" if age_s > STALE_S else "live"
+
+
+@dataclass(frozen=True, slots=True)
+class CameraHealth:
+    """How well one camera works.
+
+    Attributes
+    ----------
+    state
+        See `camera_state`.
+    fps
+        Images that reached the fusion [1/s], over the last seconds.
+    age_s
+        How long ago its newest image arrived [s]; None before the first.
+    clock
+        Whose clock dates its images: the sender's, or ours when they arrive.
+    dropped_by
+        Number of images that were left out, by reason.
+    fault
+        What is wrong with it; None where nothing is.
+    """
+
+    state: CameraState = "down"
+    fps: float = 0.0
+    age_s: float | None = None
+    clock: Clock = "arrival"
+    dropped_by: Mapping[str, int] = field(default_factory=dict)
+    fault: str | None = None
+
+    @property
+    def dropped(self) -> int:
+        """Number of images that were left out."""
+        return sum(self.dropped_by.values())
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the entry of a camera in `/api/health`."""
+        return {**asdict(self), "dropped": self.dropped}
+
+
+@dataclass(frozen=True, slots=True)
+class FusionHealth:
+    """How well the fusion works.
+
+    Attributes
+    ----------
+    state
+        "starting" while kernels are compiled and before the first image.
+    rate_hz
+        Frame sets per second, over the last seconds.
+    step_ms
+        Median time of association and fit for one frame set [ms]; None before the first.
+    age_s
+        How long ago the last result was made [s]; None before the first.
+    people
+        Number of people in the last result.
+    """
+
+    state: FusionState = "starting"
+    rate_hz: float = 0.0
+    step_ms: float | None = None
+    age_s: float | None = None
+    people: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class StoreHealth:
+    """How well the store works.
+
+    Attributes
+    ----------
+    state
+        "failing" while nothing can be written, as on a full disk.
+    fault
+        What is wrong; None where nothing is.
+    """
+
+    state: StoreState = "off"
+    fault: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """Where the time from an image to the page goes.
+
+    Attributes
+    ----------
+    median_ms, p95_ms
+        How long the stage takes [ms], over the last seconds.
+    """
+
+    median_ms: float
+    p95_ms: float
+
+
+@dataclass(frozen=True, slots=True)
+class Health:
+    """How well a live site works at one moment.
+
+    Attributes
+    ----------
+    t_s
+        The moment, Unix time [s].
+    cameras
+        All cameras of the site, from the start.
+    fusion, store
+        These stages.
+    stages
+        Time of each stage by name, in their order.
+    restarts
+        How often a worker crashed and was started again, by name.
+    """
+
+    t_s: float
+    cameras: Mapping[str, CameraHealth]
+    fusion: FusionHealth = FusionHealth()
+    store: StoreHealth = StoreHealth()
+    stages: Mapping[str, Stage] = field(default_factory=dict)
+    restarts: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def faults(self) -> tuple[str, ...]:
+        """What is wrong, each in a few words."""
+        cameras = [
+            f"camera {name} is {camera.state}" + (f": {camera.fault}" if camera.fault else "")
+            for name, camera in self.cameras.items()
+            if camera.state in ("stale", "down")
+        ]
+        fusion = {
+            "starting": ["the fusion has not begun"],
+            "stalled": ["the fusion has stopped"],
+        }.get(self.fusion.state, [])
+        store = (
+            [f"nothing is recorded: {self.store.fault}"] if self.store.state == "failing" else []
+        )
+        return (*cameras, *fusion, *store)
+
+    @property
+    def is_well(self) -> bool:
+        """Whether no camera and no stage is down; what is stale is told, but not down."""
+        return (
+            all(camera.state != "down" for camera in self.cameras.values())
+            and self.fusion.state in ("running", "ended")
+            and self.store.state != "failing"
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the body of `/api/health`."""
+        return {
+            "status": "ok" if self.is_well else "fault",
+            "faults": list(self.faults),
+            "t_s": self.t_s,
+            "cameras": {name: camera.to_json() for name, camera in self.cameras.items()},
+            "fusion": asdict(self.fusion),
+            "store": asdict(self.store),
+            "stages": {name: asdict(stage) for name, stage in self.stages.items()},
+            "restarts": dict(self.restarts),
+        }
