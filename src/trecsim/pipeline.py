@@ -13,7 +13,6 @@ Recordings are read in the order of their time stamps, so the result is always t
 sources are read as they deliver, and none waits for another.
 """
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -32,6 +31,7 @@ from trecsim.skeleton import COCO17
 from trecsim.sources import read_poses
 from trecsim.sources.base import Arrival, Source
 from trecsim.sources.camera_mailbox import Fault, Mailbox, deliver
+from trecsim.sources.usable import usable
 from trecsim.store.atomic import partial_path
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.rig_digest import rig_sha256
@@ -218,7 +218,7 @@ def live(
         step=sinks.take_step,
     )
     arrivals = _delivered(sources, estimator, told).arrivals()
-    flow(_usable(_until(arrivals, stop), rig, told), follower, sinks)
+    flow(usable(_until(arrivals, stop), rig, told), follower, sinks)
 
 
 def _delivered(
@@ -244,32 +244,6 @@ def _until(
         yield arrival
         if stop():
             return
-
-
-def _usable(
-    arrivals: Iterator[Arrival[Poses2D]], rig: Rig, fault: Fault
-) -> Iterator[Arrival[Poses2D]]:
-    """Leave out 2D poses that cannot be used: one bad camera stops no other."""
-    told: set[str] = set()
-    for arrival in arrivals:
-        wrong = None if arrival.item is None else _what_is_wrong(arrival.item, rig)
-        if wrong is None or arrival.item is None:
-            yield arrival
-        elif arrival.item.camera not in told:
-            told.add(arrival.item.camera)
-            fault(InputError(f"camera {arrival.item.camera!r}: {wrong}; such images are left out"))
-
-
-def _what_is_wrong(poses: Poses2D, rig: Rig) -> str | None:
-    n_joint = len(COCO17.joints)
-    if poses.camera not in rig.names:
-        return f"expected a camera of the rig ({', '.join(rig.names)})"
-    if not math.isfinite(poses.t_s):
-        return f"expected images at a finite time, found t_s = {poses.t_s}"
-    people = len(poses.xy_px)
-    if poses.xy_px.shape != (people, n_joint, 2) or poses.score.shape != (people, n_joint):
-        return f"expected poses of {n_joint} joints, found arrays of {poses.xy_px.shape}"
-    return None
 
 
 def _log_fault(error: Exception) -> None:

@@ -1,44 +1,35 @@
 """A site from its recordings to a folder with everything that came of it."""
 
-import json
 import logging
-import math
-import platform
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import ExitStack, closing, suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from itertools import chain, islice
 from pathlib import Path
-from typing import Literal
-
-import numpy as np
 
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
-from trecsim.geometry import Rig
 from trecsim.pipeline import flow, recorded, tracks_info
+from trecsim.resuming import Later, stored_before
+from trecsim.run_summary import SUMMARY, Ended, RunSummary, gaps_before, write_summary
 from trecsim.sinks import Sinks
 from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sources import prefetched, read_poses
-from trecsim.store.atomic import atomic_write
 from trecsim.store.names import RIG
 from trecsim.store.recordings import (
     Stored,
     claim_folder,
     discard_recording,
     poses_recorder,
-    stored_in,
     timing_recorder,
     tracks_recorder,
 )
-from trecsim.store.rig_digest import rig_sha256
 from trecsim.tracking import Follower, Tally
-from trecsim.values import Frame, Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 from trecsim.warming import WarmUp, warm_up_in_background
 
 logger = logging.getLogger(__name__)
@@ -46,51 +37,6 @@ logger = logging.getLogger(__name__)
 TELL_EVERY_S = 60.0
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
 _LOOK_EVERY_S = 0.2  # so often a run that waits for its kernels looks whether to stop
-Ended = Literal["complete", "stopped", "failed"]
-
-
-@dataclass(frozen=True, slots=True)
-class RunSummary:
-    """What came of `run`.
-
-    Attributes
-    ----------
-    site
-        Name of the site.
-    out
-        Directory with everything that was kept.
-    ended
-        Whether the recordings came to their end, or what ended the run.
-    fault
-        What was wrong, if it failed.
-    images, frame_sets, people
-        How many went through the fusion, and how many different people came out.
-    first_s, last_s
-        Times of the first and last snapshot [s]; None when there was none.
-    wall_s
-        How long the run took [s].
-    fusion_ms
-        Median, 95th percentile, largest and mean time of a step of the fusion [ms].
-    gaps_s
-        Where the recording was continued: the last time before and the first time after, each [s].
-        Numbers of images, frame sets and people count from the last of these on.
-    remarks
-        What was said about poses and rig that do not fit together.
-    """
-
-    site: str
-    out: Path
-    ended: Ended
-    fault: str | None
-    images: int
-    frame_sets: int
-    people: int
-    first_s: float | None
-    last_s: float | None
-    wall_s: float
-    fusion_ms: dict[str, float]
-    gaps_s: tuple[tuple[float, float], ...] = ()
-    remarks: tuple[str, ...] = ()
 
 
 def run(
@@ -136,8 +82,8 @@ def run(
     watch = _Watch(progress, stop, tell, _image_count(checked))
     with claim_folder(_folder_for(out, checked), resume=resume) as claim:
         folder = claim.folder
-        watch.stored = _stored(folder, checked.rig) if resume else Stored()
-        watch.gaps_s = _gaps_before(folder) if resume else ()
+        watch.stored = stored_before(folder, checked.rig) if resume else Stored()
+        watch.gaps_s = gaps_before(folder) if resume else ()
         try:
             fault = _record(checked, folder, watch, resume=resume)
             if fault is not None and watch.tally.frame_sets == 0:
@@ -145,34 +91,14 @@ def run(
                     discard_recording(folder)
                 raise fault
             summary = watch.summary(checked.file.site.name, folder, began_s, fault)
-            if not watch.nothing_new or not (folder / "summary.json").exists():
-                _write_summary(summary, checked)
+            if not watch.nothing_new or not (folder / SUMMARY).exists():
+                write_summary(summary, checked)
                 picture(summary)
         except KeyboardInterrupt:
             raise KeyboardInterrupt(_interrupted(folder, watch)) from None
     if fault is not None:
         raise type(fault)(_with_kept(fault, folder, watch.tally)) from fault
     return summary
-
-
-def _stored(folder: Path, rig: Rig) -> Stored:
-    """Return what a recording to go on with holds; its cameras must be these."""
-    stored = stored_in(folder)
-    if stored.rig_sha256 not in (None, rig_sha256(rig)):
-        raise InputError(
-            f"{folder} was recorded with other cameras than {rig.names}, or they have been "
-            "calibrated anew since; begin another recording: give another --out"
-        )
-    return stored
-
-
-def _gaps_before(folder: Path) -> tuple[tuple[float, float], ...]:
-    """Return the gaps that the last summary of a recording tells of."""
-    try:
-        gaps = json.loads((folder / "summary.json").read_bytes())["gaps_s"]
-        return tuple((float(low), float(high)) for low, high in gaps)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return ()  # it ended without a summary
 
 
 def _record(
@@ -236,7 +162,7 @@ def _checked_before(remark: str) -> None:
 
 def _poses(checked: CheckedSite, watch: "_Watch") -> Generator[Poses2D, None, None]:
     site = checked.file.site
-    wanted = _Later(checked.rig, watch.stored.last_s)
+    wanted = Later(checked.rig, watch.stored.last_s)
     if site.poses is not None:
         poses = read_poses(
             site.poses.file,
@@ -252,20 +178,6 @@ def _poses(checked: CheckedSite, watch: "_Watch") -> Generator[Poses2D, None, No
     estimator = load_estimator(checked.file)
     videos = {camera: source.video for camera, source in site.sources.items()}
     yield from estimate_videos(open_videos(videos, estimator), estimator, wanted=wanted)
-
-
-class _Later:
-    """Tells which images a recording that is continued does not hold yet."""
-
-    def __init__(self, rig: Rig, last_s: float | None) -> None:
-        self._rig = rig
-        self._last_s = -math.inf if last_s is None else last_s
-
-    def __call__(self, image: Frame | Poses2D) -> bool:
-        if self._last_s == -math.inf:
-            return True
-        camera = self._rig[image.camera]
-        return image.t_s + camera.time_offset_s + camera.drift_s(image.t_s) > self._last_s
 
 
 @dataclass(slots=True)
@@ -358,34 +270,12 @@ def _interrupted(folder: Path, watch: _Watch) -> str:
         with suppress(OSError):
             discard_recording(folder)
         return "stopped before the first frame set; nothing is kept"
-    ended = (folder / "summary.json").exists()
+    ended = (folder / SUMMARY).exists()
     missing = "a picture" if ended else "a summary"
     return (
         f"stopped at once after {tally.frame_sets} frame sets; the results before that "
         f"are kept in {folder}, without {missing}"
     )
-
-
-def _write_summary(summary: RunSummary, checked: CheckedSite) -> None:
-    facts = {
-        "format": "trecsim.summary/1",
-        **asdict(summary),
-        "out": str(summary.out),
-        "rig_sha256": rig_sha256(checked.rig),
-        "configuration": checked.file.site.model_dump(mode="json"),
-        "versions": {"python": platform.python_version(), **_versions()},
-    }
-    facts["fusion_ms"] = {k: None if np.isnan(v) else v for k, v in summary.fusion_ms.items()}
-    with atomic_write(summary.out / "summary.json") as file:
-        file.write(json.dumps(facts, indent=2, allow_nan=False) + "\n")
-
-
-def _versions() -> dict[str, str]:
-    found = {}
-    for package in ("mc3d-trecsim", "numpy", "numba", "av", "openvino"):
-        with suppress(PackageNotFoundError):
-            found[package] = version(package)
-    return found
 
 
 def _with_kept(what: object, kept: Path, tally: Tally) -> str:

@@ -241,7 +241,7 @@ def test_a_signal_ends_a_run_in_order(folder: Path, ending: signal.Signals) -> N
     assert 10 < len(list(read_tracks(folder / "out"))) < 400
 
 
-@pytest.mark.parametrize("where", ["site_run._write_summary", "run_command._draw_paths"])
+@pytest.mark.parametrize("where", ["site_run.write_summary", "run_command._draw_paths"])
 def test_a_second_ctrl_c_ends_a_run_at_once_and_says_what_is_kept(folder: Path, where: str) -> None:
     """The first ends the recording; writing the summary, or drawing the picture, then hangs."""
     make_site(folder, moments=400)

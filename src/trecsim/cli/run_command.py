@@ -19,7 +19,7 @@ from trecsim.cli.terminal import (
 from trecsim.errors import InputError
 
 if TYPE_CHECKING:
-    from trecsim.site_run import RunSummary
+    from trecsim.run_summary import RunSummary
     from trecsim.sites.check import CheckedSite
     from trecsim.tracking import Tally
 

@@ -12,7 +12,8 @@ from trecsim.lab.evaluation.moments import Moments, read_moments, with_empty_mom
 from trecsim.lab.simulation.camera_tables import MOST_CAMERAS
 from trecsim.lab.simulation.scene import Scene, Simulation, room_scene, simulate
 from trecsim.lab.staging import write_simulation
-from trecsim.site_run import RunSummary, run
+from trecsim.run_summary import RunSummary
+from trecsim.site_run import run
 from trecsim.sites.check import check_site
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.names import POSES, RIG
