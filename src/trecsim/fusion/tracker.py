@@ -208,6 +208,9 @@ class Tracker:
             return replaced
         free = owner == kernels.FREE
         candidates = list(birth.candidates(self._model, pool))
+        if not candidates:
+            self._unassigned = pool.take(free)
+            return replaced
         births: list[Birth] = []
         named: set[int] = set()
         for candidate, xyz_m in zip(candidates, completed(candidates, self._model), strict=True):
