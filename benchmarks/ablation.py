@@ -133,7 +133,7 @@ def tasks(part: str, options: Options, cache: Path) -> Iterator[Task]:
 
 
 def _choices(count: int) -> list[tuple[str, ...]]:
-    from trecsim.lab.evaluation.shelf import read_cameras
+    from harness.shelf_recording import read_cameras
 
     return list(combinations(read_cameras(shared_data("shelf")).names, count))
 

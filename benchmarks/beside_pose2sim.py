@@ -65,7 +65,7 @@ print(json.dumps({"took_s": took_s, "version": version("pose2sim")}))
 
 def measure(options: Options) -> Figures:
     """Measure trecsim and Pose2Sim on the same files, in one run."""
-    from trecsim.lab.evaluation.shelf import read_shelf
+    from harness.shelf_recording import read_shelf
     from trecsim.lab.simulation.scene import room_scene, simulate
 
     python = interpreter()

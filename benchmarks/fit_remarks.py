@@ -148,7 +148,7 @@ def _thesis(path: Path) -> tuple:
 
 
 def _shelf() -> tuple:
-    from trecsim.lab.evaluation.shelf import read_shelf
+    from harness.shelf_recording import read_shelf
 
     shelf = read_shelf(SHARED_DATA / "shelf")
     return shelf.rig, list(shelf.poses)

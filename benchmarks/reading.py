@@ -22,7 +22,7 @@ ROUNDS = 7
 
 def measure(options: Options) -> Figures:
     """Measure how long reading an image's 2D poses takes."""
-    from trecsim.lab.evaluation.shelf import convert_shelf
+    from harness.shelf_recording import convert_shelf
 
     options.input.update(data="simulated rooms", seeds=[SEED, SEED], rounds=ROUNDS)
     figures: dict[str, Figures] = {}

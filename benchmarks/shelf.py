@@ -32,7 +32,8 @@ Task = tuple[Path, tuple[str, ...] | None, float, Mapping[str, Any]]
 
 def scores(task: Task) -> dict[str, float]:
     """Track with some of the cameras, score, and return the figures by name."""
-    from trecsim.lab.evaluation.shelf import read_shelf, score_shelf
+    from harness.shelf_recording import read_shelf
+    from trecsim.lab.evaluation.shelf import score_shelf
     from trecsim.tracking import Tally, follow
 
     folder, cameras, lag_s, overrides = task
@@ -99,7 +100,7 @@ def subsets(found: Mapping[str, Mapping[str, float]]) -> Figures:
 
 def measure(options: Options) -> Figures:
     """Measure PCP3D and identities on the Shelf recording, with five cameras and with fewer."""
-    from trecsim.lab.evaluation.shelf import read_cameras
+    from harness.shelf_recording import read_cameras
 
     folder = options.folder or shared_data("shelf")
     options.input.update(data="shelf beside the repository")
@@ -120,8 +121,8 @@ def measure(options: Options) -> Figures:
 
 def convert(arguments: list[str]) -> int:
     """Write the recording in the formats that ``trecsim track`` takes."""
+    from harness.shelf_recording import convert_shelf
     from trecsim.errors import Error
-    from trecsim.lab.evaluation.shelf import convert_shelf
 
     if len(arguments) != 2:
         print("usage: python benchmarks/shelf.py --convert FOLDER OUT", file=sys.stderr)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import thesis_scenes
+from harness.shelf_recording import convert_shelf
 from trecsim.calibration import read_rig
-from trecsim.lab.evaluation.shelf import convert_shelf
 from trecsim.sources import read_poses
 from trecsim.sync import frame_sets
 

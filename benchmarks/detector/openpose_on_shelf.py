@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from detector.key_points import LIMBS, Sights, figures, sights_of, together
+from harness.shelf_recording import read_shelf, truth_of
 from trecsim.geometry.camera import Camera
-from trecsim.lab.evaluation.shelf import read_shelf
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.camera_placement import look_at
 from trecsim.lab.simulation.detector import Detector, Footage, detect
@@ -98,7 +98,7 @@ def recorded(folder: Path | str) -> dict[str, float]:
     Parameters
     ----------
     folder
-        Where the recording is; see :func:`trecsim.lab.evaluation.shelf.read_shelf`.
+        Where the recording is; see :func:`harness.shelf_recording.read_shelf`.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def recorded(folder: Path | str) -> dict[str, float]:
         A file is missing or wrong.
     """
     shelf = read_shelf(folder)
-    truth = shelf.annotation.truth()
+    truth = truth_of(shelf.annotation)
     names = shelf.rig.names
     parts = []
     for poses in shelf.poses:

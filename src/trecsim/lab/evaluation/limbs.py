@@ -172,31 +172,16 @@ class LimbRow:
         }
 
 
-def limb_table(
-    series: Iterable[LimbSeries], given: Given | None = None, *, supported_only: bool = True
-) -> tuple[LimbRow, ...]:
+def limb_table(series: Iterable[LimbSeries], given: Given | None = None) -> tuple[LimbRow, ...]:
     """Return mean and standard deviation of all limb lengths, as in the thesis' table 2.
 
-    Parameters
-    ----------
-    series
-        Lengths over time.
-    given
-        True lengths where known.
-    supported_only
-        Count only frames in which a camera supports both ends.
+    Only frames count in which a camera supports both ends. `given` are true lengths where known.
     """
-    return tuple(
-        row for one in series for row in _rows(one, (given or {}).get(one.person), supported_only)
-    )
+    return tuple(row for one in series for row in _rows(one, (given or {}).get(one.person)))
 
 
-def _rows(
-    series: LimbSeries, given_m: Float64[np.ndarray, "14"] | None, supported_only: bool
-) -> Iterator[LimbRow]:
-    counts = np.isfinite(series.length_m)
-    if supported_only:
-        counts &= series.supported
+def _rows(series: LimbSeries, given_m: Float64[np.ndarray, "14"] | None) -> Iterator[LimbRow]:
+    counts = np.isfinite(series.length_m) & series.supported
     for index, limb in enumerate(LIMBS):
         length_m = series.length_m[counts[:, index], index]
         known = length_m if len(length_m) else np.full(1, np.nan)

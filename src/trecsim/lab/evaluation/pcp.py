@@ -1,14 +1,12 @@
 """PCP3D: the share of correct body parts, as the literature counts it on Shelf and Campus."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.errors import InputError
-from trecsim.lab.evaluation.assignment import best_pairs
 from trecsim.lab.evaluation.pcp_joints import (
     GROUP_OF_PART,
     GROUPS,
@@ -16,8 +14,6 @@ from trecsim.lab.evaluation.pcp_joints import (
     N_PARTS,
     parts_correct,
 )
-
-Matching = Literal["nearest", "exclusive"]
 
 AVERAGED_ACTORS = 3  # the fourth of Shelf is left out of every published average
 FOUND_M = 0.5  # mean distance over the joints within which somebody counts as found
@@ -190,7 +186,6 @@ class Found:
 def count_pcp(
     frames: Sequence[Found],
     truth_m: Float64[np.ndarray, "actor frame 14 3"],
-    matching: Matching = "nearest",
 ) -> Pcp:
     """Count correct parts.
 
@@ -200,9 +195,6 @@ def count_pcp(
         Who was found, one entry per frame of the annotation; nobody where nothing is known.
     truth_m
         The annotation; a person of whom any joint is NaN in a frame is not annotated there [m].
-    matching
-        ``"nearest"``: everybody annotated takes whoever is nearest, mean over the joints, and two
-        may take the same. ``"exclusive"``: the pairs with the least sum of distances, nobody twice.
 
     Raises
     ------
@@ -211,8 +203,8 @@ def count_pcp(
 
     Notes
     -----
-    How far somebody is takes the mean over the joints that are not NaN. Identities count where
-    somebody was found within half a metre.
+    Each annotated person takes the nearest track, mean over the joints that are not NaN; two may
+    take the same. Identities count where that track is within half a metre.
     """
     if len(frames) != truth_m.shape[1]:
         raise InputError(
@@ -225,7 +217,7 @@ def count_pcp(
         actors = np.flatnonzero(there[:, frame])
         bodies_m = truth_m[actors, frame]
         apart_m = _apart(bodies_m, found.joints_m)
-        for row, column in _matches(apart_m, matching):
+        for row, column in enumerate(apart_m.argmin(axis=1) if len(found.id) else ()):
             counts[actors[row]].add(bodies_m[row], found, column, float(apart_m[row, column]))
         _claim([counts[actor] for actor in actors], apart_m)
     return Pcp(
@@ -244,18 +236,6 @@ def _apart(
     known = np.isfinite(distance_m)
     total_m, joints = np.where(known, distance_m, 0.0).sum(axis=-1), known.sum(axis=-1)
     return np.where(joints > 0, total_m / np.maximum(joints, 1), np.inf)
-
-
-def _matches(
-    apart_m: Float64[np.ndarray, "actor found"], matching: Matching
-) -> Iterator[tuple[int, int]]:
-    if not apart_m.shape[1]:
-        return
-    if matching == "nearest":
-        yield from ((row, int(column)) for row, column in enumerate(apart_m.argmin(axis=1)))
-        return
-    finite_m = np.where(np.isfinite(apart_m), apart_m, np.nan)
-    yield from best_pairs(finite_m, gate=float(np.nanmax(finite_m, initial=0.0)))
 
 
 def _claim(counts: "Sequence[_Count]", apart_m: Float64[np.ndarray, "actor found"]) -> None:

@@ -1,13 +1,9 @@
 """The joints and parts that were annotated on Shelf and Campus, made of those of COCO-17."""
 
-from typing import Literal
-
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.skeleton import COCO17
-
-HeadRule = Literal["voxelpose", "crossview", "4d_association", "campus"]
 
 JOINTS = (
     *("right_ankle", "right_knee", "right_hip", "left_hip", "left_knee", "left_ankle"),
@@ -35,78 +31,37 @@ _COCO = [COCO17.index(joint) for joint in JOINTS[:LIMB_JOINTS]]
 _NOSE = COCO17.index("nose")
 _EARS = [COCO17.index("left_ear"), COCO17.index("right_ear")]
 _SHOULDERS = [COCO17.index("left_shoulder"), COCO17.index("right_shoulder")]
-_COCO_HIPS = [COCO17.index("left_hip"), COCO17.index("right_hip")]
-
-Points = Float64[np.ndarray, "*batch 3"]
 
 
 def annotated_joints(
-    xyz_m: Float64[np.ndarray, "*batch 17 3"], head: HeadRule = "voxelpose"
+    xyz_m: Float64[np.ndarray, "*batch 17 3"],
 ) -> Float64[np.ndarray, "*batch 14 3"]:
-    """Return the joints that the annotation has, made of those of COCO-17 [m].
+    """Return the joints that the annotation has, computed from those of COCO-17 [m].
 
     Parameters
     ----------
     xyz_m
         Joints in a world with z up [m].
-    head
-        How the two ends of the head, which COCO-17 lacks, come from nose, ears and shoulders.
+
+    Notes
+    -----
+    COCO-17 lacks the two ends of the head; they come from nose, ears and shoulders by the rule of
+    VoxelPose for Shelf.
 
     Examples
     --------
     >>> annotated_joints(np.ones((2, 17, 3))).shape
     (2, 14, 3)
     """
-    bottom_m, top_m = _HEADS[head](xyz_m)
+    shoulders_m, ears_m = (xyz_m[..., pair, :].mean(axis=-2) for pair in (_SHOULDERS, _EARS))
+    neck_m = (shoulders_m + ears_m) / 2
+    crown_m = neck_m + 2 * (ears_m - neck_m)
+    up_m = xyz_m[..., _NOSE, :] - shoulders_m
+    near_m, far_m = shoulders_m + 0.5 * up_m, shoulders_m + up_m * [0.75, 0.75, 1.5]
+    bottom_m, top_m = 0.75 * near_m + 0.25 * neck_m, 0.75 * far_m + 0.25 * crown_m
     return np.concatenate(
         [xyz_m[..., _COCO, :], bottom_m[..., None, :], top_m[..., None, :]], axis=-2
     )
-
-
-def _marks(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points, Points]:
-    """Return the middle of the shoulders, that of the ears, and the nose."""
-    shoulders_m, ears_m = (xyz_m[..., pair, :].mean(axis=-2) for pair in (_SHOULDERS, _EARS))
-    return shoulders_m, ears_m, xyz_m[..., _NOSE, :]
-
-
-def _campus(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
-    shoulders_m, ears_m, _ = _marks(xyz_m)
-    bottom_m = (shoulders_m + ears_m) / 2
-    return bottom_m, bottom_m + 2 * (ears_m - bottom_m)
-
-
-def _voxelpose(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
-    shoulders_m, _, nose_m = _marks(xyz_m)
-    bottom_m, top_m = _campus(xyz_m)
-    up_m = nose_m - shoulders_m
-    near_m, far_m = shoulders_m + 0.5 * up_m, shoulders_m + up_m * [0.75, 0.75, 1.5]
-    return 0.75 * near_m + 0.25 * bottom_m, 0.75 * far_m + 0.25 * top_m
-
-
-def _crossview(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
-    shoulders_m, _, nose_m = _marks(xyz_m)
-    up_m = nose_m - shoulders_m
-    return shoulders_m + up_m * [0.3, 0.4, 0.6], shoulders_m + up_m * [0.78, 0.5, 1.5]
-
-
-def _4d_association(xyz_m: Float64[np.ndarray, "*batch 17 3"]) -> tuple[Points, Points]:
-    shoulders_m, ears_m, _ = _marks(xyz_m)
-    bottom_m = shoulders_m + 0.5 * (ears_m - shoulders_m)
-    left, right = _SHOULDERS
-    up_m = bottom_m - xyz_m[..., _COCO_HIPS, :].mean(axis=-2)
-    forward = np.cross(up_m, xyz_m[..., right, :] - xyz_m[..., left, :])
-    length = np.linalg.norm(forward, axis=-1, keepdims=True)
-    facing = np.divide(forward, length, where=length > 0, out=np.zeros_like(forward))
-    facing[np.isnan(forward)] = np.nan
-    return bottom_m, bottom_m + 0.125 * facing + np.array([0.0, 0.0, 0.145])
-
-
-_HEADS = {
-    "voxelpose": _voxelpose,
-    "crossview": _crossview,
-    "4d_association": _4d_association,
-    "campus": _campus,
-}
 
 
 def parts_correct(

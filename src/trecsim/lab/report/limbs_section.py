@@ -10,7 +10,7 @@ from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.report.curves import curve
 from trecsim.lab.report.page import Block, Figure, Section, Table, Text
 from trecsim.lab.report.recording import Recording
-from trecsim.lab.report.style import SOFT, as_svg, colour_of, css_colour, figure, quiet
+from trecsim.lab.report.style import SOFT, as_svg, colour_of, figure, quiet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -186,8 +186,3 @@ def _legend(
         marks.append(Line2D([], [], color=SOFT, linewidth=1, linestyle=(0, (5, 3))))
         names.append(f"{source} length")
     drawing.legend(marks, names, loc="outside upper left", ncols=9, columnspacing=1.4)
-
-
-def swatches(recording: Recording) -> list[str]:
-    """Return the colours of the people shown, as a table takes them."""
-    return [css_colour(recording.number[stay.person]) for stay in recording.shown]

@@ -60,18 +60,6 @@ class Clock:
             and max(abs(self.start_s), abs(self.stamp_error_s)) <= LONGEST_ERROR_S
         )
 
-    def times_s(self, seconds: float, rng: np.random.Generator) -> Float64[np.ndarray, " time"]:
-        """Return the times of all images that arrive, increasing [s].
-
-        Parameters
-        ----------
-        seconds
-            Length of the scene [s].
-        rng
-            Random numbers.
-        """
-        return self.ticks(seconds, rng)[0]
-
     def ticks(
         self, seconds: float, rng: np.random.Generator
     ) -> tuple[Float64[np.ndarray, " time"], Float64[np.ndarray, " time"]]:
