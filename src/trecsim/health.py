@@ -36,6 +36,28 @@ def camera_state(age_s: float | None, *, ended: bool = False) -> CameraState:
     return "stale" if age_s > STALE_S else "live"
 
 
+def fusion_state(age_s: float | None, *, ended: bool = False) -> FusionState:
+    """Return the state of the fusion from the age of its last result.
+
+    Parameters
+    ----------
+    age_s
+        How long ago the last frame set was done [s]; None before the first.
+    ended
+        Whether all cameras were recordings that have come to their end.
+
+    Examples
+    --------
+    >>> fusion_state(None), fusion_state(0.1), fusion_state(5.0)
+    ('starting', 'running', 'stalled')
+    """
+    if ended:
+        return "ended"
+    if age_s is None:
+        return "starting"
+    return "stalled" if age_s > STALLED_S else "running"
+
+
 @dataclass(frozen=True, slots=True)
 class CameraHealth:
     """How well one camera works.

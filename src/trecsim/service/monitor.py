@@ -1,0 +1,155 @@
+"""Watches a live site: what arrives, what comes out, how long it takes."""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from typing import Protocol
+
+from trecsim.health import (
+    CameraHealth,
+    Clock,
+    FusionHealth,
+    Health,
+    Stage,
+    StoreHealth,
+    camera_state,
+    fusion_state,
+)
+from trecsim.service.rates import Recent
+from trecsim.store.timing_csv import StepTiming
+from trecsim.values import Frame, Poses2D, Snapshot
+
+
+class StreamReadings(Protocol):
+    """What a live source tells about itself, readable at any time from any thread."""
+
+    @property
+    def camera(self) -> str:
+        """Its camera."""
+        ...
+
+    @property
+    def clock(self) -> Clock:
+        """Whose clock dates its images."""
+        ...
+
+    @property
+    def dropped(self) -> Mapping[str, int]:
+        """Images that were left out, by reason."""
+        ...
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with it now."""
+        ...
+
+    @property
+    def ended(self) -> bool:
+        """Whether it was a recording that has come to its end."""
+        ...
+
+
+class Monitor:
+    """Counts what goes through the pipeline, as one of its sinks, and judges it at any time.
+
+    Parameters
+    ----------
+    cameras
+        All cameras of the site.
+    streams
+        What tells about itself.
+    store
+        Is asked for the state of the store.
+    wall_clock, clock
+        Unix time and a steady clock [s].
+    """
+
+    def __init__(
+        self,
+        cameras: Iterable[str],
+        streams: Iterable[StreamReadings] = (),
+        store: Callable[[], StoreHealth] = StoreHealth,
+        *,
+        wall_clock: Callable[[], float] = time.time,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._images = {name: Recent() for name in cameras}
+        self._streams = {stream.camera: stream for stream in streams}
+        self._store = store
+        self._wall_clock, self._clock = wall_clock, clock
+        self._stages: dict[str, Recent] = {
+            "estimate": Recent(), "image to poses": Recent(),
+            "fusion": Recent(), "image to people": Recent(),
+        }  # fmt: skip
+        self._people = 0
+        self.restarts: Counter[str] = Counter()
+        self.queue_drops: Mapping[str, int] = {}
+        self.ended = False
+
+    def write(self, snapshot: Snapshot, /) -> None:
+        """Take where everybody is."""
+        self._people = len(snapshot.id)
+        self._note("image to people", 1e3 * (self._wall_clock() - snapshot.t_s))
+
+    def take_step(self, step: StepTiming, /) -> None:
+        """Take what a frame set cost."""
+        self._note("fusion", step.fusion_ms)
+
+    def take_poses(self, poses: Poses2D, /) -> None:
+        """Take the 2D poses of an image that reaches the fusion."""
+        now_s = self._clock()
+        if poses.camera in self._images:
+            self._images[poses.camera].add(now_s)
+        self._note("image to poses", 1e3 * (self._wall_clock() - poses.t_s))
+
+    def timed(self, estimator: Callable[[Frame], Poses2D]) -> Callable[[Frame], Poses2D]:
+        """Return an estimator whose time is taken."""
+
+        def timed(frame: Frame) -> Poses2D:
+            began_s = self._clock()
+            poses = estimator(frame)
+            self._note("estimate", 1e3 * (self._clock() - began_s))
+            return poses
+
+        return timed
+
+    def health(self) -> Health:
+        """Return how well everything works now."""
+        now_s = self._clock()
+        stages = {name: recent.stage(now_s) for name, recent in self._stages.items()}
+        return Health(
+            t_s=self._wall_clock(),
+            cameras={name: self._camera(name, now_s) for name in self._images},
+            fusion=self._fusion(now_s, stages["fusion"]),
+            store=self._store(),
+            stages={name: stage for name, stage in stages.items() if stage is not None},
+            restarts=dict(self.restarts),
+        )
+
+    def _note(self, stage: str, ms: float) -> None:
+        self._stages[stage].add(self._clock(), ms)
+
+    def _camera(self, name: str, now_s: float) -> CameraHealth:
+        images, stream = self._images[name], self._streams.get(name)
+        age_s = None if images.last_s is None else now_s - images.last_s
+        dropped = Counter(stream.dropped if stream else {})
+        dropped.update({"queue": self.queue_drops.get(name, 0)} if self.queue_drops else {})
+        return CameraHealth(
+            state=camera_state(age_s, ended=self.ended or (stream is not None and stream.ended)),
+            fps=images.rate_hz(now_s),
+            age_s=age_s,
+            clock=stream.clock if stream else "arrival",
+            dropped_by=dict(+dropped),
+            fault=stream.fault if stream else None,
+        )
+
+    def _fusion(self, now_s: float, stage: Stage | None) -> FusionHealth:
+        steps = self._stages["fusion"]
+        age_s = None if steps.last_s is None else now_s - steps.last_s
+        return FusionHealth(
+            state=fusion_state(age_s, ended=self.ended),
+            rate_hz=steps.rate_hz(now_s),
+            step_ms=stage.median_ms if stage else None,
+            age_s=age_s,
+            people=self._people,
+        )
