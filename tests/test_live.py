@@ -7,9 +7,9 @@ import numpy as np
 
 from fusion.made import made, path
 from trecsim.errors import InputError
-from trecsim.pipeline import live
+from trecsim.pipeline import Feed, live
 from trecsim.sinks import Sinks
-from trecsim.tracking import Tally
+from trecsim.tracking import Follower, Tally
 from trecsim.values import Frame, Poses2D
 
 SCENE = made([path((0, -2, 0), (9, 4, 0))], cameras=3, seconds=2.4)
@@ -42,7 +42,7 @@ def source(camera, until_s=np.inf, then=None):
 def test_a_stalled_camera_delays_nobody():
     later = Kept(lambda snapshot: snapshot.t_s > 2.2 and len(snapshot.id) == 1)
     sources = [source(FIRST, 1.2, then=later.reached.wait), *map(source, SCENE.rig.names[1:])]
-    live(sources, SCENE.rig, Sinks([later]))
+    live(Feed(sources), SCENE.rig, Sinks([later]))
     assert later.reached.is_set()  # while the first camera was still stalled
     assert {int(i) for s in later.items for i in s.id} == {0}
 
@@ -50,7 +50,7 @@ def test_a_stalled_camera_delays_nobody():
 def test_when_all_cameras_fall_silent_people_end_and_time_goes_on():
     gone = Kept(lambda snapshot: snapshot.t_s > 2.5 and len(snapshot.id) == 0)
     sources = [source(name, then=gone.reached.wait) for name in SCENE.rig.names]
-    live(sources, SCENE.rig, Sinks([gone]))
+    live(Feed(sources), SCENE.rig, Sinks([gone]))
     there_s = [s.t_s for s in gone.items if len(s.id)]
     assert there_s
     assert max(there_s) < 3.5
@@ -64,7 +64,7 @@ def test_a_source_that_fails_is_told_and_the_others_go_on():
 
     faults, snapshots = [], Kept()
     sources = [source(FIRST, 1.0, then=fail), *map(source, SCENE.rig.names[1:])]
-    live(sources, SCENE.rig, Sinks([snapshots]), fault=faults.append)
+    live(Feed(sources, fault=faults.append), SCENE.rig, Sinks([snapshots]))
     assert [str(fault) for fault in faults] == ["the cable is out"]
     assert snapshots.items[-1].t_s > 2.2
     assert len(snapshots.items[-1].id) == 1
@@ -78,7 +78,7 @@ def test_it_ends_when_it_is_told_to_even_if_every_camera_is_silent():
         never.wait()
         yield SCENE.poses[0]
 
-    live([silent()], SCENE.rig, Sinks(), stop=lambda: True, tally=tally)
+    live(Feed([silent()]), SCENE.rig, Sinks(), stop=lambda: True, tally=tally)
     never.set()
     assert tally.frame_sets == 0
 
@@ -103,7 +103,7 @@ def test_images_are_estimated_in_order_and_slow_estimators_drop_the_oldest():
     faults, poses = [], Kept()
     cameras = [camera(name) for name in SCENE.rig.names]
     sinks = Sinks(poses=[poses])
-    live(cameras, SCENE.rig, sinks, estimator=Slow(), fault=faults.append)
+    live(Feed(cameras, Slow(), faults.append), SCENE.rig, sinks)
     for name in SCENE.rig.names:
         times = [one.t_s for one in poses.items if one.camera == name]
         assert times == sorted(times)
@@ -128,9 +128,7 @@ def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_esti
             return None if frame.index == 2 else poses[frame.camera, frame.t_s]
 
     faults, kept = [], Kept()
-    live(
-        [images(FIRST)], SCENE.rig, Sinks(poses=[kept]), estimator=Forgetful(), fault=faults.append
-    )
+    live(Feed([images(FIRST)], Forgetful(), faults.append), SCENE.rig, Sinks(poses=[kept]))
     assert [str(one) for one in faults] == ["the estimator returned NoneType; expected Poses2D"]
     assert len(kept.items) > 3
 
@@ -144,10 +142,32 @@ def test_poses_that_cannot_be_used_are_told_once_and_stop_no_other_camera():
 
     faults, snapshots = [], Kept()
     sources = [strange(), *map(source, SCENE.rig.names[1:])]
-    live(sources, SCENE.rig, Sinks([snapshots]), fault=faults.append)
+    live(Feed(sources, fault=faults.append), SCENE.rig, Sinks([snapshots]))
     told = sorted(str(fault) for fault in faults)
     assert len(told) == 2
     assert any("'cellar': expected a camera of the rig" in text for text in told)
     assert any(f"{FIRST!r}: expected images at a finite time" in text for text in told)
     assert snapshots.items[-1].t_s > 2.2
     assert len(snapshots.items[-1].id) == 1
+
+
+def test_a_fusion_that_fails_is_told_and_begins_anew_with_new_identities(monkeypatch):
+    steps = 0
+    step = Follower._steps
+
+    def fails_once(self, frame_sets):
+        nonlocal steps
+        for snapshot in step(self, frame_sets):
+            steps += 1
+            if steps == 20:
+                raise ZeroDivisionError("a fault in the fusion")
+            yield snapshot
+
+    monkeypatch.setattr(Follower, "_steps", fails_once)
+    faults, snapshots, tally = [], Kept(), Tally()
+    feed = Feed([source(name) for name in SCENE.rig.names], fault=faults.append)
+    live(feed, SCENE.rig, Sinks([snapshots]), tally=tally)
+    assert [str(fault) for fault in faults] == ["a fault in the fusion"]
+    assert tally.restarts == 1
+    assert {int(i) for s in snapshots.items[:19] for i in s.id} == {0}
+    assert {int(i) for s in snapshots.items[-10:] for i in s.id} == {1}

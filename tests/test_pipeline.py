@@ -12,7 +12,7 @@ import pytest
 
 from made_rigs import ring
 from made_site import body_at, make_site
-from trecsim import pipeline, site_run
+from trecsim import pipeline, run_watch
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
 from trecsim.geometry import Rig
@@ -151,13 +151,13 @@ def test_a_run_tells_now_and_then_how_far_it_is(
     checked: CheckedSite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[int] = []
-    monkeypatch.setattr(site_run, "TELL_EVERY_S", 0.0)
+    monkeypatch.setattr(run_watch, "TELL_EVERY_S", 0.0)
     run(checked, tmp_path / "out", tell=lambda tally: told.append(tally.frame_sets))
-    assert len(told) == 120
+    assert len(told) >= 120  # once an image, and while kernels are compiled
     assert told == sorted(told)
     assert told[-1] >= 39
     told.clear()
-    monkeypatch.setattr(site_run, "TELL_EVERY_S", 1e9)
+    monkeypatch.setattr(run_watch, "TELL_EVERY_S", 1e9)
     run(checked, tmp_path / "again", tell=lambda tally: told.append(tally.frame_sets))
     assert told == []
 

@@ -13,6 +13,7 @@ Recordings are read in the order of their time stamps, so the result is always t
 sources are read as they deliver, and none waits for another.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -165,34 +166,79 @@ def track(
     )
 
 
-def live(
-    sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]],
-    rig: Rig,
-    sinks: Sinks,
-    *,
-    estimator: Estimator2D | None = None,
-    settings: FusionSettings | None = None,
-    lag_s: float = 0.0,
-    max_delay_s: float = LIVE_DELAY_S,
-    stop: Callable[[], bool] = lambda: False,
-    fault: Fault | None = None,
-    tally: Tally | None = None,
-) -> None:
-    """Track people in 3D from live sources until all end, or `stop` says so.
+class Feed:
+    """Live 2D poses: sources side by side, and the estimator if they deliver images.
 
-    A source that stalls delays no other by more than `max_delay_s`. While all are silent, snapshots
-    come about ten times a second, in which people end.
+    Nothing is read before `arrivals` is.
 
     Parameters
     ----------
     sources
         Each is read in a thread of its own.
+    estimator
+        Finds the 2D poses if the sources deliver images.
+    fault
+        Is told what ended a source or failed on an image, in another thread; logged if None.
+    """
+
+    def __init__(
+        self,
+        sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]],
+        estimator: Estimator2D | None = None,
+        fault: Fault | None = None,
+    ) -> None:
+        self.fault = fault or _log_fault
+        self._sources, self._estimator = sources, estimator
+        self._boxes: list[Mailbox[Poses2D] | Mailbox[Frame]] = []
+
+    @property
+    def dropped(self) -> Counter[str]:
+        """How many images of each camera were dropped, as nobody had time for them."""
+        return sum((Counter(box.dropped) for box in self._boxes), Counter())
+
+    def arrivals(self) -> Iterator[Arrival[Poses2D]]:
+        """Begin to read the sources; yield 2D poses as they come, and that none comes."""
+        if self._estimator is None:
+            poses: Mailbox[Poses2D] = Mailbox(depth=16)
+            self._boxes = [poses]
+            deliver(cast(Sequence[Source[Poses2D]], self._sources), poses, self.fault)
+            return poses.arrivals()
+        from trecsim.estimators.pool import estimate_live
+
+        frames: Mailbox[Frame] = Mailbox()
+        deliver(cast(Sequence[Source[Frame]], self._sources), frames, self.fault)
+        poses = estimate_live(frames, self._estimator, self.fault)
+        self._boxes = [frames, poses]
+        return poses.arrivals()
+
+
+def live(
+    feed: Feed,
+    rig: Rig,
+    sinks: Sinks,
+    *,
+    settings: FusionSettings | None = None,
+    lag_s: float = 0.0,
+    max_delay_s: float = LIVE_DELAY_S,
+    stop: Callable[[], bool] = lambda: False,
+    tally: Tally | None = None,
+    first_id: int = 0,
+) -> None:
+    """Track people in 3D from live sources until all end, or `stop` says so.
+
+    A source that stalls delays no other by more than `max_delay_s`. While all are silent, snapshots
+    come about ten times a second, in which people end. Should the fusion itself fail, its fault is
+    told and it begins anew, with new identities.
+
+    Parameters
+    ----------
+    feed
+        The sources and their estimator. Is told, once for each camera, why its 2D poses cannot be
+        used.
     rig
         The cameras.
     sinks
         Who takes what.
-    estimator
-        Finds the 2D poses if the sources deliver images.
     settings
         Of the fusion.
     lag_s
@@ -201,40 +247,34 @@ def live(
         How long a frame set waits for a camera that is late [s].
     stop
         Asked after each arrival, and while nothing arrives.
-    fault
-        Is told what ended a source or failed on an image, in another thread, and once for each
-        camera whose 2D poses cannot be used; logged if None.
     tally
         Is kept up to date.
+    first_id
+        Identity of the first person.
     """
-    told = fault or _log_fault
+    tally = tally if tally is not None else Tally()
     warm_up(losing=True)  # a kernel that is compiled later would stop everything for seconds
-    follower = Follower(
-        rig,
-        settings,
-        lag_s=lag_s,
-        tally=tally,
-        max_delay_s=max_delay_s,
-        step=sinks.take_step,
-    )
-    arrivals = _delivered(sources, estimator, told).arrivals()
-    flow(usable(_until(arrivals, stop), rig, told), follower, sinks)
-
-
-def _delivered(
-    sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]],
-    estimator: Estimator2D | None,
-    fault: Fault,
-) -> Mailbox[Poses2D]:
-    if estimator is None:
-        poses: Mailbox[Poses2D] = Mailbox(depth=16)
-        deliver(cast(Sequence[Source[Poses2D]], sources), poses, fault)
-        return poses
-    from trecsim.estimators.pool import estimate_live
-
-    frames: Mailbox[Frame] = Mailbox()
-    deliver(cast(Sequence[Source[Frame]], sources), frames, fault)
-    return estimate_live(frames, estimator, fault)
+    arrivals = usable(_until(feed.arrivals(), stop), rig, feed.fault)
+    while True:
+        follower = Follower(
+            rig,
+            settings,
+            lag_s=lag_s,
+            tally=tally,
+            max_delay_s=max_delay_s,
+            step=sinks.take_step,
+            first_id=max(first_id, 1 + max(tally.people, default=-1)),
+        )
+        try:
+            flow(arrivals, follower, sinks)
+        except Error:
+            raise
+        except Exception as error:  # the boundary of the fusion: people are tracked anew
+            logger.exception("the fusion failed, and begins anew")
+            tally.restarts += 1
+            feed.fault(error)
+        else:
+            return
 
 
 def _until(

@@ -1,10 +1,9 @@
-"""A site from its recordings to a folder with everything that came of it."""
+"""A site from its recordings or live cameras to a folder with everything that came of it."""
 
 import logging
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import ExitStack, closing, suppress
-from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from itertools import chain, islice
 from pathlib import Path
@@ -12,10 +11,11 @@ from pathlib import Path
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
-from trecsim.pipeline import flow, recorded, tracks_info
+from trecsim.pipeline import Feed, flow, live, recorded, tracks_info
 from trecsim.resuming import Later, stored_before
-from trecsim.run_summary import SUMMARY, Ended, RunSummary, gaps_before, write_summary
-from trecsim.sinks import Sinks
+from trecsim.run_summary import SUMMARY, RunSummary, gaps_before, write_summary
+from trecsim.run_watch import Counted, RunWatch
+from trecsim.sinks import NOBODY, Sink, Sinks
 from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sources import prefetched, read_poses
@@ -29,12 +29,11 @@ from trecsim.store.recordings import (
     tracks_recorder,
 )
 from trecsim.tracking import Follower, Tally
-from trecsim.values import Poses2D, Snapshot
+from trecsim.values import Poses2D
 from trecsim.warming import WarmUp, warm_up_in_background
 
 logger = logging.getLogger(__name__)
 
-TELL_EVERY_S = 60.0
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
 _LOOK_EVERY_S = 0.2  # so often a run that waits for its kernels looks whether to stop
 
@@ -43,13 +42,15 @@ def run(
     checked: CheckedSite,
     out: Path | None = None,
     *,
+    feed: Feed | None = None,
+    watchers: Sinks = NOBODY,
     resume: bool = False,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
     tell: Callable[[Tally], None] = lambda tally: None,
     picture: Callable[[RunSummary], None] = lambda summary: None,
 ) -> RunSummary:
-    """Run a site on its recordings; keep tracks, rig, timings and a summary.
+    """Run a site; keep tracks, rig, timings and a summary.
 
     Parameters
     ----------
@@ -57,6 +58,10 @@ def run(
         What `trecsim.sites.check.check_site` returns.
     out
         Directory to make for this run; None makes one where the site file says.
+    feed
+        Live cameras; None reads the recordings that the site file names.
+    watchers
+        Who else takes what, besides the files.
     resume
         Go on with the recording in `out`, if there is one. Images up to its end are left out,
         identities go on above its highest.
@@ -79,13 +84,13 @@ def run(
         When it is interrupted, other than by `stop`; its text says what is kept.
     """
     began_s = time.monotonic()
-    watch = _Watch(progress, stop, tell, _image_count(checked))
+    watch = RunWatch(progress, stop, tell, _image_count(checked))
     with claim_folder(_folder_for(out, checked), resume=resume) as claim:
-        folder = claim.folder
+        folder = watch.folder = claim.folder
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
         watch.gaps_s = gaps_before(folder) if resume else ()
         try:
-            fault = _record(checked, folder, watch, resume=resume)
+            fault = _record(checked, folder, watch, feed, watchers, resume=resume)
             if fault is not None and watch.tally.frame_sets == 0:
                 if not watch.resumed:
                     discard_recording(folder)
@@ -102,51 +107,90 @@ def run(
 
 
 def _record(
-    checked: CheckedSite, folder: Path, watch: "_Watch", *, resume: bool
+    checked: CheckedSite,
+    folder: Path,
+    watch: RunWatch,
+    feed: Feed | None,
+    watchers: Sinks,
+    *,
+    resume: bool,
 ) -> InputError | None:
     """Pass everything through the fusion into files; return the fault that ended it early."""
-    site, rig = checked.file.site, checked.rig
-    write_rig(rig, folder / RIG)
-    kernels = warm_up_in_background()  # while videos are opened and the first image is estimated
+    write_rig(checked.rig, folder / RIG)
     with ExitStack() as files:
-        tracks = files.enter_context(tracks_recorder(folder, tracks_info(rig), resume=resume))
-        steps = files.enter_context(timing_recorder(folder, resume=resume))
-        kept = []
-        if site.output.poses:
-            kept.append(files.enter_context(poses_recorder(folder, resume=resume)))
-        sinks = Sinks([tracks, watch], [steps], kept)
+        sinks = _sinks(checked, folder, watch, watchers, files, resume=resume)
         try:
-            images = _begun(
-                files.enter_context(closing(prefetched(_poses(checked, watch), _IMAGES_AHEAD)))
-            )
-            if not _ready(kernels, watch):
-                return None
-            follower = Follower(
-                rig,
-                fusion_settings(site.fusion),
-                lag_s=site.output.lag_s,
-                tally=watch.tally,
-                step=sinks.take_step,
-                first_id=watch.stored.next_person,
-            )
-            first = list(islice(images, 1))
-            if first or not watch.resumed:
-                flow(recorded(watch.images(chain(first, images))), follower, sinks)
+            if feed is not None:
+                _run_live(checked, watch, feed, sinks)
             else:
-                logger.warning(
-                    "%s: nothing to go on with: no image is later than %.3f s, where the recording "
-                    "ends", folder, watch.stored.last_s,
-                )  # fmt: skip
+                _run_recorded(checked, watch, sinks, files)
         except InputError as error:
             return error
     return None
 
 
-def _ready(kernels: WarmUp, watch: "_Watch") -> bool:
+def _sinks(
+    checked: CheckedSite,
+    folder: Path,
+    watch: RunWatch,
+    watchers: Sinks,
+    files: ExitStack,
+    *,
+    resume: bool,
+) -> Sinks:
+    """Open the files of the recording, beside those who watch."""
+    tracks = files.enter_context(tracks_recorder(folder, tracks_info(checked.rig), resume=resume))
+    steps = files.enter_context(timing_recorder(folder, resume=resume))
+    kept: list[Sink[Poses2D]] = [Counted(watch)]
+    if checked.file.site.output.poses:
+        kept.append(files.enter_context(poses_recorder(folder, resume=resume)))
+    return Sinks(
+        [tracks, watch, *watchers.snapshots], [steps, *watchers.steps], [*kept, *watchers.poses]
+    )
+
+
+def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -> None:
+    site = checked.file.site
+    live(
+        feed,
+        checked.rig,
+        sinks,
+        settings=fusion_settings(site.fusion),
+        lag_s=site.output.lag_s,
+        stop=watch.is_over,
+        tally=watch.tally,
+        first_id=watch.stored.next_person,
+    )
+
+
+def _run_recorded(checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: ExitStack) -> None:
+    site = checked.file.site
+    kernels = warm_up_in_background()  # while videos are opened and the first image is estimated
+    images = _begun(files.enter_context(closing(prefetched(_poses(checked, watch), _IMAGES_AHEAD))))
+    if not _ready(kernels, watch):
+        return
+    follower = Follower(
+        checked.rig,
+        fusion_settings(site.fusion),
+        lag_s=site.output.lag_s,
+        tally=watch.tally,
+        step=sinks.take_step,
+        first_id=watch.stored.next_person,
+    )
+    first = list(islice(images, 1))
+    if first or not watch.resumed:
+        flow(recorded(watch.until_stopped(chain(first, images))), follower, sinks)
+    else:
+        logger.warning(
+            "%s: nothing to go on with: no image is later than %.3f s, where the recording ends",
+            watch.folder, watch.stored.last_s,
+        )  # fmt: skip
+
+
+def _ready(kernels: WarmUp, watch: RunWatch) -> bool:
     """Wait for the kernels; return whether the run goes on."""
     while not kernels.wait(_LOOK_EVERY_S):
-        if watch.stop():
-            watch.stopped = True
+        if watch.is_over():
             return False
     return True
 
@@ -160,7 +204,7 @@ def _checked_before(remark: str) -> None:
     """Drop a remark that `check_site` has returned before."""
 
 
-def _poses(checked: CheckedSite, watch: "_Watch") -> Generator[Poses2D, None, None]:
+def _poses(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, None]:
     site = checked.file.site
     wanted = Later(checked.rig, watch.stored.last_s)
     if site.poses is not None:
@@ -180,73 +224,6 @@ def _poses(checked: CheckedSite, watch: "_Watch") -> Generator[Poses2D, None, No
     yield from estimate_videos(open_videos(videos, estimator), estimator, wanted=wanted)
 
 
-@dataclass(slots=True)
-class _Watch:
-    """Counts images and snapshots, tells how far the run is, and ends it on request."""
-
-    progress: Progress | None
-    stop: Callable[[], bool]
-    tell: Callable[[Tally], None]
-    image_count: int | None
-    tally: Tally = field(default_factory=Tally)
-    stopped: bool = False
-    done: int = 0
-    first_s: float | None = None
-    last_s: float | None = None
-    stored: Stored = field(default_factory=Stored)
-    gaps_s: tuple[tuple[float, float], ...] = ()
-    told_s: float = field(default_factory=time.monotonic)
-
-    def images(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
-        for one in poses:
-            yield one
-            self.done += 1
-            if self.progress is not None:
-                self.progress(self.done, self.image_count)
-            if time.monotonic() - self.told_s >= TELL_EVERY_S:
-                self.told_s = time.monotonic()
-                self.tell(self.tally)
-            if self.stop():
-                self.stopped = True
-                return
-
-    @property
-    def resumed(self) -> bool:
-        return self.stored.last_s is not None
-
-    @property
-    def nothing_new(self) -> bool:
-        """Whether the recording held everything before."""
-        return self.resumed and not self.done
-
-    def write(self, snapshot: Snapshot, /) -> None:
-        if self.stored.last_s is not None and snapshot.t_s <= self.stored.last_s:
-            return
-        self.last_s = snapshot.t_s
-        if self.first_s is None:
-            self.first_s = snapshot.t_s
-            if self.stored.last_s is not None:
-                self.gaps_s = (*self.gaps_s, (self.stored.last_s, snapshot.t_s))
-
-    def summary(self, site: str, out: Path, began_s: float, fault: InputError | None) -> RunSummary:
-        ended: Ended = "failed" if fault else "stopped" if self.stopped else "complete"
-        return RunSummary(
-            site=site,
-            out=out,
-            ended=ended,
-            fault=str(fault) if fault else None,
-            images=self.done,
-            frame_sets=self.tally.frame_sets,
-            people=len(self.tally.people),
-            first_s=self.first_s,
-            last_s=self.last_s,
-            wall_s=time.monotonic() - began_s,
-            fusion_ms=self.tally.fusion_ms(),
-            remarks=tuple(self.tally.remarks),
-            gaps_s=self.gaps_s,
-        )
-
-
 def _image_count(checked: CheckedSite) -> int | None:
     counts = [info.expected_frames for info in checked.videos.values()]
     return sum(count or 0 for count in counts) if counts and None not in counts else None
@@ -261,7 +238,7 @@ def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
     return (site.output.directory or beside) / started
 
 
-def _interrupted(folder: Path, watch: _Watch) -> str:
+def _interrupted(folder: Path, watch: RunWatch) -> str:
     """Say what an interruption leaves; remove what holds nothing."""
     tally = watch.tally
     if tally.frame_sets == 0 and watch.resumed:

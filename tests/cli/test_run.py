@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from made_site import make_site
-from trecsim import site_run
+from trecsim import run_watch
 
 Command = Callable[..., tuple[int, str, str]]
 LINE = (
@@ -18,7 +18,7 @@ LINE = (
 
 @pytest.fixture(autouse=True)
 def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(site_run, "TELL_EVERY_S", 0.0)
+    monkeypatch.setattr(run_watch, "TELL_EVERY_S", 0.0)
 
 
 def test_without_a_terminal_it_says_now_and_then_how_far_it_is(
@@ -27,9 +27,9 @@ def test_without_a_terminal_it_says_now_and_then_how_far_it_is(
     code, out, err = trecsim("run", make_site(tmp_path), "--out", tmp_path / "out")
     assert code == 0
     lines = err.splitlines()
-    assert len(lines) == 120
+    assert len(lines) >= 120  # a line an image, and some while kernels are compiled
     begun = next(number for number, line in enumerate(lines) if "no frame set yet" not in line)
-    assert begun < 110
+    assert begun < len(lines) - 10
     assert all(re.match(LINE, line) for line in lines[begun:]), lines[:3]
     assert out.count("\n") == 1
 

@@ -60,3 +60,7 @@ class Sinks:
         """Hand the 2D poses of an image to all who take them."""
         for sink in self.poses:
             sink.write(poses)
+
+
+NOBODY = Sinks()
+"""Nobody takes anything."""
