@@ -1,0 +1,311 @@
+"""The ledger of a site: events, what people did to them, who reviewed them, and the audit log.
+
+It is one SQLite file that several processes read and write at the same time. What was written
+survives the end of the program at any moment (SIGKILL too). A power failure may take what was
+written in the last moments, never what was written before it (``synchronous = NORMAL``).
+"""
+
+import json
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from trecsim.errors import InputError
+from trecsim.store.audit import FIRST_HASH, AuditEntry, AuditVerdict, next_hash, verified
+from trecsim.store.ledger_events import act_event, check_act, event_row
+from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
+
+_MOST_AT_ONCE = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerEvent:
+    """An event with its place in the ledger.
+
+    Attributes
+    ----------
+    number
+        Grows with every event; never used again.
+    event
+        The CloudEvents object, as in ``events.jsonl``.
+    """
+
+    number: int
+    event: Mapping[str, Any]
+
+
+class Ledger:
+    """Events, what people did to them, who reviewed them, and the audit log of a site.
+
+    Threads may share a ledger; each process opens its own.
+
+    Parameters
+    ----------
+    folder
+        The folder that holds it; made if it is missing.
+    repair
+        Whether a damaged file is moved aside and a new one begun.
+    now
+        Returns the Unix time [s].
+
+    Raises
+    ------
+    InputError
+        When the file is of a newer version or of another program, or damaged without `repair`.
+    SetupError
+        When the disk has no room or does not work.
+
+    Examples
+    --------
+    >>> with Ledger(getfixture("tmp_path")) as ledger:
+    ...     number = ledger.append_event(
+    ...         {"id": "a", "data": {"event": "e", "phase": "new", "t_detect_s": 7.0}}
+    ...     )
+    ...     acked = ledger.act("e", "ack", "kim")
+    ...     [one.event["data"]["phase"] for one in ledger.events()]
+    ['new', 'ack']
+    """
+
+    def __init__(
+        self, folder: Path, *, repair: bool = True, now: Callable[[], float] = time.time
+    ) -> None:
+        self.path = folder / NAME
+        self._now = now
+        self._lock = threading.RLock()
+        self._connection = open_ledger(folder, repair=repair)
+
+    def append_event(self, event: Mapping[str, Any]) -> int:
+        """Keep an event and return its number; one that is there already is not kept twice.
+
+        Raises
+        ------
+        InputError
+            When it is no event: without `id` or `data`, or with numbers that are not finite.
+        SetupError
+            When it cannot be written.
+        """
+        row = event_row(event)
+        with self._writing() as connection:
+            return _insert_event(connection, row)
+
+    def events(
+        self,
+        after: int = 0,
+        *,
+        episode: str | None = None,
+        from_s: float | None = None,
+        until_s: float | None = None,
+        limit: int = _MOST_AT_ONCE,
+        newest: bool = False,
+    ) -> list[LedgerEvent]:
+        """Return events in the order in which they were kept.
+
+        Parameters
+        ----------
+        after
+            Only those with a larger number.
+        episode
+            Only those of one episode (`data.event`).
+        from_s, until_s
+            Only those that were detected between these times, both included [s].
+        limit
+            At most so many.
+        newest
+            Whether `limit` keeps the newest in place of the oldest.
+        """
+        wanted: list[tuple[str, object]] = [("number > ?", after)]
+        if episode is not None:
+            wanted.append(("episode = ?", episode))
+        if from_s is not None:
+            wanted.append(("t_s >= ?", from_s))
+        if until_s is not None:
+            wanted.append(("t_s <= ?", until_s))
+        where = " AND ".join(text for text, _ in wanted)
+        rows = self._rows(
+            f"SELECT number, body FROM event WHERE {where} "
+            f"ORDER BY number {'DESC' if newest else 'ASC'} LIMIT ?",
+            [*(value for _, value in wanted), limit],
+        )
+        found = [LedgerEvent(number, json.loads(body)) for number, body in rows]
+        return found[::-1] if newest else found
+
+    def number_of(self, event_id: str) -> int | None:
+        """Return the number of the event with an `id`; None if it is not there."""
+        rows = self._rows("SELECT number FROM event WHERE id = ?", [event_id])
+        return int(rows[0][0]) if rows else None
+
+    def act(
+        self,
+        event: str,
+        phase: str,
+        by: str,
+        *,
+        until_s: float | None = None,
+        reason: str | None = None,
+        note: str | None = None,
+    ) -> LedgerEvent:
+        """Keep what a person does to an event, in the audit log too; return the event of it.
+
+        Parameters
+        ----------
+        event
+            The episode (`data.event`).
+        phase
+            What is done: ack, shelve, unshelve, close or reopen.
+        by
+            The user.
+        until_s
+            To "shelve": how long, Unix time [s].
+        reason
+            To "close": true, false, test or expected.
+        note
+            What the user wrote.
+
+        Raises
+        ------
+        InputError
+            When there is no such event, or the act is not complete.
+        SetupError
+            When it cannot be written.
+        """
+        check_act(phase, until_s, reason)
+        given = {"by": by, "until_s": until_s, "reason": reason, "note": note}
+        said = {key: value for key, value in given.items() if value is not None}
+        with self._writing() as connection:
+            rows = connection.execute(
+                "SELECT body FROM event WHERE episode = ? ORDER BY number", [event]
+            ).fetchall()
+            if not rows:
+                raise InputError(f"there is no event {event!r}")
+            made = act_event([json.loads(body) for (body,) in rows], phase, said, self._now())
+            number = _insert_event(connection, event_row(made))
+            details = {"event": event, **{k: v for k, v in said.items() if k != "by"}}
+            _insert_audit(connection, self._now(), by, phase, details)
+        return LedgerEvent(number, made)
+
+    def mark_reviewed(self, who: str, episodes: Iterable[str], reviewed: bool = True) -> None:
+        """Keep which events a user has reviewed, or has not after all."""
+        with self._writing() as connection:
+            for episode in episodes:
+                if reviewed:
+                    connection.execute(
+                        "INSERT OR IGNORE INTO reviewed VALUES (?, ?, ?)",
+                        [who, episode, self._now()],
+                    )
+                else:
+                    connection.execute(
+                        "DELETE FROM reviewed WHERE who = ? AND episode = ?", [who, episode]
+                    )
+
+    def reviewed(self, who: str) -> list[str]:
+        """Return the events (`data.event`) that a user has reviewed, the oldest first."""
+        rows = self._rows("SELECT episode FROM reviewed WHERE who = ? ORDER BY t_s, episode", [who])
+        return [episode for (episode,) in rows]
+
+    def append_audit(self, who: str, act: str, details: Mapping[str, Any] | None = None) -> int:
+        """Add an entry to the audit log and return its number.
+
+        Raises
+        ------
+        SetupError
+            When it cannot be written.
+        """
+        with self._writing() as connection:
+            return _insert_audit(connection, self._now(), who, act, details or {})
+
+    def audit(self, after: int = 0, *, limit: int = _MOST_AT_ONCE) -> list[AuditEntry]:
+        """Return entries of the audit log in their order."""
+        rows = self._rows(
+            "SELECT number, t_s, who, act, details, hash FROM audit WHERE number > ? "
+            "ORDER BY number LIMIT ?",
+            [after, limit],
+        )
+        return [
+            AuditEntry(number, t_s, who, act, json.loads(details), made)
+            for number, t_s, who, act, details, made in rows
+        ]
+
+    def verify_audit(self) -> AuditVerdict:
+        """Return whether the audit log is as it was written."""
+        return verified(self._whole_audit())
+
+    def _whole_audit(self) -> Iterator[AuditEntry]:
+        after = 0
+        while entries := self.audit(after):
+            yield from entries
+            after = entries[-1].number
+
+    def forget_events(self, before_s: float) -> int:
+        """Delete the episodes whose last event is older; return the number of events deleted."""
+        old = "SELECT episode FROM event GROUP BY episode HAVING max(t_s) < ?"
+        with self._writing() as connection:
+            connection.execute(f"DELETE FROM reviewed WHERE episode IN ({old})", [before_s])
+            found = connection.execute(f"DELETE FROM event WHERE episode IN ({old})", [before_s])
+            return int(found.rowcount)
+
+    def evidence(self) -> list[tuple[float, float]]:
+        """Return the times that events point to (`evidence`), each from and to [s], in order."""
+        rows = self._rows(
+            "SELECT min(from_s), max(to_s) FROM event WHERE from_s IS NOT NULL AND to_s IS NOT "
+            "NULL GROUP BY episode ORDER BY 1",
+            [],
+        )
+        return [(float(low), float(high)) for low, high in rows]
+
+    def close(self) -> None:
+        """Close the file."""
+        with self._lock:
+            self._connection.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @contextmanager
+    def _writing(self) -> Iterator[sqlite3.Connection]:
+        with self._lock, sqlite_faults(self.path), transaction(self._connection) as connection:
+            yield connection
+
+    def _rows(self, query: str, values: list[Any]) -> list[tuple[Any, ...]]:
+        with self._lock, sqlite_faults(self.path):
+            return self._connection.execute(query, values).fetchall()
+
+
+def _insert_event(connection: sqlite3.Connection, row: tuple[Any, ...]) -> int:
+    made = connection.execute(
+        "INSERT OR IGNORE INTO event (id, episode, phase, t_s, from_s, to_s, body) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?)",
+        row,
+    )
+    if made.rowcount:
+        return int(made.lastrowid or 0)
+    found = connection.execute("SELECT number FROM event WHERE id = ?", [row[0]])
+    return int(found.fetchone()[0])
+
+
+def _insert_audit(
+    connection: sqlite3.Connection, t_s: float, who: str, act: str, details: Mapping[str, Any]
+) -> int:
+    last = connection.execute(
+        "SELECT number, hash FROM audit ORDER BY number DESC LIMIT 1"
+    ).fetchone()
+    number, before = (last[0] + 1, last[1]) if last else (1, FIRST_HASH)
+    text = json.dumps(details, ensure_ascii=False, sort_keys=True, allow_nan=False)
+    made = next_hash(before, number, t_s, who, act, json.loads(text))
+    connection.execute(
+        "INSERT INTO audit VALUES (?, ?, ?, ?, ?, ?)", [number, t_s, who, act, text, made]
+    )
+    return int(number)

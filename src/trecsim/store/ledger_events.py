@@ -1,0 +1,80 @@
+"""What a ledger keeps of an event, and the event of what a person does to one."""
+
+import hashlib
+import json
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from trecsim.errors import InputError
+
+ACTS = ("ack", "shelve", "unshelve", "close", "reopen")
+"""What a person can do to an event."""
+REASONS = ("true", "false", "test", "expected")
+"""Reasons to close an event."""
+
+
+def event_row(event: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Return the columns of an event: id, episode, phase, time, evidence, and its JSON text.
+
+    Raises
+    ------
+    InputError
+        When it is no event, or holds numbers that are not finite.
+    """
+    data = event.get("data")
+    if not isinstance(event.get("id"), str) or not isinstance(data, Mapping):
+        raise InputError(f"expected an event with id and data, found {str(event)[:200]}")
+    evidence = data.get("evidence") or {}
+    try:
+        text = json.dumps(event, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"event {event['id']!r} cannot be written as JSON: {error}") from None
+    times = [data.get(key) for key in ("t_detect_s", "t_start_s", "t_end_s")]
+    return (
+        event["id"],
+        str(data.get("event", event["id"])),
+        str(data.get("phase", "new")),
+        next((float(t_s) for t_s in times if t_s is not None), 0.0),
+        evidence.get("t_from_s"),
+        evidence.get("t_to_s"),
+        text,
+    )
+
+
+def check_act(phase: str, until_s: float | None, reason: str | None) -> None:
+    """Refuse an act that is not complete.
+
+    Raises
+    ------
+    InputError
+        When it is not complete.
+    """
+    if phase not in ACTS:
+        raise InputError(f"expected one of {', '.join(ACTS)}, found {phase!r}")
+    if (phase == "shelve") != (until_s is not None):
+        raise InputError("shelving, and nothing else, needs until_s: how long the event is shelved")
+    if phase == "close" and reason not in REASONS:
+        raise InputError(f"closing needs a reason, one of {', '.join(REASONS)}; found {reason!r}")
+    if phase != "close" and reason is not None:
+        raise InputError(f"only closing has a reason; {phase} has none")
+
+
+def act_event(
+    earlier: list[dict[str, Any]], phase: str, said: Mapping[str, Any], now_s: float
+) -> dict[str, Any]:
+    """Return the event of what a person did: the newest facts, with who did what."""
+    newest = earlier[-1]
+    data = {k: v for k, v in newest["data"].items() if k not in ("until_s", "reason", "note", "by")}
+    sequence = 1 + max(int(one["data"].get("seq", 0)) for one in earlier)
+    episode = data["event"]
+    text = json.dumps([episode, sequence, phase, said, now_s], sort_keys=True)
+    made = {**newest, "id": hashlib.sha256(text.encode()).hexdigest()[:32]}
+    if "time" in made:
+        made["time"] = _rfc3339(now_s)
+    return {**made, "data": {**data, "phase": phase, "seq": sequence, **said}}
+
+
+def _rfc3339(t_s: float) -> str:
+    whole, thousandths = divmod(round(t_s * 1000), 1000)
+    return f"{time.strftime('%Y-%m-%dT%H:%M:%S', time.gmtime(whole))}.{thousandths:03d}Z"

@@ -1,0 +1,120 @@
+"""The precision of a live site: rounded once, and the same for rules, stream and recording."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from trecsim.skeleton import COCO17
+from trecsim.store.precision import STATES, from_steps, full_joints, rounded, to_steps
+from trecsim.values import Snapshot
+
+
+@st.composite
+def snapshots(draw: st.DrawFn) -> Snapshot:
+    """Draw snapshots of any size of numbers, with unknown joints and all kinds of covariance."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    people = draw(st.integers(0, 4))
+    shape = (people, 17)
+    xyz_m = rng.normal(size=(*shape, 3)) * 10.0 ** rng.integers(-4, 7, (*shape, 1))
+    xyz_m[rng.random(shape) < 0.1] = np.nan
+    velocity_mps = rng.normal(size=(*shape, 3)) * 10.0 ** rng.integers(-4, 4)
+    velocity_mps[rng.random(shape) < 0.1] = np.nan
+    root_m = rng.normal(size=(*shape, 3, 3)) * 10.0 ** rng.uniform(-5, 2, (*shape, 1, 3))
+    cov_m2 = root_m @ root_m.swapaxes(-1, -2)
+    spheres = rng.random(shape) < 0.2
+    cov_m2[spheres] = 10.0 ** rng.uniform(-8, 4, (spheres.sum(), 1, 1)) * np.eye(3)
+    cov_m2[rng.random(shape) < 0.05] = np.nan
+    cov_m2[rng.random(shape) < 0.05] = 0.0
+    return Snapshot(
+        draw(st.floats(-1e11, 1e11)),
+        rng.permutation(1000)[:people],
+        xyz_m,
+        cov_m2,
+        rng.integers(0, 2**16, shape),
+        velocity_mps=velocity_mps,
+        state=np.array(STATES)[rng.integers(0, 3, people)],
+    )
+
+
+def bits(snapshot: Snapshot) -> list[bytes]:
+    """Return every bit of a snapshot."""
+    arrays = (
+        np.float64(snapshot.t_s), snapshot.id, snapshot.xyz_m, snapshot.cov_m2, snapshot.support,
+        snapshot.velocity_mps, snapshot.velocity_cov_m2ps2, snapshot.state,
+    )  # fmt: skip
+    return [f"{a.dtype} {a.shape}".encode() + np.ascontiguousarray(a).tobytes() for a in arrays]
+
+
+@given(snapshots())
+def test_rounding_again_changes_no_bit(snapshot: Snapshot) -> None:
+    once = rounded(snapshot)
+
+    assert bits(rounded(once)) == bits(once)
+
+
+@given(snapshots())
+def test_a_rounded_snapshot_is_the_one_that_its_steps_give(snapshot: Snapshot) -> None:
+    once = rounded(snapshot)
+
+    assert bits(from_steps(to_steps(once))) == bits(once)
+
+
+@given(snapshots())
+def test_covariances_stay_positive_definite(snapshot: Snapshot) -> None:
+    cov_m2 = rounded(snapshot).cov_m2
+    sizes = np.nan_to_num(np.trace(cov_m2, axis1=-2, axis2=-1))
+
+    assert (np.linalg.eigvalsh(cov_m2[sizes > 0])[:, 0] > 0).all()
+
+
+@given(snapshots())
+def test_positions_move_by_half_a_millimetre_at_most(snapshot: Snapshot) -> None:
+    order = np.argsort(snapshot.id)
+    before, after = snapshot.xyz_m[order], rounded(snapshot).xyz_m
+    near = (np.abs(before) < 9e5).all(axis=-1)
+
+    np.testing.assert_allclose(after[near], before[near], rtol=0, atol=0.5e-3 * (1 + 1e-6))
+    assert np.isnan(after[np.isnan(before)]).all()
+
+
+def people_with(cov_m2: np.ndarray) -> Snapshot:
+    shape = cov_m2.shape[:2]
+    return Snapshot(
+        1.0, np.arange(shape[0]), np.zeros((*shape, 3)), cov_m2, np.full(shape, 2)
+    )  # fmt: skip
+
+
+def test_ankles_hips_and_shoulders_keep_the_directions_of_their_covariance() -> None:
+    one = np.array([[9e-4, 2e-4, 0.0], [2e-4, 4e-4, -1e-4], [0.0, -1e-4, 1e-4]])
+    after = rounded(people_with(np.broadcast_to(one, (1, 17, 3, 3)).copy())).cov_m2[0]
+
+    names = {COCO17.joints[n] for n in full_joints()}
+    assert names == {f"{s}_{j}" for s in ("left", "right") for j in ("shoulder", "hip", "ankle")}
+    for number, name in enumerate(COCO17.joints):
+        expected = one if name in names else np.trace(one) / 3 * np.eye(3)
+        np.testing.assert_allclose(after[number], expected, atol=0.6e-6, rtol=0.01)
+
+
+def test_a_covariance_that_rounding_would_make_indefinite_becomes_a_sphere_of_its_size() -> None:
+    narrow = np.outer([1.0, 1.0, 1.0], [1.0, 1.0, 1.0]) * 1e-3 + 1e-12 * np.eye(3)
+    after = rounded(people_with(np.broadcast_to(narrow, (1, 17, 3, 3)).copy())).cov_m2
+
+    np.testing.assert_allclose(after, np.broadcast_to(1e-3 * np.eye(3), after.shape), rtol=0.01)
+
+
+def test_people_are_in_the_order_of_their_identities() -> None:
+    cov_m2 = np.broadcast_to(1e-4 * np.eye(3), (3, 17, 3, 3)).copy()
+    xyz_m = np.arange(3.0)[:, None, None] * np.ones((3, 17, 3))
+    ids = np.array([5, 1, 3])
+    after = rounded(Snapshot(0.0, ids, xyz_m, cov_m2, np.ones((3, 17), np.int64)))
+
+    assert after.id.tolist() == [1, 3, 5]
+    assert after.xyz_m[:, 0, 0].tolist() == [1.0, 2.0, 0.0]
+
+
+def test_a_small_negative_coordinate_becomes_a_plain_zero() -> None:
+    cov_m2 = np.broadcast_to(1e-4 * np.eye(3), (1, 17, 3, 3)).copy()
+    snapshot = people_with(cov_m2)
+    snapshot.xyz_m[:] = -1e-5
+
+    assert not np.signbit(rounded(snapshot).xyz_m).any()
