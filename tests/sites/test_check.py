@@ -82,7 +82,7 @@ def test_the_faults_of_all_stages_are_told_at_once(site: Path) -> None:
     site.write_text(
         text
         + '[sources.cam2]\nvideo = "rtsp://me:pw@10.0.0.12/1"\n[estimator]\nlong_side = 1\n'
-        + "[fusion]\nmin_joints = 18\n[output]\nlag = 0.2\n[[zones]]\n"
+        + "[fusion]\nmin_joints = 18\n[output]\nlag = 0.2\n[[rules]]\n"
     )
     told = faults_of(site, "small" if "small" in text else "back", "back")
     expected = [
@@ -93,7 +93,7 @@ def test_the_faults_of_all_stages_are_told_at_once(site: Path) -> None:
         "line 10: estimator: settings of the estimator 'movenet': long_side",
         "line 12: fusion: min_joints = 18 leaves nobody",
         "line 15: output.lag: unknown key; did you mean 'lag_s'?",
-        "line 16: zones: zones are not in this version of trecsim",
+        "line 16: rules: rules are not in this version of trecsim",
     ]
     lines = [line.strip() for line in told.splitlines()[1:]]
     assert len(lines) == len(expected)
@@ -120,7 +120,7 @@ def test_live_sources_are_told_to_be_not_supported_yet(site: Path, key: str, tol
     assert told in faults_of(site, "[sources.cam1]", f"[sources.cam2]\n{key}\n[sources.cam1]")
 
 
-@pytest.mark.parametrize("key", ["zones", "lines", "edges", "rules", "outputs", "alerts", "page"])
+@pytest.mark.parametrize("key", ["volumes", "portals", "rules", "outputs", "alerts", "page"])
 def test_what_is_to_come_is_not_taken_for_a_slip(site: Path, key: str) -> None:
     told = faults_of(site, "[sources.cam1]", f"[{key}.x]\n[sources.cam1]")
     assert "not in this version of trecsim" in told

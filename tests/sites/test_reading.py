@@ -97,7 +97,7 @@ def test_all_faults_are_told_at_once_by_line_with_the_nearest_name(tmp_path: Pat
         ("site/1", "site/9", "line 2: format: expected 'trecsim.site/1', found 'trecsim.site/9'"),
         ('"rig.toml"', "3", "line 4: rig: expected a table, found 3"),
         ('"rig.toml"', '{ fil = "r" }', "line 4: rig.fil: unknown key; did you mean 'file'?"),
-        ('"rig.toml"', '"rig.toml"\nabcdef = 1', "abcdef: unknown key; known: estimator, format"),
+        ('"rig.toml"', '"rig.toml"\nabcdef = 1', "abcdef: unknown key; known: edges, estimator"),
         ("north.mp4", "rtsp://a:b@c/d", "line 7: sources.north.video: expected a file, found rtsp"),
         ('"yard"', '"rtsp://admin:' + "x" * 60 + '@c/d"', "found 'rtsp://***@c/d'"),
         ("lag_s = 0.2", "lag_s = -1", "line 19: output.lag_s: expected greater than or equal"),

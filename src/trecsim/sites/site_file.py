@@ -21,6 +21,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.fusion.settings import BELOW_ONE
 from trecsim.geometry import Rig
+from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
 from trecsim.sources.poses_files import FPS_RANGE
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
 from trecsim.toml_models.described import fields_of
@@ -173,7 +174,7 @@ PosesPlace = Annotated[
 ]
 
 LATER = "not in this version of trecsim"
-LISTED = ("zones", "lines", "edges", "volumes", "portals", "rules", "outputs")
+LISTED = ("volumes", "portals", "rules", "outputs")
 NOT_YET = {
     **dict.fromkeys(
         ("url", "device", "credentials", "transport", "secrets", "reconnect_s"),
@@ -182,7 +183,6 @@ NOT_YET = {
     **{key: f"{key} are {LATER}" for key in LISTED},
     **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
     "page": f"the live page is {LATER}",
-    "timezone": f"a time zone is {LATER}",
 }
 
 
@@ -207,6 +207,14 @@ class Site(Table):
     """Settings of the association and the fit."""
     output: OutputTable = OutputTable()
     """What is kept of a run."""
+    timezone: TimeZone = "UTC"
+    """Time zone of the site, for the page and reports: an IANA name as `Europe/Zurich`."""
+    zones: dict[Name, ZoneTable] = Field(default_factory=dict)
+    """Parts of the floor, by name; the page draws them."""
+    lines: dict[Name, LineTable] = Field(default_factory=dict)
+    """Directed lines on the floor, by name; the page draws them."""
+    edges: dict[Name, EdgeTable] = Field(default_factory=dict)
+    """Edges of drops, by name; the page draws them."""
 
     @model_validator(mode="after")
     def _one_kind_of_source(self) -> Self:
