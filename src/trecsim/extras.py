@@ -18,6 +18,7 @@ EXTRAS = {
     "evaluate": ("motrics", "scipy"),
     "report": ("jinja2", "matplotlib"),
     "pandas": ("pandas",),
+    "page": ("starlette", "uvicorn", "websockets", "argon2", "prometheus_client"),
 }
 """The modules that each optional extra of the package brings."""
 

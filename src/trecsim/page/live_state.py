@@ -1,0 +1,112 @@
+"""What the page process knows of the site now."""
+
+import math
+from dataclasses import replace
+from time import monotonic, time
+from typing import Any
+
+from trecsim.health import CameraHealth, Health, camera_state
+from trecsim.page.event_log import EventLog
+from trecsim.page.hub import Hub
+from trecsim.page.link import EventPart, HealthPart, SitePart, SnapshotPart, ToPage
+from trecsim.page.messages import message, snapshot_body
+
+SILENT_S = 3.0  # when the tracking process says nothing for longer, tracking counts as down
+
+
+class LiveState:
+    """Takes what the tracking process says; answers what is so now.
+
+    Attributes
+    ----------
+    site
+        The body of `/api/site`.
+    people
+        Number of people in the newest snapshot.
+    """
+
+    def __init__(self) -> None:
+        self.hub = Hub(EventLog())
+        self.site: dict[str, Any] = {"version": "", "site": {}}
+        self.people = 0
+        self.snapshots = 0
+        self._health: Health | None = None
+        self._health_at_s = monotonic()
+        self._heard_s = monotonic()
+        self._told_s = -math.inf
+
+    def take(self, part: ToPage) -> None:
+        """Take one message of the link."""
+        self._heard_s = monotonic()
+        match part:
+            case SnapshotPart():
+                self.people = len(part.state)
+                self.snapshots += 1
+                self.hub.publish("snapshot", message("snapshot", time(), snapshot_body(part)))
+            case HealthPart(health):
+                self._health, self._health_at_s = health, self._heard_s
+                self.tell_health()
+            case EventPart(_, event):
+                if self.hub.events.append(event):
+                    self.hub.wake()
+            case SitePart(body):
+                self.site = body
+
+    def tell_health(self) -> None:
+        """Send the health as it is now to all viewers."""
+        self._told_s = monotonic()
+        self.hub.publish("health", message("health", time(), {"health": self.health_json()}))
+
+    @property
+    def health_told_s(self) -> float:
+        """How long ago viewers were told the health [s]."""
+        return monotonic() - self._told_s
+
+    @property
+    def silent_s(self) -> float:
+        """For how long the tracking process has not said how well the site works [s].
+
+        Before it has said so for the first time any sign of life counts.
+        """
+        return monotonic() - (self._heard_s if self._health is None else self._health_at_s)
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether the tracking process counts as down."""
+        return self.silent_s > SILENT_S
+
+    def health(self) -> Health:
+        """Return how well the site works now: ages go on while the tracking process is silent."""
+        if self._health is None:
+            cameras = self.site["site"].get("cameras", {})
+            return Health(time(), {name: CameraHealth() for name in cameras})
+        return aged(self._health, self.silent_s) if self.is_silent else self._health
+
+    def health_json(self) -> dict[str, Any]:
+        """Return the body of `/api/health`."""
+        body = self.health().to_json()
+        if self.is_silent:
+            said = f"the tracking process has said nothing for {self.silent_s:.0f} s"
+            body |= {"status": "fault", "faults": [said, *body["faults"]]}
+        return body
+
+
+def aged(health: Health, seconds: float) -> Health:
+    """Return a health as it must be taken when nothing was heard since.
+
+    Examples
+    --------
+    >>> health = Health(100.0, {"north": CameraHealth("live", 25.0, 0.1)})
+    >>> later = aged(health, 4.0)
+    >>> later.cameras["north"].state, later.cameras["north"].age_s, later.fusion.state
+    ('stale', 4.1, 'stalled')
+    """
+    cameras = {}
+    for name, camera in health.cameras.items():
+        age_s = None if camera.age_s is None else camera.age_s + seconds
+        state = camera_state(age_s, ended=camera.state == "ended")
+        cameras[name] = replace(camera, state=state, age_s=age_s, fps=0.0)
+    fusion = health.fusion
+    age_s = None if fusion.age_s is None else fusion.age_s + seconds
+    stalled = replace(fusion, state="stalled", age_s=age_s, rate_hz=0.0)
+    return replace(health, t_s=health.t_s + seconds, cameras=cameras, fusion=stalled)

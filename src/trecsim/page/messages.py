@@ -1,0 +1,61 @@
+"""The messages of `/api/stream`, as text: encoded once, sent to all viewers."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from trecsim.page.link import SnapshotPart
+from trecsim.skeleton import COCO17
+
+DECIMALS = 3  # of metres and seconds
+POSTURE = "unknown"  # until there are rules that tell it
+_JOINTS = len(COCO17.joints)
+
+_encode = msgspec.json.Encoder().encode
+
+
+def snapshot_body(part: SnapshotPart) -> dict[str, Any]:
+    """Return a snapshot as the stream and recordings give it, without the time of sending.
+
+    Coordinates are rounded to millimetres; what is missing (NaN) becomes null in JSON.
+    """
+    people = len(part.state)
+    xyz_m = np.frombuffer(part.xyz_m).reshape(people, _JOINTS, 3).round(DECIMALS)
+    sigma_m = np.frombuffer(part.sigma_m).reshape(people, _JOINTS).round(DECIMALS)
+    support = np.frombuffer(part.support, np.int64).reshape(people, _JOINTS)
+    columns = zip(
+        np.frombuffer(part.id, np.int64).tolist(), part.state, part.seen_s, xyz_m.tolist(),
+        sigma_m.tolist(), support.tolist(), strict=True,
+    )  # fmt: skip
+    return {
+        "t_s": part.t_s,
+        "people": [
+            {
+                "person": person, "state": state, "seen_s": round(seen_s, DECIMALS),
+                "posture": POSTURE, "xyz_m": xyz, "sigma_m": sigma, "support": joint_support,
+            }
+            for person, state, seen_s, xyz, sigma, joint_support in columns
+        ],
+    }  # fmt: skip
+
+
+def message(kind: str, sent_s: float, body: Mapping[str, Any]) -> str:
+    """Return a message of the stream.
+
+    Parameters
+    ----------
+    kind
+        "snapshot", "health" or "event".
+    sent_s
+        When it is sent, Unix time [s].
+    body
+        Further keys.
+    """
+    return _encode({"type": kind, "sent_s": round(sent_s, DECIMALS), **body}).decode()
+
+
+def json_bytes(body: Any) -> bytes:
+    """Return JSON, NaN as null."""
+    return _encode(body)

@@ -1,0 +1,94 @@
+"""Connections that cannot be held open for nothing.
+
+uvicorn closes a connection in order: only after everything that waits for the other end was sent.
+An end that reads nothing would keep it, and memory, for ever.
+"""
+
+import asyncio
+from typing import Any
+
+import h11
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+
+REQUEST_S = 5.0  # a request must be complete within this time
+ANSWER_S = 30.0  # so long an answer may wait for its reader at a time
+LEAVING_S = 2.0  # what waits for an end that leaves is thrown away after this time
+
+
+class ImpatientWebSocket(WebSocketsSansIOProtocol):
+    """A WebSocket that does not read while it cannot write, and ends without consent."""
+
+    def pause_writing(self) -> None:
+        """Stop reading too: whoever asks without listening must not fill our memory."""
+        super().pause_writing()
+        self.transport.pause_reading()
+
+    def resume_writing(self) -> None:
+        """Read again, unless the application still has a message."""
+        super().resume_writing()
+        if not self.read_paused:
+            self.transport.resume_reading()
+
+    def keepalive_timeout(self) -> None:
+        """Close a connection whose other end does not answer."""
+        super().keepalive_timeout()
+        self.loop.call_later(LEAVING_S, self.transport.abort)
+
+    def on_task_complete(self, task: "asyncio.Task[None]") -> None:
+        """End the connection once the application is done with it."""
+        super().on_task_complete(task)
+        self.loop.call_later(LEAVING_S, self.transport.abort)
+
+
+class ImpatientHttp(H11Protocol):
+    """An HTTP connection that is cut when a request or the reading of an answer takes too long."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self._request_timer: asyncio.TimerHandle | None = None
+        self._answer_timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Wait for the first request; the type is that of uvicorn's method."""
+        super().connection_made(transport)
+        self._request_timer = self.loop.call_later(REQUEST_S, transport.abort)
+
+    def data_received(self, data: bytes) -> None:
+        """Take a part of a request."""
+        super().data_received(data)
+        if self.conn.their_state not in (h11.IDLE, h11.SEND_BODY):
+            _cancel(self._request_timer)
+            self._request_timer = None
+        elif self._request_timer is None and self.transport.get_protocol() is self:
+            self._request_timer = self.loop.call_later(REQUEST_S, self.transport.abort)
+
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        """Leave the connection to the WebSocket."""
+        _cancel(self._request_timer)
+        self._request_timer = None
+        super().handle_websocket_upgrade(event)
+
+    def pause_writing(self) -> None:
+        """Give the other end some time to read."""
+        super().pause_writing()
+        self._answer_timer = self.loop.call_later(ANSWER_S, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """Go on with the answer."""
+        _cancel(self._answer_timer)
+        self._answer_timer = None
+        super().resume_writing()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget the connection."""
+        _cancel(self._request_timer)
+        self._request_timer = None
+        _cancel(self._answer_timer)
+        self._answer_timer = None
+        super().connection_lost(exc)
+
+
+def _cancel(timer: asyncio.TimerHandle | None) -> None:
+    if timer is not None:
+        timer.cancel()

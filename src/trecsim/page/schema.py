@@ -1,0 +1,138 @@
+"""The JSON Schema of the messages of `/api/stream`, published at `/api/schema`."""
+
+from functools import cache
+from typing import Any
+
+from trecsim.skeleton import COCO17
+
+_JOINTS = len(COCO17.joints)
+
+
+def _fixed(items: dict[str, Any], count: int) -> dict[str, Any]:
+    return {"type": "array", "items": items, "minItems": count, "maxItems": count}
+
+
+def _closed(about: str, properties: dict[str, Any], optional: tuple[str, ...] = ()) -> Any:
+    required = [name for name in properties if name not in optional]
+    return {
+        "type": "object",
+        "description": about,
+        "properties": properties,
+        "required": required,
+        "additionalProperties": False,
+    }
+
+
+def _said(about: str, **more: Any) -> dict[str, Any]:
+    return {"description": about, **more}
+
+
+_NUMBER: dict[str, Any] = {"type": "number"}
+_COUNT: dict[str, Any] = {"type": "integer", "minimum": 0}
+_MAYBE: dict[str, Any] = {"type": ["number", "null"]}
+_TEXT: dict[str, Any] = {"type": "string"}
+_SENT_S = _said("Time of the server when the message was made, Unix time [s].", **_NUMBER)
+
+_FORECAST = _closed(
+    "Where the person will be, for one moment.",
+    {
+        "t_s": _said("The moment [s].", **_NUMBER),
+        "xy_m": _said("Mean of the floor point [m].", **_fixed(_NUMBER, 2)),
+        "cov_m2": _said("Its covariance xx, xy, yy [m^2].", **_fixed(_NUMBER, 3)),
+    },
+)
+_PERSON = _closed(
+    "One person.",
+    {
+        "person": _said("Identity, never reused in a recording.", type="integer"),
+        "state": _said(
+            "provisional: not yet sure to be a person; confirmed; coasting: no camera supports any "
+            "joint, the track goes on without.",
+            enum=["provisional", "confirmed", "coasting"],
+        ),
+        "seen_s": _said(
+            "Seconds since a camera last supported a joint of the person; 0 while seen.",
+            type="number", minimum=0,
+        ),
+        "posture": _said("Posture of the body.", enum=["upright", "low", "lying", "unknown"]),
+        "xyz_m": _said(
+            "Joints in the order of the skeleton, world frame [m], to the millimetre; null where "
+            "missing.",
+            **_fixed(_fixed(_MAYBE, 3), _JOINTS),
+        ),
+        "sigma_m": _said(
+            "One standard deviation per joint [m]: root of the mean variance over the axes.",
+            **_fixed(_MAYBE, _JOINTS),
+        ),
+        "support": _said(
+            "Number of cameras that support the joint now; 0: carried along.",
+            **_fixed(_COUNT, _JOINTS),
+        ),
+        "forecast": _said(
+            "Five times a second, where there is one.", type="array", items=_FORECAST
+        ),
+    },
+    optional=("forecast",),
+)  # fmt: skip
+_SNAPSHOT = _closed(
+    "Where everybody is. A viewer that is slow gets the newest one only.",
+    {
+        "type": {"const": "snapshot"},
+        "sent_s": _SENT_S,
+        "t_s": _said("The moment, on the clock of the cameras [s].", **_NUMBER),
+        "people": {"type": "array", "items": {"$ref": "#/$defs/person"}},
+    },
+)
+_EVENT = _closed(
+    "An event; none is left out. After a break give the id of the last one as last_event_id.",
+    {
+        "type": {"const": "event"},
+        "sent_s": _SENT_S,
+        "event": _said(
+            "A CloudEvent 1.0, as in events.jsonl.",
+            type="object",
+            properties={"id": _TEXT, "type": _TEXT, "source": _TEXT, "data": {"type": "object"}},
+            required=["id", "type"],
+        ),
+    },
+)
+_CAMERA = {
+    "type": "object",
+    "properties": {
+        "state": {"enum": ["live", "stale", "down", "ended"]},
+        "fps": _NUMBER,
+        "age_s": _said("Age of the newest image [s]; null before the first.", **_MAYBE),
+        "clock": _said("Whose clock dates the images.", enum=["sender", "arrival"]),
+        "dropped": _said("Images that were left out.", **_COUNT),
+        "dropped_by": _said("The same by reason.", type="object", additionalProperties=_COUNT),
+        "fault": _said("What is wrong; null where nothing is.", type=["string", "null"]),
+    },
+    "required": ["state", "fps", "age_s", "clock", "dropped"],
+}
+_HEALTH_BODY = {
+    "type": "object",
+    "properties": {
+        "status": {"enum": ["ok", "fault"]},
+        "faults": _said("What is wrong, in words.", type="array", items=_TEXT),
+        "cameras": {"type": "object", "additionalProperties": _CAMERA},
+        "fusion": {"type": "object"},
+        "store": {"type": "object"},
+    },
+    "required": ["status", "cameras", "fusion", "store"],
+}
+_HEALTH = _closed(
+    "How well the site works: twice a second. The same as /api/health.",
+    {"type": {"const": "health"}, "sent_s": _SENT_S, "health": _HEALTH_BODY},
+)
+
+
+@cache
+def stream_schema() -> dict[str, Any]:
+    """Return the schema of one message."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A message of the stream of trecsim",
+        "description": f"Joints: {', '.join(COCO17.joints)}.",
+        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in ("snapshot", "event", "health")],
+        "$defs": {"snapshot": _SNAPSHOT, "event": _EVENT, "health": _HEALTH, "person": _PERSON},
+    }

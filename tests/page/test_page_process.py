@@ -1,0 +1,177 @@
+"""The page process from the outside: it starts, is restarted, and never outlives its parent."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from time import sleep, time
+
+import httpx
+import pytest
+from websockets.exceptions import ConnectionClosed
+
+from made_page import SITE, event, next_of, running_page, until, well
+from made_tracks import snapshot
+from trecsim.errors import InputError, SetupError
+from trecsim.page import page_process
+from trecsim.page.address import PageAddress
+from trecsim.page.page_process import PageProcess
+
+
+def children(of: int) -> list[int]:
+    """Return the processes that a process started."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdecimal():
+            try:
+                parent = (entry / "stat").read_text().rpartition(")")[2].split()[1]
+            except (FileNotFoundError, ProcessLookupError):
+                continue
+            if int(parent) == of:
+                found.append(int(entry.name))
+    return found
+
+
+def page_processes() -> list[int]:
+    def is_page(process: int) -> bool:
+        return b"trecsim.page" in Path(f"/proc/{process}/cmdline").read_bytes()
+
+    return [process for process in children(os.getpid()) if is_page(process)]
+
+
+linux = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds processes in /proc")
+
+
+def test_the_port_listens_before_the_page_process_runs() -> None:
+    process = PageProcess(PageAddress(port=0), SITE)
+    port = httpx.URL(process.url).port
+    assert port is not None
+    with socket.create_connection(("127.0.0.1", port), timeout=5), process:
+        assert httpx.get(process.url, timeout=20).status_code == 200
+
+
+def test_a_port_in_use_is_one_clear_error() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        with pytest.raises(InputError, match=f"port {port}: Address already in use; give"):
+            PageProcess(PageAddress(port=port), SITE)
+
+
+@pytest.mark.parametrize("host", ["no.such.host.invalid", "", "a" * 300, "a..b"])
+def test_a_host_that_is_not_this_machine_is_one_clear_error(host: str) -> None:
+    with pytest.raises(InputError, match=r"\[page\]|the page cannot listen"):
+        PageProcess(PageAddress(host=host, port=0, insecure=True), SITE)
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.0.2.7"])
+def test_without_users_nothing_but_loopback_is_allowed(host: str) -> None:
+    with pytest.raises(InputError, match="expected users or token_env, found neither"):
+        PageProcess(PageAddress(host=host, port=0), SITE)
+
+
+def test_without_the_extra_the_command_that_installs_it_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(page_process, "has_extra", lambda extra: extra != "page")
+    with pytest.raises(SetupError, match=r"install .*\[page\]"):
+        PageProcess(PageAddress(port=0), SITE)
+
+
+@linux
+def test_a_page_process_that_was_killed_is_replaced_and_viewers_miss_no_event() -> None:
+    with running_page() as page:
+        page.process.health(well())
+        page.process.event(event("before"))
+        until(lambda: page.client.get("/api/health").status_code == 200)
+        for killed in page_processes():
+            if page.port in ports_of(killed):
+                os.kill(killed, signal.SIGKILL)
+        page.process.event(event("after"))
+        until(lambda: page.process.restarts == 1)
+        page.process.write(snapshot(time(), [1]))
+        with page.stream("?last_event_id=before") as stream:
+            assert next_of(stream, "event")["event"]["id"] == "after"
+            assert next_of(stream, "snapshot")["people"][0]["person"] == 1
+        assert page.client.get("/api/site").json()["site"]["name"] == "hall"
+
+
+@linux
+def test_a_signal_to_all_processes_leaves_the_page_to_its_parent() -> None:
+    with running_page() as page:
+        page.client.get("/api/health")
+        for one in page_processes():
+            if page.port in ports_of(one):
+                os.kill(one, signal.SIGINT)
+                os.kill(one, signal.SIGTERM)
+        sleep(0.3)
+        assert page.client.get("/api/health").status_code == 503
+        assert page.process.restarts == 0
+
+
+PARENT = """
+import sys
+from made_page import SITE
+from trecsim.page.address import PageAddress
+from trecsim.page.page_process import PageProcess
+with PageProcess(PageAddress(port=0), SITE) as page:
+    print(page.url, flush=True)
+    sys.stdin.read()
+"""
+
+
+@linux
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_the_page_of_a_parent_that_was_killed_ends_and_of_one_that_hangs_says_so(
+    how: signal.Signals,
+) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", PARENT], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    ) as parent, httpx.Client(timeout=20) as client:  # fmt: skip
+        assert parent.stdout is not None
+        url = parent.stdout.readline().strip()
+        client.get(f"{url}api/health")
+        child = children(parent.pid)[0]
+        os.kill(parent.pid, how)
+        if how == signal.SIGKILL:
+            until(lambda: not is_running(child))
+        else:
+            until(lambda: "has said nothing for" in client.get(f"{url}api/health").text)
+            assert client.get(f"{url}api/health").status_code == 503
+            os.kill(parent.pid, signal.SIGKILL)
+
+
+@linux
+def test_the_page_ends_with_the_block_and_leaves_the_port() -> None:
+    with ExitStack() as viewers:
+        with running_page() as page:
+            viewer = viewers.enter_context(page.stream())
+            next_of(viewer, "health")
+            before = page_processes()
+        with pytest.raises(ConnectionClosed):
+            next_of(viewer, "none of this kind")
+    assert len(page_processes()) == len(before) - 1
+    socket.create_server(("127.0.0.1", page.port)).close()
+
+
+def is_running(process: int) -> bool:
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return state != "Z"
+
+
+def ports_of(process: int) -> set[int]:
+    """Return the ports on which a process listens."""
+    links = set()
+    for handle in Path(f"/proc/{process}/fd").iterdir():
+        try:
+            links.add(os.readlink(handle))
+        except FileNotFoundError:
+            continue
+    rows = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
+    return {int(row[1].split(":")[1], 16) for row in rows if f"socket:[{row[9]}]" in links}
