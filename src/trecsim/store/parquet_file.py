@@ -15,6 +15,7 @@ from pyarrow import parquet as pq
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, SKELETONS, Skeleton
 from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.store.native import native_file
 from trecsim.store.rows import (
     COLUMNS,
     COVARIANCE,
@@ -258,8 +259,10 @@ def _check_columns(file: pq.ParquetFile, path: Path) -> None:
 
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
-    with opened_for_reading(path) as stream, arrow_faults(path):
-        yield pq.ParquetFile(stream)
+    with opened_for_reading(path):  # it tells better than Arrow why a file cannot be opened
+        pass
+    with arrow_faults(path), native_file(path) as file:
+        yield pq.ParquetFile(file)
 
 
 @contextmanager

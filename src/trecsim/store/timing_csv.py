@@ -1,6 +1,5 @@
 """Timings, `timing.csv`: `t_s,images,people,fusion_ms`, one row per frame set."""
 
-import io
 import math
 import os
 import shutil
@@ -24,6 +23,7 @@ from trecsim.store.atomic import (
 )
 from trecsim.store.growing import GrowingFile, KeepsPartial, without_cut_line
 from trecsim.store.limits import LATEST_S
+from trecsim.store.native import native_reader
 from trecsim.store.segments import segment_files, segment_name
 
 NAME = "timing.csv"
@@ -316,7 +316,7 @@ def _read_file(path: Path) -> Timing:
 def _table(content: bytes, path: Path) -> pa.Table:
     try:
         table = pa_csv.read_csv(
-            io.BytesIO(content),
+            native_reader(content),
             convert_options=pa_csv.ConvertOptions(column_types=COLUMNS, null_values=[]),
         )
     except (pa.ArrowException, ValueError, OSError) as error:

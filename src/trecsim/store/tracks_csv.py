@@ -21,6 +21,7 @@ from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.growing import GrowingFile, without_cut_line
+from trecsim.store.native import native_reader
 from trecsim.store.rows import (
     COLUMNS,
     MAY_BE_MISSING,
@@ -187,7 +188,7 @@ def _chunks(file: IO[bytes], path: Path) -> Iterator[bytes]:
 
 def _parse(chunk: bytes, columns: Sequence[str], skeleton: Skeleton) -> Rows:
     table = pa_csv.read_csv(
-        io.BytesIO(chunk),
+        native_reader(chunk),
         pa_csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(chunk) + 1),
         pa_csv.ParseOptions(ignore_empty_lines=False),
         pa_csv.ConvertOptions(

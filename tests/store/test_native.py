@@ -1,0 +1,55 @@
+"""Arrow's threads hold nothing of Python's: one that did could abort the program at its end."""
+
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from pyarrow import csv as pa_csv
+from pyarrow import parquet as pq
+
+from trecsim.store.native import native_reader
+from trecsim.store.timing_csv import StepTiming, TimingWriter, read_timing
+from trecsim.store.tracks import read_tracks, tracks_writer
+from trecsim.values import Snapshot
+
+
+def someone(t_s: float) -> Snapshot:
+    zeros = np.zeros((1, 17))
+    return Snapshot(
+        t_s, np.array([3]), np.zeros((1, 17, 3)), np.zeros((1, 17, 3, 3)), zeros.astype(int)
+    )
+
+
+def test_the_content_is_copied_to_memory_of_arrow():
+    content = b"t_s,images\n1.5,2\n"
+    copy = native_reader(content).read_buffer()
+    assert copy.to_pybytes() == content
+    assert copy.address != pa.py_buffer(content).address
+
+
+@pytest.mark.parametrize("name", ["tracks.csv", "tracks.parquet", "timing.csv"])
+def test_arrow_reads_no_python_file(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    path = tmp_path / name
+    if name == "timing.csv":
+        with TimingWriter(path) as timing:
+            timing.write(StepTiming(1.5, 2, 1, 0.3))
+    else:
+        with tracks_writer(path) as tracks:
+            tracks.write(someone(1.5))
+    given: list[object] = []
+
+    def watched(read):
+        return lambda source, *rest, **options: (
+            given.append(source),
+            read(source, *rest, **options),
+        )[1]
+
+    monkeypatch.setattr(pa_csv, "read_csv", watched(pa_csv.read_csv))
+    monkeypatch.setattr(pq, "ParquetFile", watched(pq.ParquetFile))
+    times_s = read_timing(path).t_s if name == "timing.csv" else [s.t_s for s in read_tracks(path)]
+    assert list(times_s) == [1.5]
+    assert given
+    for source in given:
+        assert isinstance(source, pa.NativeFile)
+        assert not isinstance(source, pa.PythonFile)
