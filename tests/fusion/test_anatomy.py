@@ -3,10 +3,11 @@
 import numpy as np
 from scipy.optimize import least_squares
 
+import reference_fusion as reference
 from fusion.made import frame_sets, made, outcome, path, truth_at
 from trecsim.fusion import FusionSettings, Tracker, kernels
 from trecsim.fusion.body import stiffness, usual_body
-from trecsim.fusion.kernels import anatomy, lengths
+from trecsim.fusion.kernels import anatomy, body_equations, cholesky, lengths
 from trecsim.lab.simulation.detector import PERFECT
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet, Poses2D
@@ -83,6 +84,7 @@ def test_weak_joints_land_where_least_squares_puts_them():
     x = rng.normal(0, 0.4, (4, 3))
     A = rng.normal(0, 0.1, (4, 3, 3))
     cov = A @ A.swapaxes(1, 2) + 1e-3 * np.eye(3)
+    known = np.linalg.inv(cov)
     pairs = np.array([[0, 1], [1, 2], [2, 3], [0, 3]])
     length = np.linalg.norm(x[pairs[:, 0]] - x[pairs[:, 1]], axis=1) * [1.1, 0.9, 1.05, 1.0]
     var = np.full(4, 0.02**2)
@@ -91,15 +93,15 @@ def test_weak_joints_land_where_least_squares_puts_them():
     d = np.zeros((4, 3))
     limbs = kernels.Limbs(pairs, np.full(4, 0.01**2), np.zeros(4))
     for _ in range(60):
-        anatomy.gather(A, b, x, d, cov, place, limbs, length, var)
-        anatomy.cholesky(A)
-        anatomy.solve_cholesky(A, b)
+        body_equations.gather(A, b, x, d, cov, known, place, limbs, length, var)
+        cholesky.cholesky(A)
+        cholesky.solve_cholesky(A, b)
         d[1:] = b.reshape(3, 3)
 
     def residuals(shift, d=d):
         moved = x + np.vstack([np.zeros(3), shift.reshape(3, 3)])
         parts = [np.linalg.cholesky(np.linalg.inv(cov[j])).T @ (moved - x)[j] for j in (1, 2, 3)]
-        parts.append(shift / np.sqrt(anatomy._REACH_M2))
+        parts.append(shift / np.sqrt(body_equations.REACH_M2))
         for (j, k), m in zip(pairs, length, strict=True):
             u = moved[k] - moved[j]
             fixed = (x + d)[k] - (x + d)[j]
@@ -118,27 +120,26 @@ def test_a_factor_gives_solutions_and_the_blocks_of_the_inverse():
     A = A @ A.T + np.eye(9)
     b = rng.normal(size=9)
     expected, inverse = np.linalg.solve(A, b), np.linalg.inv(A)
-    anatomy.cholesky(A)
-    anatomy.solve_cholesky(A, b)
+    cholesky.cholesky(A)
+    cholesky.solve_cholesky(A, b)
     np.testing.assert_allclose(b, expected, atol=1e-10)
-    anatomy.invert_cholesky(A)
+    cholesky.invert_cholesky(A)
     block = np.empty((3, 3))
     for first in (0, 3, 6):
-        anatomy.joint_block(A, first, block)
+        cholesky.joint_block(A, first, block)
         np.testing.assert_allclose(block, inverse[first : first + 3, first : first + 3], atol=1e-10)
 
 
-def test_a_message_from_the_body_is_what_makes_the_joint_what_the_body_says():
+def test_a_trajectory_follows_a_moved_joint_as_the_conditional_mean_does():
     rng = np.random.default_rng(8)
-    A = rng.normal(size=(3, 3))
-    before = np.linalg.inv(A @ A.T + np.eye(3))
-    told, shift = np.diag([1e3, 1e2, 0.0]), np.array([0.05, -0.02, 0.01])
-    after = np.linalg.inv(np.linalg.inv(before) + told)
-    info, vector = np.empty((3, 3)), np.empty(3)
-    size = lengths.message_from_body(before, after, shift, info, vector)
-    np.testing.assert_allclose(info, told, atol=1e-8)
-    np.testing.assert_allclose(vector, np.linalg.inv(after) @ shift, rtol=1e-8)
-    assert np.isclose(size, np.trace(np.linalg.inv(after)))
+    R, c, weights = reference.banded(rng), rng.normal(size=24), np.empty(4)
+    span = kernels.locate(KNOTS, 8, weights)
+    B, shift_m, x = reference.spread_over(span, weights, 24), rng.normal(size=3), np.empty(3)
+    cov = np.linalg.inv(R.T @ R)
+    expected = c + cov @ B.T @ np.linalg.solve(B @ cov @ B.T, shift_m)
+    anatomy.move_joint(R, c, x, shift_m, span, weights, anatomy.workspace(24))
+    np.testing.assert_allclose(c, expected, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(x, B @ expected, rtol=1e-9, atol=1e-9)
 
 
 def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
@@ -157,34 +158,38 @@ def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
 
 
 def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
-    """The same message, heard often: the place follows, the information does not grow."""
-    live, place = 8, 3.4
+    """Where nothing is new in the message: the place follows, the information does not grow."""
     R, z, c = np.zeros((1, 24, 24)), np.zeros((1, 24)), np.zeros((1, 24))
     kernels.start_all(R, z, c, np.ones((1, 3)), np.array([0.3]), 0.05, np.array([20.0]))
-    n = 3 * live
-    tmp = anatomy.Held(np.empty((n, n)), np.empty(n), np.empty((3, n)), np.empty(3))
     weights = np.empty(4)
-    span = kernels.locate(place, live, weights)
-    before, x = R.copy(), np.ones(3)
+    span = kernels.locate(3.4, 8, weights)
+    before, x, known = R.copy(), np.ones(3), np.eye(3) / 0.3**2
+    cov_m2 = np.linalg.inv(known + np.eye(3) / 0.05**2 + np.eye(3) / body_equations.REACH_M2)
     there = np.array([1.3, 0.9, 1.1])
-    for _ in range(30):
-        info = np.eye(3) / 0.05**2
-        vector, size = info @ (there - x), 3 / 0.05**2
-        anatomy.apply_body_message(
-            R[0], z[0], c[0], x, info, vector, size, 1.0, 0.0, span, weights, tmp
-        )
-    np.testing.assert_allclose(x, there, atol=1e-3)
+    anatomy.apply_body(
+        R[0], z[0], c[0], x, cov_m2, known, there - x, 1.0, 0.0, span, weights,
+        anatomy.workspace(24),
+    )  # fmt: skip
+    np.testing.assert_allclose(x, there, atol=1e-9)
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(R[0] @ c[0], z[0], atol=1e-9)
+    # The bound on a step does not count as knowledge.
+    np.testing.assert_allclose(cov_m2, np.linalg.inv(known + np.eye(3) / 0.05**2), rtol=1e-9)
 
 
-def test_the_bound_on_a_step_does_not_count_as_knowledge():
-    rng = np.random.default_rng(8)
-    A = rng.normal(size=(3, 3))
-    info = A @ A.T + np.eye(3)
-    cov_m2 = np.empty((3, 3))
-    anatomy.without_reach(np.linalg.inv(info + np.eye(3) / anatomy._REACH_M2), cov_m2)
-    np.testing.assert_allclose(cov_m2, np.linalg.inv(info), rtol=1e-9)
+def test_what_is_new_of_a_body_is_information_about_its_joint():
+    rng = np.random.default_rng(5)
+    R, c, z, weights = reference.banded(rng), rng.normal(size=24), np.empty(24), np.empty(4)
+    span = kernels.locate(3.4, 8, weights)
+    B, x = reference.spread_over(span, weights, 24), np.zeros(3)
+    known, said = np.eye(3), np.diag([900.0, 30.0, 2.0])
+    held_m2 = np.linalg.inv(known + said + np.eye(3) / body_equations.REACH_M2)
+    expected = R.T @ R + 0.2 / 0.5 * B.T @ said @ B
+    anatomy.apply_body(
+        R, z, c, x, held_m2, known, np.zeros(3), 0.5, 0.2, span, weights, anatomy.workspace(24)
+    )
+    np.testing.assert_allclose(R.T @ R, expected, atol=1e-9)
+    np.testing.assert_allclose(R @ c, z, atol=1e-9)
 
 
 def arm_seen_by_one_camera(rng):

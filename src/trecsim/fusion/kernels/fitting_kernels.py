@@ -39,16 +39,14 @@ def fold_moments(R, z, c, total, j, tmp):
     Each residual was taken at its image's own time; only the correction of the curve is taken as
     constant over a moment. At the weighted mean time the error of that vanishes to first order.
     """
-    info, rhs = total.info, total.rhs
-    for m in range(total.weight.shape[1]):
-        if not total.weight[j, m] > 0.0:
+    info, rhs, weight, x, basis = total.info, total.rhs, total.weight, tmp.x, tmp.basis
+    for m in range(weight.shape[1]):
+        if not weight[j, m] > 0.0:
             continue
-        span = locate(total.knot_time[j, m] / total.weight[j, m], c.shape[0] // 3, tmp.basis)
-        point(c, span, tmp.basis, tmp.x)
+        span = locate(total.knot_time[j, m] / weight[j, m], c.shape[0] // 3, basis)
+        point(c, span, basis, x)
         least = 1e-6 * (info[j, m, 0, 0] + info[j, m, 1, 1] + info[j, m, 2, 2])
-        fold_gaussian(
-            R, z, info[j, m], rhs[j, m], least, tmp.x, span, tmp.basis, tmp.rows, tmp.right
-        )
+        fold_gaussian(R, z, info[j, m], rhs[j, m], least, x, span, basis, tmp.rows, tmp.right)
     control_points(R, z, c)
 
 
@@ -70,17 +68,19 @@ def gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise):
 
     `xyz_m` is (view, joint, 3), the track's own.
     """
+    there_m, found_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
+    other, usual_m = noise.mirror[j], noise.sigma_m[j]
     n = known = 0
     for v in range(match.shape[0]):
         d = match[v]
         if d < 0:
             continue
-        m = noise.mirror[j] if flip[v] else j
+        m = other if flip[v] else j
         for a in range(3):
-            seen.xyz_m[n, a] = xyz_m[v, j, a]
-        seen.xy_px[n, 0], seen.xy_px[n, 1] = xy_px[d, m, 0], xy_px[d, m, 1]
-        seen.sigma_m[n] = noise.sigma_m[j] * sigma_scale[d, m]
-        known += not math.isnan(seen.xy_px[n, 0])
+            there_m[n, a] = xyz_m[v, j, a]
+        found_px[n, 0], found_px[n, 1] = xy_px[d, m, 0], xy_px[d, m, 1]
+        sigma_m[n] = usual_m * sigma_scale[d, m]
+        known += not math.isnan(xy_px[d, m, 0])
         n += 1
     return known
 
@@ -121,15 +121,16 @@ def seek_body(
     r, tmp
         Scratch: (view,), and `Scratch`.
     """
+    prior = tmp.prior
     for j in range(found.shape[0]):
         known = gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise)
         for a in range(3):
             for b in range(3):
-                tmp.prior[a, b] = inflation * prior_m2[j, a, b]
+                prior[a, b] = inflation * prior_m2[j, a, b]
         found[j] = known > 0
         if known:
             locate_joint(
-                P, focal_px, seen, n, tmp.prior, noise, STEPS[0], total, j, shift_m[j], cov_m2[j],
+                P, focal_px, seen, n, prior, noise, STEPS[0], total, j, shift_m[j], cov_m2[j],
                 r, tmp,
             )  # fmt: skip
         else:

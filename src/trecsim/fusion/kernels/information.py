@@ -153,6 +153,21 @@ def control_points(R, z, c):
 
 
 @inner
+def right_side(R, c, z):
+    """Write ``R c`` to `z`: the right side whose solution is `c`; three rows at a time."""
+    n = R.shape[0]
+    for i in range(0, n, BLOCK):
+        x = R[i, i] * c[i] + R[i, i + 1] * c[i + 1] + R[i, i + 2] * c[i + 2]
+        y = R[i + 1, i + 1] * c[i + 1] + R[i + 1, i + 2] * c[i + 2]
+        w = R[i + 2, i + 2] * c[i + 2]
+        for k in range(i + BLOCK, min(n, i + REACH)):
+            x += R[i, k] * c[k]
+            y += R[i + 1, k] * c[k]
+            w += R[i + 2, k] * c[k]
+        z[i], z[i + 1], z[i + 2] = x, y, w
+
+
+@inner
 def curve_covariance(R, span, weights, y, cov_m2):
     """Write the covariance of the curve's point at ``span, weights`` to `cov_m2` (3, 3).
 

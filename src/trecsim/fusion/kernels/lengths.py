@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
-from trecsim.fusion.kernels.information import invert3
 
 # How a length is learnt: spread of one measurement, and time after which the next is new [s].
 _MEASURE_M2 = 0.02**2
@@ -125,29 +124,3 @@ def pull(x, cov_m2, u, residual, var, informed, gain):
         if informed:
             for q in range(3):
                 cov_m2[p, q] -= gain[p] * gain[q] / var
-
-
-@inner(allocates=True)
-def message_from_body(before_m2, after_m2, shift_m, info, vector):
-    """Write what the body says of a joint beyond its trajectory; return the information of both.
-
-    Parameters
-    ----------
-    before_m2
-        Covariance of the joint as its trajectory has it, (3, 3).
-    after_m2, shift_m
-        Covariance and shift of the joint with the body taken into account.
-    info, vector
-        Results: the quotient of the two Gaussians, information ``after^-1 - before^-1`` and
-        information vector ``after^-1 shift``.
-    """
-    before = np.empty((3, 3))
-    invert3(before_m2, before)
-    invert3(after_m2, info)
-    size = info[0, 0] + info[1, 1] + info[2, 2]
-    for p in range(3):
-        vector[p] = 0.0
-        for q in range(3):
-            vector[p] += info[p, q] * shift_m[q]
-            info[p, q] -= before[p, q]
-    return size

@@ -126,13 +126,13 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
 @inner
 def clear(total, j):
     """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
-    for m in range(total.weight.shape[1]):
-        total.knot_time[j, m] = 0.0
-        total.weight[j, m] = 0.0
+    info, rhs, knot_time, weight = total.info, total.rhs, total.knot_time, total.weight
+    for m in range(weight.shape[1]):
+        knot_time[j, m] = weight[j, m] = 0.0
         for p in range(3):
-            total.rhs[j, m, p] = 0.0
+            rhs[j, m, p] = 0.0
             for q in range(3):
-                total.info[j, m, p, q] = 0.0
+                info[j, m, p, q] = 0.0
 
 
 @inner
@@ -211,15 +211,15 @@ def newton_step(total, j, shift_m, cov_m2, tmp):
 
     The information of the prediction is in ``tmp.known``.
     """
-    info, rhs = tmp.info, tmp.x
+    info, rhs, sum_info, sum_rhs = tmp.info, tmp.x, total.info, total.rhs
     copy(tmp.known, info)
     for a in range(3):
         rhs[a] = 0.0
-    for m in range(total.weight.shape[1]):
+    for m in range(sum_rhs.shape[1]):
         for p in range(3):
-            rhs[p] += total.rhs[j, m, p]
+            rhs[p] += sum_rhs[j, m, p]
             for q in range(3):
-                info[p, q] += total.info[j, m, p, q]
+                info[p, q] += sum_info[j, m, p, q]
     invert3(info, cov_m2)
     moved = 0.0
     for a in range(3):

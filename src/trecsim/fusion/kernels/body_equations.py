@@ -1,0 +1,92 @@
+"""Least squares over the joints that need their body: limb lengths tie them to each other."""
+
+import math
+
+import numpy as np
+
+from trecsim.compiler import inner
+from trecsim.fusion.kernels.information import clear_row
+from trecsim.fusion.kernels.lengths import TIE_M2
+
+# Variance of how far the body moves a joint in one step [m^2]. A limb across the line of sight says
+# nearly nothing about depth, and its linearised equation holds near the joint only.
+REACH_M2 = 0.3**2
+
+
+@inner
+def stretch(j, k, x, d, length_m, u):
+    """Return by how much the shifted joints `j`, `k` are too close, linearised about no shift.
+
+    The direction between them is written to `u` (3,).
+    """
+    length = 0.0
+    for p in range(3):
+        u[p] = x[k, p] + d[k, p] - x[j, p] - d[j, p]
+        length += u[p] * u[p]
+    length = max(math.sqrt(length), 1e-3)
+    residual = length_m - length
+    for p in range(3):
+        u[p] /= length
+        residual += u[p] * (d[k, p] - d[j, p])
+    return residual
+
+
+@inner
+def along_m2(u, cov_m2):
+    """Return the variance of a joint in the direction `u`."""
+    var = 0.0
+    for p in range(3):
+        for q in range(3):
+            var += u[p] * cov_m2[p, q] * u[q]
+    return var
+
+
+@inner
+def add_limb(A, b, first, second, u, residual, var):
+    """Add "the second joint is `residual` further along `u` than the first" to ``A d = b``.
+
+    `first` and `second` are the joints' first unknowns, -1 for one that does not move.
+    """
+    by_var = 1.0 / var
+    for m, sign in ((first, -by_var), (second, by_var)):
+        if m < 0:
+            continue
+        for p in range(3):
+            b[m + p] += sign * u[p] * residual
+            for q in range(3):
+                A[m + p, m + q] += by_var * u[p] * u[q]
+    if first >= 0 and second >= 0:
+        for p in range(3):
+            for q in range(3):
+                A[first + p, second + q] -= by_var * u[p] * u[q]
+                A[second + p, first + q] -= by_var * u[p] * u[q]
+
+
+@inner(allocates=True)
+def gather(A, b, x, d, cov_m2, known, unknown_of, limbs, limb_m, limb_m2):
+    """Write the normal equations of the weak joints' shifts to `A`, `b`.
+
+    `unknown_of` is the index of a joint's first unknown, -1 where the joint is well known; `x` are
+    the fitted joints, `d` their shifts so far, (joint, 3); `cov_m2` their covariances, `known` the
+    inverse of those of the weak ones, (joint, 3, 3).
+    """
+    clear_row(b)
+    for i in range(b.shape[0]):
+        clear_row(A[i])
+    u = np.empty(3)
+    for j in range(x.shape[0]):
+        if unknown_of[j] >= 0:
+            for p in range(3):
+                for q in range(3):
+                    A[unknown_of[j] + p, unknown_of[j] + q] = known[j, p, q]
+                A[unknown_of[j] + p, unknown_of[j] + p] += 1.0 / REACH_M2
+    for i in range(limbs.joints.shape[0]):
+        j, k = limbs.joints[i]
+        if unknown_of[j] < 0 and unknown_of[k] < 0:
+            continue
+        residual = stretch(j, k, x, d, limb_m[i], u)
+        var = limb_m2[i] + limbs.slack_m2[i] + TIE_M2
+        for m in (j, k):
+            if unknown_of[m] < 0:
+                var += along_m2(u, cov_m2[m])
+        add_limb(A, b, unknown_of[j], unknown_of[k], u, residual, var)
