@@ -45,7 +45,7 @@ def test_a_viewer_gets_the_people_that_the_tracking_process_wrote(page: RunningP
     assert [person["person"] for person in got["people"]] == [3, 8]
     for person, xyz_m, sigma_m in zip(got["people"], given.xyz_m, given.sigma_m, strict=True):
         np.testing.assert_allclose(person["xyz_m"], xyz_m, atol=0.0005)
-        np.testing.assert_allclose(person["sigma_m"], sigma_m, atol=0.0005)
+        np.testing.assert_allclose(person["sigma_m"], sigma_m, atol=0.00005)
         assert person["support"] == [3] * 17
         assert (person["state"], person["seen_s"], person["posture"]) == ("confirmed", 0, "unknown")
     assert abs(got["sent_s"] - time()) < 60
@@ -69,10 +69,10 @@ def test_the_published_schema_accepts_the_messages_and_nothing_that_differs(
         page.process.event(event("for-the-schema"))
         for kind, got in one_of_each(stream).items():
             VALIDATOR.validate(got)
-            for key in got:
+            for key in VALIDATOR.schema["$defs"][kind]["required"]:
                 without = {name: value for name, value in got.items() if name != key}
                 assert not VALIDATOR.is_valid(without), f"{kind} without {key}"
-            assert not VALIDATOR.is_valid({**got, "more": 1})
+            assert VALIDATOR.is_valid({**got, "more": 1}) == (kind == "health")
 
 
 @settings(max_examples=20)
@@ -101,7 +101,7 @@ def test_a_new_viewer_gets_the_newest_snapshot_and_health_at_once(page: RunningP
     with page.stream() as stream:
         assert next_of(stream, "snapshot")["t_s"] == given.t_s
     with page.stream() as stream:
-        assert set(next_of(stream, "health")["health"]["cameras"]) == {"north", "south"}
+        assert set(next_of(stream, "health")["cameras"]) == {"north", "south"}
 
 
 def test_events_come_in_order_and_resume_after_the_last_one() -> None:

@@ -120,7 +120,7 @@ def test_live_sources_are_told_to_be_not_supported_yet(site: Path, key: str, tol
     assert told in faults_of(site, "[sources.cam1]", f"[sources.cam2]\n{key}\n[sources.cam1]")
 
 
-@pytest.mark.parametrize("key", ["volumes", "portals", "rules", "outputs", "alerts", "page"])
+@pytest.mark.parametrize("key", ["volumes", "portals", "rules", "outputs", "alerts"])
 def test_what_is_to_come_is_not_taken_for_a_slip(site: Path, key: str) -> None:
     told = faults_of(site, "[sources.cam1]", f"[{key}.x]\n[sources.cam1]")
     assert "not in this version of trecsim" in told

@@ -55,7 +55,7 @@ class LiveState:
     def tell_health(self) -> None:
         """Send the health as it is now to all viewers."""
         self._told_s = monotonic()
-        self.hub.publish("health", message("health", time(), {"health": self.health_json()}))
+        self.hub.publish("health", message("health", time(), self.health_json()))
 
     @property
     def health_told_s(self) -> float:

@@ -9,7 +9,8 @@ import numpy as np
 from trecsim.page.link import SnapshotPart
 from trecsim.skeleton import COCO17
 
-DECIMALS = 3  # of metres and seconds
+DECIMALS = 3  # of metres and seconds; snapshots come rounded, see trecsim.store.precision
+SIGMA_DECIMALS = 4
 POSTURE = "unknown"  # until there are rules that tell it
 _JOINTS = len(COCO17.joints)
 
@@ -19,11 +20,11 @@ _encode = msgspec.json.Encoder().encode
 def snapshot_body(part: SnapshotPart) -> dict[str, Any]:
     """Return a snapshot as the stream and recordings give it, without the time of sending.
 
-    Coordinates are rounded to millimetres; what is missing (NaN) becomes null in JSON.
+    Coordinates have three decimals, uncertainties four; what is missing (NaN) is null in JSON.
     """
     people = len(part.state)
     xyz_m = np.frombuffer(part.xyz_m).reshape(people, _JOINTS, 3).round(DECIMALS)
-    sigma_m = np.frombuffer(part.sigma_m).reshape(people, _JOINTS).round(DECIMALS)
+    sigma_m = np.frombuffer(part.sigma_m).reshape(people, _JOINTS).round(SIGMA_DECIMALS)
     support = np.frombuffer(part.support, np.int64).reshape(people, _JOINTS)
     columns = zip(
         np.frombuffer(part.id, np.int64).tolist(), part.state, part.seen_s, xyz_m.tolist(),

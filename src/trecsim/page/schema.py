@@ -109,21 +109,20 @@ _CAMERA = {
     },
     "required": ["state", "fps", "age_s", "clock", "dropped"],
 }
-_HEALTH_BODY = {
+_HEALTH = {
     "type": "object",
+    "description": "How well the site works: twice a second. What /api/health says.",
     "properties": {
+        "type": {"const": "health"},
+        "sent_s": _SENT_S,
         "status": {"enum": ["ok", "fault"]},
         "faults": _said("What is wrong, in words.", type="array", items=_TEXT),
         "cameras": {"type": "object", "additionalProperties": _CAMERA},
-        "fusion": {"type": "object"},
-        "store": {"type": "object"},
+        "fusion": {"type": "object", "required": ["state"]},
+        "store": {"type": "object", "required": ["state"]},
     },
-    "required": ["status", "cameras", "fusion", "store"],
+    "required": ["type", "sent_s", "status", "faults", "cameras", "fusion", "store"],
 }
-_HEALTH = _closed(
-    "How well the site works: twice a second. The same as /api/health.",
-    {"type": {"const": "health"}, "sent_s": _SENT_S, "health": _HEALTH_BODY},
-)
 
 
 @cache

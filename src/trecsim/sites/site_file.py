@@ -21,6 +21,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.fusion.settings import BELOW_ONE
 from trecsim.geometry import Rig
+from trecsim.sites.page_table import PageTable
 from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
 from trecsim.sources.poses_files import FPS_RANGE
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
@@ -182,7 +183,6 @@ NOT_YET = {
     ),
     **{key: f"{key} are {LATER}" for key in LISTED},
     **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
-    "page": f"the live page is {LATER}",
 }
 
 
@@ -215,6 +215,8 @@ class Site(Table):
     """Directed lines on the floor, by name; the page draws them."""
     edges: dict[Name, EdgeTable] = Field(default_factory=dict)
     """Edges of drops, by name; the page draws them."""
+    page: PageTable | None = None
+    """The live page; without the table there is none."""
 
     @model_validator(mode="after")
     def _one_kind_of_source(self) -> Self:
