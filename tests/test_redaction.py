@@ -3,6 +3,8 @@
 import logging
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from trecsim.cli import main
 from trecsim.errors import CalibrationError, InputError
@@ -23,6 +25,10 @@ from trecsim.redaction import redacted
         ("rtsp://cam/user=a_password=b_channel=1.sdp", "rtsp://cam/user=a_password=***"),
         ("user=a_password=b_channel=1", "user=a_password=***"),
         ("'rtsp://admin:a-long-passw...", "'rtsp://***"),
+        ("'rtsp://admin:a long/passw...", "'rtsp://***"),
+        ("rtsp://admin:my pw@cam/1: refused", "rtsp://***@cam/1: refused"),
+        ("'rtsp://admin:one@two/thr...: expected a file", "'rtsp://***: expected a file"),
+        ("C:/rig.toml: line 3: name: expected a@b", "C:/rig.toml: line 3: name: expected a@b"),
         ("rtsp://cam:554/1", "rtsp://cam:554/1"),
         ("https://cam:8443: refused", "https://cam:8443: refused"),
         ("site.toml: line 3: name: expected a@b", "site.toml: line 3: name: expected a@b"),
@@ -31,6 +37,45 @@ from trecsim.redaction import redacted
 )
 def test_what_opens_a_camera_is_left_out_and_all_else_kept(text, shown):
     assert redacted(text) == shown
+
+
+# Each word of these passwords is found in no message; between the words stands anything but a line
+# break.
+WORDS = ("qxz", "zqj", "jzx")
+ODD = st.text(
+    st.one_of(
+        st.sampled_from(" '\"@/?#:<>&=%.,;()[]{}\\\t"),
+        st.characters(exclude_categories=("L", "N", "Cs", "Zl", "Zp", "Cc")),
+    ),
+    max_size=4,
+)
+PASSWORDS = st.builds(
+    lambda odd, end: (
+        "".join(f"{between}{word}" for word, between in zip(WORDS, odd, strict=True)) + end
+    ),
+    st.tuples(ODD, ODD, ODD),
+    st.sampled_from(["", "%20", "%40zqj", "@", "/", "?"]),
+)
+MESSAGES = [
+    "{}",
+    "cannot read {}: the server refused it; look at the user and the password",
+    "camera 'north': expected a file, found {!r}; give a recording",
+    "north={}, then",
+]
+
+
+@given(password=PASSWORDS, message=st.sampled_from(MESSAGES), rest=st.sampled_from(["", ":554/1"]))
+def test_no_part_of_a_password_is_shown_whatever_it_holds(password, message, rest):
+    shown = redacted(message.format(f"rtsp://admin:{password}@cam{rest}"))
+    assert "admin" not in shown
+    assert not any(word in shown for word in WORDS), shown
+    assert f"***@cam{rest}" in shown
+
+
+@given(password=PASSWORDS, kept=st.integers(0, 30))
+def test_no_part_of_a_password_is_shown_where_a_message_cuts_it(password, kept):
+    shown = redacted(f"found 'rtsp://admin:{password}"[: 20 + kept] + "...")
+    assert not any(word[:2] in shown for word in WORDS), shown
 
 
 @pytest.mark.parametrize("error", [InputError, CalibrationError])
@@ -43,6 +88,26 @@ def test_no_log_message_and_no_argument_fault_on_the_command_line_shows_a_passwo
         main(["rig", "show", "rtsp://admin:pw@cam/1", "--unit-m", "rtsp://admin:pw@cam/1"])
     logging.getLogger("elsewhere").warning("lost %s", "rtsp://admin:pw@cam/1")
     assert "pw" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("password", ["qxz zqj", "%20@qxz='zqj/jzx?"])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["estimate", "{}", "{}", "--out", "a.poses.jsonl"],
+        ["estimate", "north={}", "--out", "a.poses.jsonl"],
+        ["track", "{}", "{}"],
+        ["rig", "show", "{}"],
+        ["site", "check", "{}"],
+        ["evaluate", "{}"],
+    ],
+)
+def test_no_command_shows_a_part_of_an_odd_password(arguments, password, capsys):
+    address = f"rtsp://admin:{password}@cam"
+    with pytest.raises(SystemExit):
+        main([one.format(address) for one in arguments])
+    told = capsys.readouterr()
+    assert not any(word in told.out + told.err for word in WORDS), told.err
 
 
 @pytest.mark.parametrize(

@@ -2,9 +2,13 @@
 
 import re
 
-_USER = re.compile(r"\b([A-Za-z][A-Za-z0-9+.-]*:/{1,3})[^\s'\"<>]*@")
+_SCHEME = r"\b([A-Za-z][A-Za-z0-9+.-]+:/{1,3})"
+# A password may hold anything, even spaces and another @: only the last @ of the line ends it.
+_USER = re.compile(rf"{_SCHEME}.*@")
+# What was cut by dots may have been cut before its last @.
+_CUT = re.compile(rf"{_SCHEME}.*[:@].*\.\.\.")
 _CUT_USER = re.compile(
-    r"\b([A-Za-z][A-Za-z0-9+.-]*:/{1,3})[^\s'\"<>/:]*:(?![0-9]{0,5}(?:[^\w%]|$))[^\s'\"<>/]*"
+    rf"{_SCHEME}[^\s'\"<>/:]*:(?![0-9]{{0,5}}(?:[^\w%]|$))[^\s'\"<>/]*"  # no port follows
 )
 _BARE_USER = re.compile(r"(?<![^\s'\"=(\[{])[^\s'\"=/:@(\[{]+:[^\s'\"/@]+@(?=[\w.-]+)")
 _QUERY = re.compile(
@@ -22,6 +26,8 @@ def redacted(text: str) -> str:
     >>> redacted("cannot read rtsp://admin:pw@10.0.0.12:554/stream1?token=4711")
     'cannot read rtsp://***@10.0.0.12:554/stream1?token=***'
     """
+    if ":/" in text:
+        text = _CUT.sub(r"\1***", text)
     if "@" in text:
         text = _BARE_USER.sub("***@", _USER.sub(r"\1***@", text))
     if ":/" in text:  # an address that was cut before its @

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from trecsim.cli.models_command import fetch_first
 from trecsim.cli.terminal import finish, progress_bar
 from trecsim.errors import Error, InputError
-from trecsim.redaction import is_address
+from trecsim.redaction import is_address, redacted
 
 if TYPE_CHECKING:
     from trecsim.values import Poses2D
@@ -199,4 +199,4 @@ def _named(given: str, faults: list[str]) -> list[tuple[str, Path]]:
             faults.append(f"{given!r}: expected NAME=VIDEO")
             return []
         return [(name.strip(), Path(rest).expanduser())]
-    return [(path.stem, path)]
+    return [(Path(redacted(given)).stem, path)]
