@@ -24,18 +24,24 @@ TWINS := $(addprefix tests/fusion/test_,$(addsuffix .py,anatomy dense fitting gr
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-random coverage check bench bench-quick ablation figures tables $\
-  pictures study docs constraints clean
+  page page-pictures pictures study docs constraints clean
 
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
 
-demo: .venv/installed-report .venv/installed-evaluate  ## Follow people through a simulated room and show the result.
+demo: .venv/installed-report .venv/installed-evaluate page  ## Follow people through a simulated room and show the result.
 	$(BIN)/trecsim demo
 	@command -v trecsim > /dev/null || echo "to use trecsim in this shell: . $(BIN)/activate"
 
-test: .venv/installed-test  ## Run all tests, the same each time (4 min on 2 cores).
+test: .venv/installed-test page  ## Run all tests, the same each time (4 min on 2 cores).
 	$(BIN)/python tests/compile_kernels.py
 	$(PYTEST)
+
+page: | $(BIN)/python  ## Build the operator page, if its sources are newer (needs Node.js, or the network).
+	@$(BIN)/python hatch_build.py
+
+page-pictures: .venv/installed-test page  ## Picture every state of the operator page with Chromium (minutes).
+	$(BIN)/python benchmarks/page_pictures.py
 
 test-random: .venv/installed-test  ## Run all tests with property tests drawn anew, as a nightly run does.
 	$(BIN)/python tests/compile_kernels.py
@@ -85,6 +91,7 @@ constraints: .venv/installed-check .venv/installed-docs  ## Pin the versions tha
 	$(BIN)/python -m pip freeze --exclude-editable | grep -v ' @ ' >> constraints.txt
 
 clean:  ## Remove everything that was made here.
+	rm -rf web/node_modules web/.node web/.tests src/trecsim/page/static
 	rm -rf .venv build dist out recordings sample trecsim-demo docs/_build docs/reference/generated
 	rm -rf .coverage .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache
 	find src tests benchmarks examples -name __pycache__ -type d -exec rm -rf {} +

@@ -1,0 +1,61 @@
+"""Chromium that shows the page at a fixed time, told what a situation says."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from urllib.parse import urlparse
+
+from playwright.sync_api import Browser, Page, Route, WebSocketRoute, sync_playwright
+
+from page_shots.server import HOST, POLICY, Situation, answer, messages
+
+CHROMIUM = "/usr/bin/chromium"
+FLAGS = (
+    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+    "--mute-audio", "--force-color-profile=srgb",
+)  # fmt: skip
+PATIENCE_MS = 120_000  # 3D without a graphics card takes seconds a picture on a busy machine
+SIZES = {"wide": (1440, 900, 1.0), "tablet": (1024, 768, 1.0), "phone": (390, 844, 2.0)}
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    """Start Chromium without a screen."""
+    with sync_playwright() as tool:
+        browser = tool.chromium.launch(executable_path=CHROMIUM, headless=True, args=list(FLAGS))
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def opened(
+    browser: Browser, situation: Situation, address: str, *, size: str = "wide", dark: bool = False
+) -> Iterator[tuple[Page, list[str]]]:
+    """Open the page at an address; yield it with a list of the errors that it reports."""
+    width, height, scale = SIZES[size]
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, device_scale_factor=scale,
+        color_scheme="dark" if dark else "light", reduced_motion="reduce",
+        has_touch=size != "wide", locale="en-GB",
+    )  # fmt: skip
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    errors: list[str] = []
+    page.on("console", lambda m: errors.append(m.text) if m.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.clock.set_fixed_time(situation.now_s * 1000)
+    context.route("**/*", lambda route: _answer(route, situation))
+    context.route_web_socket("**/api/stream*", lambda socket: _stream(socket, situation))
+    page.goto(HOST + address)
+    yield page, errors
+    context.close()
+
+
+def _answer(route: Route, situation: Situation) -> None:
+    status, kind, body = answer(situation, urlparse(route.request.url).path)
+    headers = {"Content-Type": kind, "Content-Security-Policy": POLICY}
+    route.fulfill(status=status, headers=headers, body=body)
+
+
+def _stream(socket: WebSocketRoute, situation: Situation) -> None:
+    for message in messages(situation):
+        socket.send(message)

@@ -1,0 +1,105 @@
+// Requests of the page. Each error says what could not be done, in the server's words.
+
+import type { CloudEvent, Health, Me, Reason } from "../state/messages.ts";
+
+export class SignedOut extends Error {}
+
+async function request(path: string, options: RequestInit = {}): Promise<Response> {
+  const response = await fetch(path, { credentials: "same-origin", cache: "no-store", ...options });
+  if (response.status === 401) throw new SignedOut("signed out");
+  return response;
+}
+
+async function json<T>(path: string, accept: readonly number[] = [200]): Promise<T> {
+  const response = await request(path);
+  if (!accept.includes(response.status)) throw new Error(await reason(response));
+  return (await response.json()) as T;
+}
+
+/** Return why the server refused, in its words where it gives some. */
+async function reason(response: Response): Promise<string> {
+  try {
+    const body = (await response.json()) as Record<string, unknown>;
+    const text = body.error ?? body.detail ?? body.message;
+    if (typeof text === "string" && text) return text;
+  } catch {
+    // no JSON: the number tells
+  }
+  return `The server answered ${response.status}.`;
+}
+
+async function send(path: string, body: unknown, csrf: string | null): Promise<unknown> {
+  const headers: Record<string, string> = { "Content-Type": "application/json" };
+  if (csrf) headers["X-CSRF-Token"] = csrf;
+  const response = await request(path, { method: "POST", headers, body: JSON.stringify(body) });
+  if (!response.ok) throw new Error(await reason(response));
+  return response.status === 204 ? null : response.json().catch(() => null);
+}
+
+export const getSite = (): Promise<unknown> => json("/api/site");
+export const getHealth = (): Promise<Health> => json("/api/health", [200, 503]);
+
+/** Return who is signed in; null where the server has no users. */
+export async function getMe(): Promise<Me | null> {
+  const response = await request("/api/me");
+  return response.ok ? ((await response.json()) as Me) : null;
+}
+
+export async function signIn(user: string, password: string): Promise<void> {
+  const response = await fetch("/api/login", {
+    method: "POST",
+    credentials: "same-origin",
+    headers: { "Content-Type": "application/json" },
+    body: JSON.stringify({ user, password }),
+  });
+  if (response.ok) return;
+  if (response.status === 429) throw new Error("Too many tries. Wait a minute, then try again.");
+  if (response.status === 401) throw new Error("Name or password is wrong.");
+  throw new Error(await reason(response));
+}
+
+export const signOut = (csrf: string | null): Promise<unknown> => send("/api/logout", {}, csrf);
+
+export async function getEvents(): Promise<{ events: CloudEvent[]; last: string | number | null }> {
+  const body = await json<unknown>("/api/events", [200, 404]);
+  const rows = Array.isArray(body) ? body : ((body as { events?: unknown[] })?.events ?? []);
+  const events: CloudEvent[] = [];
+  let last: string | number | null = null;
+  for (const row of rows as (CloudEvent & { event?: CloudEvent })[]) {
+    const event = row.event ?? row;
+    if (event?.data?.event) events.push(event);
+    last = row.id ?? last;
+  }
+  return { events, last };
+}
+
+export interface Act {
+  phase: "ack" | "shelve" | "unshelve" | "close" | "reopen";
+  until_s?: number;
+  reason?: Reason;
+  note?: string;
+}
+
+export const act = (event: string, what: Act, csrf: string | null): Promise<unknown> =>
+  send(`/api/events/${encodeURIComponent(event)}`, what, csrf);
+
+export interface Recording {
+  id: string;
+  from_s: number;
+  to_s: number;
+  people: number;
+}
+
+export async function getRecordings(): Promise<Recording[]> {
+  const body = await json<unknown>("/api/recordings", [200, 404]);
+  const rows = Array.isArray(body) ? body : ((body as { recordings?: unknown[] })?.recordings ?? []);
+  return rows as Recording[];
+}
+
+/** Return the snapshots of a part of a recording: one message a line. */
+export async function getSnapshots(id: string, from: number, to: number): Promise<string[]> {
+  const query = `from_s=${from.toFixed(3)}&to_s=${to.toFixed(3)}`;
+  const response = await request(`/api/recordings/${encodeURIComponent(id)}/snapshots?${query}`);
+  if (!response.ok) throw new Error(await reason(response));
+  return (await response.text()).split("\n").filter(Boolean);
+}

@@ -1,0 +1,318 @@
+// Alerts: episodes folded from events, and the faults of cameras.
+
+import type { CloudEvent, EventData, Health, Reason, Severity } from "./messages.ts";
+import { duration, list, named, percent, whole } from "./words.ts";
+
+export interface Alert {
+  /** The episode's id, the same in all its phases. */
+  id: string;
+  kind: string;
+  rule: string;
+  severity: Severity;
+  raisedFrom: Severity | null;
+  predicted: boolean;
+  /** When the condition began to hold, or will [s]. */
+  start: number;
+  detected: number;
+  end: number | null;
+  ack: { by: string | null; t: number } | null;
+  shelved: { until: number; by: string | null; note: string | null } | null;
+  closed: { reason: Reason; by: string | null; note: string | null; t: number } | null;
+  probability: number | null;
+  people: number[];
+  place: string | null;
+  camera: string | null;
+  count: number | null;
+  measures: Record<string, number>;
+  cameras: string[];
+  /** Whether the server knows it; what the page derives from the health cannot be acted upon. */
+  stored: boolean;
+}
+
+export type Alerts = ReadonlyMap<string, Alert>;
+
+const RANK: Record<Severity, number> = { info: 0, warning: 1, alarm: 2, critical: 3 };
+export const FLOOD = { alerts: 10, seconds: 600 };
+
+const timeOf = (event: CloudEvent, now: number): number => {
+  const t = event.time ? Date.parse(event.time) / 1000 : NaN;
+  return Number.isFinite(t) ? t : now;
+};
+
+const numbers = (measures: Record<string, number | string> | undefined): Record<string, number> =>
+  Object.fromEntries(
+    Object.entries(measures ?? {}).filter((m): m is [string, number] => typeof m[1] === "number"),
+  );
+
+function cameraOf(data: EventData, event: CloudEvent): string | null {
+  if (data.camera) return data.camera;
+  const kind = data.rule?.kind ?? event.type;
+  if (!kind.includes("camera")) return null;
+  const named = data.measures?.camera;
+  return typeof named === "string" ? named : (data.evidence?.cameras?.[0] ?? null);
+}
+
+function begun(event: CloudEvent, now: number): Alert {
+  const { data } = event;
+  const t = data.t_detect_s ?? data.t_start_s ?? timeOf(event, now);
+  return {
+    id: data.event,
+    kind: data.rule?.kind ?? event.type.replace(/^trecsim\.|\.v1$/g, ""),
+    rule: data.rule?.id ?? "",
+    severity: data.severity ?? "warning",
+    raisedFrom: null,
+    predicted: false,
+    start: data.t_start_s ?? t,
+    detected: t,
+    end: null,
+    ack: null, shelved: null, closed: null,
+    probability: null,
+    people: [],
+    place: data.zone ?? data.edge ?? data.line ?? null,
+    camera: cameraOf(data, event),
+    count: null,
+    measures: {},
+    cameras: [],
+    stored: true,
+  };
+}
+
+/** Return the alerts after one event. An event that comes twice changes nothing. */
+export function withEvent(alerts: Alerts, event: CloudEvent, now: number): Alerts {
+  const { data } = event;
+  if (!data?.event) return alerts;
+  const before = alerts.get(data.event) ?? begun(event, now);
+  const next = new Map(alerts);
+  next.set(data.event, stepped(told(before, data), event, now));
+  return next;
+}
+
+/** Take over what an event tells of the condition itself. */
+function told(alert: Alert, data: EventData): Alert {
+  const raised = data.severity && RANK[data.severity] > RANK[alert.severity] && !alert.predicted;
+  return {
+    ...alert,
+    severity: data.severity ?? alert.severity,
+    raisedFrom: raised ? alert.severity : alert.raisedFrom,
+    predicted: data.predicted ?? alert.predicted,
+    start: data.t_start_s ?? alert.start,
+    end: data.t_end_s ?? alert.end,
+    probability: data.probability ?? alert.probability,
+    people: data.people?.map((one) => one.person) ?? alert.people,
+    count: data.count ?? alert.count,
+    measures: data.measures ? numbers(data.measures) : alert.measures,
+    cameras: data.evidence?.cameras ?? alert.cameras,
+  };
+}
+
+/** Take over what the phase of an event changes. */
+function stepped(alert: Alert, event: CloudEvent, now: number): Alert {
+  const { data } = event;
+  const by = data.by ?? null;
+  const t = timeOf(event, data.t_detect_s ?? now);
+  switch (data.phase) {
+    case "new":
+      return alert;
+    case "update":
+      // Rising severity notifies again: neither an acknowledgement nor shelving holds.
+      return alert.raisedFrom && data.severity && RANK[data.severity] > RANK[alert.raisedFrom]
+        ? { ...alert, ack: null, shelved: null }
+        : alert;
+    case "end":
+      return { ...alert, end: alert.end ?? t };
+    case "ack":
+      return { ...alert, ack: { by, t } };
+    case "shelve":
+      return { ...alert, shelved: { until: data.until_s ?? t, by, note: data.note ?? null } };
+    case "unshelve":
+      return { ...alert, shelved: null };
+    case "close":
+      return {
+        ...alert,
+        closed: { reason: data.reason ?? "true", by, note: data.note ?? null, t },
+      };
+    case "reopen":
+      return { ...alert, closed: null };
+  }
+}
+
+export type Handling = "new" | "acknowledged" | "ended" | "shelved" | "closed";
+
+/** Return how an alert stands now. */
+export function handling(alert: Alert, now: number): Handling {
+  if (alert.closed) return "closed";
+  if (alert.shelved && alert.shelved.until > now) return "shelved";
+  if (alert.ack) return alert.end === null ? "acknowledged" : "closed";
+  return alert.end === null ? "new" : "ended";
+}
+
+/** Whether the condition holds now. */
+export const isActive = (alert: Alert): boolean => alert.end === null && alert.closed === null;
+
+/** Return the alerts that are listed as cards: not closed, the most urgent first. */
+export function openAlerts(alerts: Alerts, now: number): Alert[] {
+  const order: Record<Handling, number> = {
+    new: 0, ended: 0, acknowledged: 1, shelved: 2, closed: 3,
+  };
+  return [...alerts.values()]
+    .filter((alert) => handling(alert, now) !== "closed")
+    .sort(
+      (a, b) =>
+        order[handling(a, now)] - order[handling(b, now)]
+        || RANK[b.severity] - RANK[a.severity]
+        || b.start - a.start
+        || a.id.localeCompare(b.id),
+    );
+}
+
+/** Return the alerts that are over and dealt with, newest first. */
+export const closedAlerts = (alerts: Alerts, now: number): Alert[] =>
+  [...alerts.values()]
+    .filter((alert) => handling(alert, now) === "closed")
+    .sort((a, b) => b.start - a.start);
+
+/** Return cards: an alert each, or many of one rule and place as one while there is a flood. */
+export function cards(open: readonly Alert[], now: number): Alert[][] {
+  const recent = open.filter((alert) => now - alert.start <= FLOOD.seconds);
+  if (recent.length < FLOOD.alerts) return open.map((alert) => [alert]);
+  const groups = new Map<string, Alert[]>();
+  for (const alert of open) {
+    const key = `${alert.rule}/${alert.place ?? ""}/${alert.camera ?? ""}/${handling(alert, now)}`;
+    groups.set(key, [...(groups.get(key) ?? []), alert]);
+  }
+  return [...groups.values()];
+}
+
+/** Return the faults of cameras that no stored alert tells of, as alerts. */
+export function cameraAlerts(health: Health | null, alerts: Alerts, now: number): Alert[] {
+  if (!health) return [];
+  const told = new Set(
+    [...alerts.values()].filter(isActive).map((alert) => alert.camera).filter(Boolean),
+  );
+  return Object.entries(health.cameras)
+    .filter(([name, camera]) => !told.has(name) && isFault(camera.state))
+    .map(([name, camera]) => {
+      const start = camera.age_s === null ? NaN : now - camera.age_s;
+      return {
+        id: `camera/${name}`, kind: "camera.silent", rule: "", severity: "warning" as const,
+        raisedFrom: null, predicted: false, start, detected: start, end: null, ack: null,
+        shelved: null, closed: null, probability: null, people: [], place: null, camera: name,
+        count: null, measures: {}, cameras: [], stored: false,
+      };
+    });
+}
+
+export const isFault = (state: string): boolean => state === "stale" || state === "down";
+
+const TITLES: Record<string, (alert: Alert, who: string, where: string) => string> = {
+  "edge.platform": (_, who) => `${who} beyond platform edge`,
+  "zone.restricted": (_, who, where) => `${who} in ${where}`,
+  "zone.enter": (_, _who, where) => `${where} entered`,
+  "zone.exit": (_, _who, where) => `${where} left`,
+  "zone.dwell": (a, _who, where) => `${where}, stayed ${whole(lasted(a, a.end ?? a.detected))}`,
+  "line.cross": (_, _who, where) => `${where} crossed`,
+  "occupancy.limit": (a) => `${a.count ?? "Too many"} or more waiting`,
+  "density.level": (_, _who, where) => `${where} is crowded`,
+  "speed.running": (_, who) => `${who} runs`,
+  "body.fall": (_, who) => `${who} fell`,
+  "body.down": (a, who) => `${who} down, ${whole(lasted(a, a.end ?? a.detected))}`,
+  "flow.wrong_way": (_, who) => `${who} goes the wrong way`,
+};
+
+export const lasted = (alert: Alert, now: number): number =>
+  Math.max(0, (alert.end ?? now) - alert.start);
+
+/** Return who or what, and what: the title of an alert's card. */
+export function title(alert: Alert, withNumber = false): string {
+  if (alert.camera) return `Camera ${named(alert.camera)} ${cameraVerb(alert)}`;
+  const number = alert.people[0];
+  const who = withNumber && number !== undefined ? `Person ${number}` : "Person";
+  const where = alert.place ? named(alert.place) : "the site";
+  if (alert.predicted) return `${who} heads for ${where.toLowerCase()}`;
+  return TITLES[alert.kind]?.(alert, who, where) ?? `${named(alert.rule || alert.kind)}`;
+}
+
+function cameraVerb(alert: Alert): string {
+  if (alert.kind.includes("moved") || alert.kind.includes("pose")) return "was moved";
+  if (alert.kind.includes("clock")) return "has a wrong clock";
+  if (alert.kind.includes("frozen")) return "sends the same picture";
+  return alert.end === null ? "sends no picture" : "sent no picture";
+}
+
+/** Return where it is and whether it goes on: the second line of a card. */
+export function where(alert: Alert, now: number): string {
+  if (alert.camera) {
+    if (alert.end !== null) return `Picture back after ${duration(lasted(alert, now))}.`;
+    return Number.isFinite(alert.start)
+      ? `No picture for ${whole(lasted(alert, now))}. Its part of the site is less well covered.`
+      : "No picture since the start. Its part of the site is less well covered.";
+  }
+  const place = alert.place ? `${named(alert.place)}. ` : "";
+  if (alert.end !== null) return `${place}Over after ${duration(lasted(alert, now))}.`;
+  if (alert.predicted) {
+    return `${place}${alert.probability === null ? "" : `Chance ${percent(alert.probability)}.`}`;
+  }
+  return `${place}Still there.`;
+}
+
+export interface Figure {
+  value: string;
+  words: string;
+}
+
+/** Return the three figures of "is it real?", those that are known. */
+export function figures(alert: Alert, cameras: number): Figure[] {
+  const found: Figure[] = [];
+  if (alert.camera) return found;
+  if (alert.cameras.length > 0) {
+    found.push({ value: `${alert.cameras.length} of ${cameras}`, words: "cameras see it" });
+  }
+  if (alert.probability !== null) {
+    found.push({ value: percent(alert.probability), words: "certain" });
+  }
+  const measure = Object.entries(alert.measures)[0];
+  if (measure) found.push(measured(measure[0], measure[1]));
+  return found;
+}
+
+const UNITS: [RegExp, string, number][] = [
+  [/_mps$/, "m/s", 1], [/_per_m2$/, "/m²", 1], [/_deg$/, "°", 0], [/_m$/, "m", 1], [/_s$/, "s", 1],
+];
+
+function measured(name: string, value: number): Figure {
+  const unit = UNITS.find(([pattern]) => pattern.test(name));
+  const words = name.replace(unit?.[0] ?? /$^/, "").replaceAll("_", " ");
+  return {
+    value: unit ? `${value.toFixed(unit[2])} ${unit[1]}` : `${Number(value.toPrecision(3))}`,
+    words,
+  };
+}
+
+export const REASONS: Record<Reason, string> = {
+  true: "True", false: "False alarm", test: "Test", expected: "Expected",
+};
+
+/** Return what was done about an alert, in a few words. */
+export function handled(alert: Alert, now: number, clock: (t: number) => string): string {
+  switch (handling(alert, now)) {
+    case "acknowledged":
+      return "acknowledged";
+    case "ended":
+      return "ended";
+    case "shelved":
+      return `shelved to ${clock(alert.shelved?.until ?? now).slice(0, 5)}`;
+    case "closed":
+      return alert.closed ? `closed, ${REASONS[alert.closed.reason].toLowerCase()}` : "over";
+    case "new":
+      if (alert.predicted) return `early, in ${duration(alert.start - now)}`;
+      return alert.raisedFrom ? `raised from ${named(alert.raisedFrom)}` : "";
+  }
+}
+
+/** Return the names of the cameras that are not live, as a list in words. */
+export const faultyCameras = (health: Health): string =>
+  list(
+    Object.entries(health.cameras)
+      .filter(([, camera]) => isFault(camera.state))
+      .map(([name]) => named(name)),
+  );

@@ -1,0 +1,207 @@
+// The whole state of the page, and what a message or a person's action makes of it.
+
+import { cameraAlerts, openAlerts, withEvent, type Alert, type Alerts } from "./alerts.ts";
+import { assign, noMarks, type Marks } from "./marks.ts";
+import type { CloudEvent, Health, Me, StreamMessage } from "./messages.ts";
+import { readSnapshot, type Snapshot } from "./people.ts";
+import type { Site } from "./site.ts";
+import { status, type Status } from "./status.ts";
+
+/** Without a message for longer, the page has no connection [s]. */
+export const SILENT_S = 3;
+
+export type Access = "unknown" | "in" | "out";
+
+export interface Span {
+  from: number;
+  to: number;
+}
+
+export interface State {
+  access: Access;
+  me: Me | null;
+  site: Site | null;
+  health: Health | null;
+  snapshot: Snapshot | null;
+  marks: Marks;
+  alerts: Alerts;
+  /** Id of the last event, from which the server resumes. */
+  lastEvent: string | number | null;
+  link: "connecting" | "open" | "lost";
+  tries: number;
+  /** The page's own clock [s]. */
+  local: number;
+  startedAt: number;
+  heardAt: number;
+  retryAt: number;
+  /** Server's time less our own; the least delayed message tells it best. */
+  ahead: number;
+  lastSent: number;
+  /** When cameras were not live, per camera, on the clock of the snapshots [s]. */
+  outages: ReadonlyMap<string, readonly Span[]>;
+  /** What the page says after a lost connection came back; null once it has been read. */
+  back: { missed: number; alerts: number; at: number } | null;
+}
+
+export type Action =
+  | { type: "message"; message: StreamMessage; local: number }
+  | { type: "tick"; local: number }
+  | { type: "site"; site: Site }
+  | { type: "health"; health: Health }
+  | { type: "events"; events: CloudEvent[]; last: string | number | null }
+  | { type: "access"; access: Access; me?: Me | null }
+  | { type: "opened"; local: number }
+  | { type: "closed"; local: number; retryAt: number }
+  | { type: "trying" }
+  | { type: "seen back" };
+
+export const initial = (local: number): State => ({
+  access: "unknown",
+  me: null,
+  site: null,
+  health: null,
+  snapshot: null,
+  marks: noMarks,
+  alerts: new Map(),
+  lastEvent: null,
+  link: "connecting",
+  tries: 0,
+  local,
+  startedAt: local,
+  heardAt: NaN,
+  retryAt: NaN,
+  ahead: NaN,
+  lastSent: NaN,
+  outages: new Map(),
+  back: null,
+});
+
+/** Return the server's time now [s]. */
+export const serverTime = (state: State): number =>
+  state.local + (Number.isFinite(state.ahead) ? state.ahead : 0);
+
+/** Return now on the clock of the snapshots: the server's, or that of a recording. */
+export function dataTime(state: State): number {
+  const snapshot = state.snapshot;
+  return snapshot && snapshot.t < 1e9
+    ? snapshot.t + Math.max(0, serverTime(state) - snapshot.sent)
+    : serverTime(state);
+}
+
+export function reduce(state: State, action: Action): State {
+  switch (action.type) {
+    case "message":
+      return heard(state, action.message, action.local);
+    case "tick":
+      return ticked({ ...state, local: action.local });
+    case "site":
+      return { ...state, site: action.site };
+    case "health":
+      return withHealth(state, action.health);
+    case "events":
+      return {
+        ...state,
+        alerts: action.events.reduce((all, e) => withEvent(all, e, dataTime(state)), state.alerts),
+        lastEvent: action.last ?? state.lastEvent,
+      };
+    case "access":
+      return { ...state, access: action.access, me: action.me ?? state.me };
+    case "opened":
+      return { ...state, local: action.local, tries: 0, retryAt: NaN };
+    case "closed":
+      return {
+        ...state, local: action.local, retryAt: action.retryAt, tries: state.tries + 1,
+        link: Number.isFinite(state.heardAt) || state.tries > 0 ? "lost" : state.link,
+      };
+    case "trying":
+      return { ...state, retryAt: NaN };
+    case "seen back":
+      return { ...state, back: null };
+  }
+}
+
+function ticked(state: State): State {
+  const silent = state.local - state.heardAt > SILENT_S;
+  const back = state.back && state.local - state.back.at > 8 ? null : state.back;
+  const link = state.link === "open" && silent ? "lost" : state.link;
+  return { ...state, link, back };
+}
+
+function heard(before: State, message: StreamMessage, local: number): State {
+  const offset = message.sent_s - local;
+  const missed = local - before.heardAt;
+  const returned = before.link === "lost" && missed > SILENT_S;
+  const state: State = {
+    ...before,
+    local, heardAt: local, link: "open", tries: 0, retryAt: NaN,
+    lastSent: message.sent_s,
+    // A delay makes the offset smaller, never larger; forget slowly, for clocks drift.
+    ahead: Number.isFinite(before.ahead) ? Math.max(offset, before.ahead - 1e-4) : offset,
+    back: returned ? { missed, alerts: 0, at: local } : before.back,
+  };
+  switch (message.type) {
+    case "snapshot":
+      return withSnapshot(state, readSnapshot(message, state.snapshot));
+    case "health":
+      return withHealth(state, message);
+    case "event":
+      return {
+        ...state,
+        alerts: withEvent(state.alerts, message.event, dataTime(state)),
+        lastEvent: message.event.id,
+        back: state.back && message.event.data.phase === "new"
+          ? { ...state.back, alerts: state.back.alerts + 1 }
+          : state.back,
+      };
+    default:
+      return state; // a kind of message that a newer server sends
+  }
+}
+
+function withSnapshot(state: State, snapshot: Snapshot): State {
+  const marks = assign(state.marks, snapshot.people.map((person) => person.id));
+  return { ...state, snapshot, marks };
+}
+
+function withHealth(state: State, health: Health): State {
+  const t = dataTime(state);
+  const outages = new Map(state.outages);
+  for (const [name, camera] of Object.entries(health.cameras)) {
+    const spans = outages.get(name) ?? [];
+    const last = spans[spans.length - 1];
+    const running = last?.to === Infinity;
+    const bad = camera.state === "stale" || camera.state === "down";
+    if (bad && !running) {
+      outages.set(name, [...spans, { from: t - Math.min(camera.age_s ?? 0, 600), to: Infinity }]);
+    } else if (!bad && running) {
+      outages.set(name, [...spans.slice(0, -1), { from: last.from, to: t }]);
+    }
+  }
+  return { ...state, health, outages };
+}
+
+/** Return all open alerts, the faults of cameras included, the most urgent first. */
+export function open(state: State): Alert[] {
+  const now = dataTime(state);
+  const derived = cameraAlerts(state.health, state.alerts, now);
+  const all = new Map([...state.alerts, ...derived.map((one) => [one.id, one] as const)]);
+  return openAlerts(all, now);
+}
+
+/** Return the status sentence of the site now. */
+export function statusOf(state: State): Status {
+  const site = state.site;
+  return status({
+    link: state.link,
+    lastTime: state.lastSent,
+    waitFor: state.retryAt - state.local,
+    connectingFor: state.local - state.startedAt,
+    now: dataTime(state),
+    health: state.health,
+    open: open(state),
+    armed: state.health?.rules?.armed ?? site?.armed ?? 0,
+    rules: state.health?.rules?.total ?? site?.rules ?? 0,
+    next: null,
+    timezone: site?.timezone ?? "UTC",
+  });
+}

@@ -1,0 +1,176 @@
+// The sentence that says whether all is well: the first case that holds.
+
+import { handling, isActive, isFault, title, where, type Alert } from "./alerts.ts";
+import type { Health, Severity } from "./messages.ts";
+import { clock, count, list, named, whole } from "./words.ts";
+
+export type Look = "lost" | "filled" | "outlined" | "plain" | "dashed" | "clear" | "connecting";
+
+export interface Status {
+  row: 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7;
+  look: Look;
+  severity: Severity | null;
+  icon: "lost" | "clear" | "unarmed" | "severity" | "connecting";
+  title: string;
+  line: string;
+}
+
+export interface Situation {
+  link: "connecting" | "open" | "lost";
+  /** The server's time of its last message; NaN before the first. */
+  lastTime: number;
+  /** Seconds until the next try; NaN while one is under way. */
+  waitFor: number;
+  connectingFor: number;
+  now: number;
+  health: Health | null;
+  /** Alerts that are not closed, the most urgent first. */
+  open: readonly Alert[];
+  armed: number;
+  rules: number;
+  next: string | null;
+  timezone: string;
+}
+
+const base = { severity: null, icon: "severity" } as const;
+
+/** Return the status of the site. "All clear" only where everything is known to be well. */
+export function status(s: Situation): Status {
+  return (
+    disconnected(s) ?? stopped(s) ?? alarmed(s) ?? acknowledged(s) ?? warned(s) ?? unarmed(s)
+    ?? clear(s)
+  );
+}
+
+function disconnected(s: Situation): Status | null {
+  if (s.link === "connecting" || (s.link === "open" && !s.health)) {
+    return {
+      ...base, row: 0, look: "connecting", icon: "connecting", title: "Connecting…",
+      line: s.connectingFor > 3 ? "Waiting for the first people message." : "",
+    };
+  }
+  if (s.link === "open") return null;
+  const since = Number.isFinite(s.lastTime) ? ` since ${clock(s.lastTime, s.timezone)}` : "";
+  const next = Number.isFinite(s.waitFor)
+    ? `Trying again in ${Math.max(1, Math.ceil(s.waitFor))} s.`
+    : "Trying again now.";
+  return {
+    ...base, row: 1, look: "lost", icon: "lost", title: "No connection",
+    line: `State of the site unknown${since}. ${next}`,
+  };
+}
+
+function stopped(s: Situation): Status | null {
+  const fusion = s.health?.fusion;
+  if (!fusion || (fusion.state !== "stalled" && fusion.state !== "starting")) return null;
+  if (fusion.state === "starting") {
+    return {
+      ...base, row: 2, look: "plain", severity: "warning", title: "Watching has not begun",
+      line: "3D people: no result yet.",
+    };
+  }
+  const age = fusion.age_s ?? NaN;
+  const how = Number.isFinite(age) ? `no result for ${whole(age)}` : "no result";
+  return {
+    ...base, row: 2, look: "filled", severity: "alarm", title: "Watching has stopped",
+    line: `3D people: ${how}.`,
+  };
+}
+
+const isAlarm = (alert: Alert): boolean =>
+  (alert.severity === "alarm" || alert.severity === "critical") && !alert.predicted;
+
+function alarmed(s: Situation): Status | null {
+  const alarms = s.open.filter((a) => isAlarm(a) && ["new", "ended"].includes(handling(a, s.now)));
+  const first = alarms[0];
+  if (!first) return null;
+  const look = { ...base, row: 3, look: "filled", severity: first.severity } as const;
+  if (alarms.length === 1) return { ...look, title: title(first), line: sentence(first, s.now) };
+  const kind = first.severity === "critical" ? "critical alarms" : "alarms";
+  return { ...look, title: `${alarms.length} ${kind}`, line: `First: ${lower(title(first))}.` };
+}
+
+function acknowledged(s: Situation): Status | null {
+  const alarms = s.open.filter(
+    (a) => isAlarm(a) && isActive(a) && ["acknowledged", "shelved"].includes(handling(a, s.now)),
+  );
+  const first = alarms[0];
+  if (!first) return null;
+  return {
+    ...base, row: 4, look: "outlined", severity: first.severity,
+    title: `${count(alarms.length, "alarm")}, acknowledged`,
+    line: `${title(first)}, still there.`,
+  };
+}
+
+function warned(s: Situation): Status | null {
+  const look = { ...base, row: 5, look: "plain", severity: "warning" } as const;
+  const warnings = s.open.filter((a) => isActive(a) && !a.camera && a.severity !== "info");
+  const people = warnings.filter((a) => handling(a, s.now) !== "shelved")[0];
+  if (people) {
+    const more = warnings.length - 1;
+    return {
+      ...look, title: title(people),
+      line: more ? `And ${count(more, "other warning")}.` : where(people, s.now),
+    };
+  }
+  const faults = faulty(s.health);
+  const store = s.health?.store;
+  if (faults.length > 0) return { ...look, ...cameraWords(faults, store?.state === "failing") };
+  if (store?.state !== "failing") return null;
+  const why = store.fault ? `: ${store.fault}` : "";
+  return { ...look, title: "Nothing is recorded", line: `People are tracked. Storage fails${why}.` };
+}
+
+function faulty(health: Health | null): [string, string][] {
+  return Object.entries(health?.cameras ?? {})
+    .filter(([, camera]) => isFault(camera.state))
+    .map(([name, camera]) => [name, camera.state]);
+}
+
+function cameraWords(
+  faults: [string, string][], unstored: boolean,
+): { title: string; line: string } {
+  const tail = unstored ? " Nothing is recorded." : "";
+  const names = faults.map(([name]) => named(name));
+  const first = faults[0] as [string, string];
+  if (faults.length === 1) {
+    return {
+      title: `Camera ${names[0]} is ${first[1]}`,
+      line: `No alert for people. What it sees is less well covered.${tail}`,
+    };
+  }
+  return {
+    title: `${faults.length} cameras send no picture`,
+    line: `${list(names)}. What they see is less well covered.${tail}`,
+  };
+}
+
+function unarmed(s: Situation): Status | null {
+  if (s.armed > 0) return null;
+  const why = s.rules === 0 ? "There are no rules yet." : s.next ? `Next: ${s.next}.` : "";
+  return {
+    ...base, row: 6, look: "dashed", icon: "unarmed", title: "Nothing is armed",
+    line: `No alert for people can fire. ${why}`.trim(),
+  };
+}
+
+function clear(s: Situation): Status {
+  const ended = s.open.filter((alert) => !isActive(alert)).length;
+  const shelved = s.open.filter((alert) => isActive(alert)).length;
+  const line = ended
+    ? `Nothing active. ${count(ended, "ended alert is", "ended alerts are")} still to be closed.`
+    : shelved
+      ? `${count(shelved, "alert is", "alerts are")} shelved. Every rule and camera is working.`
+      : "Nothing open. Every rule and camera is working.";
+  return { ...base, row: 7, look: "clear", icon: "clear", title: "All clear", line };
+}
+
+/** Return where the alarm is and how long it has held. */
+function sentence(alert: Alert, now: number): string {
+  if (alert.end !== null) return where(alert, now);
+  const place = alert.place ? `${named(alert.place)}. ` : "";
+  return `${place}For ${whole(now - alert.start)}, still there.`;
+}
+
+const lower = (text: string): string => text.charAt(0).toLowerCase() + text.slice(1);

@@ -1,0 +1,305 @@
+// The store: state, its history, and who wants to know when it changes.
+
+import { act, getEvents, getHealth, getMe, getSite, SignedOut, type Act } from "./net/api.ts";
+import { Connection } from "./net/connection.ts";
+import { home, parse, write, type Address } from "./state/address.ts";
+import { History } from "./state/history.ts";
+import { readSite } from "./state/site.ts";
+import { dataTime, initial, reduce, type Action, type State } from "./state/state.ts";
+import { clock } from "./state/words.ts";
+import type { Snapshot } from "./state/people.ts";
+
+const now = (): number => Date.now() / 1000;
+
+/** What the person at this page has set; kept in this browser where it should outlast a visit. */
+export interface Own {
+  theme: "system" | "light" | "dark";
+  sound: boolean;
+  mutedUntil: number;
+  layers: Record<Layer, boolean>;
+  follow: boolean;
+  playing: boolean;
+  speed: number;
+  menu: string | null;
+  toast: { text: string; undo: (() => void) | null; until: number } | null;
+}
+
+export type Layer = "paths" | "forecasts" | "zones" | "cameras" | "numbers" | "uncertainty";
+export const LAYERS: Record<Layer, string> = {
+  paths: "Last 10 s", forecasts: "Next 4 s", zones: "Zones and edges", cameras: "Cameras",
+  numbers: "Numbers", uncertainty: "Uncertainty",
+};
+
+type Kept = Pick<Own, "theme" | "sound" | "layers">;
+
+function kept(): Kept {
+  const plain: Kept = {
+    theme: "system", sound: false,
+    layers: {
+      paths: true, forecasts: true, zones: true, cameras: true, numbers: true, uncertainty: true,
+    },
+  };
+  try {
+    const found = JSON.parse(localStorage.getItem("trecsim") ?? "{}") as Partial<Kept>;
+    return { ...plain, ...found, layers: { ...plain.layers, ...found.layers } };
+  } catch {
+    return plain;
+  }
+}
+
+export class Store {
+  state: State = initial(now());
+  own: Own = {
+    ...kept(), mutedUntil: 0, follow: false, playing: true, speed: 1, menu: null, toast: null,
+  };
+  address: Address = parse(location.pathname, location.search);
+  readonly history = new History();
+  /** The snapshot on the screen: the live one, or that of a replay. */
+  shown: Snapshot | null = null;
+  /** The last new alert in words, for those who listen to the page. */
+  announcement = "";
+
+  #slow = new Set<() => void>();
+  #fast = new Set<() => void>();
+  #pending = false;
+  #told = 0;
+  #connection: Connection;
+  #started = false;
+
+  constructor() {
+    this.#connection = new Connection(() => this.#streamAddress(), {
+      opened: () => {
+        this.dispatch({ type: "opened", local: now() });
+        // A server that came back may have another site, and knows what happened meanwhile.
+        void this.load();
+      },
+      message: (message) => this.dispatch({ type: "message", message, local: now() }),
+      closed: (wait) => {
+        this.dispatch({ type: "closed", local: now(), retryAt: now() + wait });
+        void this.#stillSignedIn();
+      },
+      trying: () => this.dispatch({ type: "trying" }),
+    });
+    addEventListener("popstate", () => {
+      this.address = parse(location.pathname, location.search);
+      this.#show();
+      this.changed();
+    });
+    document.addEventListener("visibilitychange", () => this.draw());
+    setInterval(() => this.dispatch({ type: "tick", local: now() }), 250);
+  }
+
+  #streamAddress(): string {
+    const base = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/api/stream`;
+    const last = this.state.lastEvent;
+    return last === null ? base : `${base}?last_event_id=${encodeURIComponent(String(last))}`;
+  }
+
+  /** Load site, health and events; open the stream where that is allowed. */
+  async start(): Promise<void> {
+    try {
+      const me = await getMe();
+      await this.load();
+      this.dispatch({ type: "access", access: "in", me });
+    } catch (error) {
+      if (error instanceof SignedOut) {
+        this.dispatch({ type: "access", access: "out" });
+        return;
+      }
+    }
+    if (!this.#started) this.#connection.open();
+    this.#started = true;
+  }
+
+  async load(): Promise<void> {
+    const [site, health, events] = await Promise.allSettled([getSite(), getHealth(), getEvents()]);
+    for (const one of [site, health, events]) {
+      if (one.status === "rejected" && one.reason instanceof SignedOut) throw one.reason;
+    }
+    if (site.status === "fulfilled") this.dispatch({ type: "site", site: readSite(site.value) });
+    if (health.status === "fulfilled") this.dispatch({ type: "health", health: health.value });
+    if (events.status === "fulfilled") this.dispatch({ type: "events", ...events.value });
+  }
+
+  async #stillSignedIn(): Promise<void> {
+    try {
+      await getMe();
+    } catch (error) {
+      if (!(error instanceof SignedOut)) return;
+      this.#connection.close();
+      this.#started = false;
+      this.dispatch({ type: "access", access: "out" });
+    }
+  }
+
+  tryNow(): void {
+    this.#connection.open();
+  }
+
+  dispatch(action: Action): void {
+    const before = this.state;
+    this.state = reduce(before, action);
+    if (this.state === before) return;
+    const fresh = this.state.snapshot;
+    if (fresh && fresh !== before.snapshot) {
+      this.history.add(fresh);
+      if (this.address.t === null) this.shown = fresh;
+      this.draw();
+      this.#soon();
+      return;
+    }
+    this.changed();
+  }
+
+  /** Tell the parts of the page that show words; after snapshots at most four times a second. */
+  #soon(): void {
+    if (performance.now() - this.#told > 240) this.changed();
+  }
+
+  changed(): void {
+    if (this.#pending) return;
+    this.#pending = true;
+    queueMicrotask(() => {
+      this.#pending = false;
+      this.#told = performance.now();
+      for (const tell of [...this.#slow]) tell();
+    });
+  }
+
+  #drawing = 0;
+
+  /** Tell the parts of the page that draw people, once per picture of the screen. */
+  draw(): void {
+    if (this.#drawing !== 0 || document.hidden) return;
+    this.#drawing = requestAnimationFrame(() => {
+      this.#drawing = 0;
+      for (const tell of [...this.#fast]) tell();
+    });
+  }
+
+  subscribe(tell: () => void): () => void {
+    this.#slow.add(tell);
+    return () => this.#slow.delete(tell);
+  }
+
+  onDraw(tell: () => void): () => void {
+    this.#fast.add(tell);
+    return () => this.#fast.delete(tell);
+  }
+
+  set(own: Partial<Own>): void {
+    this.own = { ...this.own, ...own };
+    const { theme, sound, layers } = this.own;
+    try {
+      localStorage.setItem("trecsim", JSON.stringify({ theme, sound, layers }));
+    } catch {
+      // a browser that keeps nothing: the choice holds until the page is closed
+    }
+    this.changed();
+    this.draw();
+  }
+
+  go(to: Partial<Address>, replace = false): void {
+    this.address = { ...this.address, ...to };
+    const text = write(this.address);
+    if (text !== location.pathname + location.search) {
+      if (replace) history.replaceState(null, "", text);
+      else history.pushState(null, "", text);
+    }
+    this.#show();
+    this.changed();
+    this.draw();
+  }
+
+  page(page: Address["page"]): void {
+    this.go({ ...home, page, person: page === "live" ? this.address.person : null });
+  }
+
+  /** Time shown: that of the replay, else now. */
+  get time(): number {
+    return this.address.t ?? dataTime(this.state);
+  }
+
+  get replaying(): boolean {
+    return this.address.t !== null && this.address.page === "live";
+  }
+
+  #show(): void {
+    const t = this.address.t;
+    this.shown = t === null || this.address.page !== "live"
+      ? this.state.snapshot
+      : this.history.at(t);
+  }
+
+  #playedAt = NaN;
+  #playing = 0;
+  #writing = 0;
+
+  /** Move a replay on with each picture that the screen shows. */
+  #play = (): void => {
+    const at = performance.now() / 1000;
+    const passed = at - this.#playedAt;
+    this.#playedAt = at;
+    const t = this.address.t;
+    if (t === null || this.address.page !== "live" || !this.own.playing) {
+      this.#playing = 0;
+      return;
+    }
+    this.#playing = requestAnimationFrame(this.#play);
+    const next = t + Math.min(passed, 1) * this.own.speed;
+    if (next >= this.history.to) this.go({ t: null }, true);
+    else this.replay(next);
+  };
+
+  /** Show a moment of the last ten minutes. */
+  replay(t: number): void {
+    const within = Math.min(this.history.to, Math.max(this.history.from, t));
+    if (!Number.isFinite(within)) return;
+    this.address = { ...this.address, t: within };
+    this.#show();
+    this.draw();
+    this.#soon();
+    // Browsers limit how often the address may change.
+    clearTimeout(this.#writing);
+    this.#writing = window.setTimeout(() => this.go({}, true), 400);
+    if (this.own.playing && !this.#playing) {
+      this.#playedAt = performance.now() / 1000;
+      this.#playing = requestAnimationFrame(this.#play);
+    }
+  }
+
+  /** Return the moment that a time of day names, within the last day; null where it is none. */
+  momentOf(text: string): number | null {
+    const found = /^(\d{1,2}):(\d{2})(?::(\d{2}(?:\.\d+)?))?$/.exec(text.trim());
+    if (!found) return null;
+    const wanted = Number(found[1]) * 3600 + Number(found[2]) * 60 + Number(found[3] ?? 0);
+    const now = dataTime(this.state);
+    const shown = clock(now, this.state.site?.timezone ?? "UTC").split(":").map(Number);
+    const today = (shown[0] ?? 0) * 3600 + (shown[1] ?? 0) * 60 + (shown[2] ?? 0) + (now % 1);
+    return now - ((today - wanted + 86400) % 86400);
+  }
+
+  toast(text: string, undo: (() => void) | null = null): void {
+    this.set({ toast: { text, undo, until: now() + 5 } });
+    setTimeout(() => {
+      if (this.own.toast && this.own.toast.until <= now() + 0.1) this.set({ toast: null });
+    }, 5000);
+  }
+
+  get mayAct(): boolean {
+    return this.state.me?.role !== "viewer";
+  }
+
+  /** Do something to an alert, and say that it was done, or why not. */
+  async act(event: string, what: Act, done: string): Promise<void> {
+    try {
+      await act(event, what, this.state.me?.csrf ?? null);
+      this.dispatch({ type: "events", ...(await getEvents()) });
+      this.toast(done);
+    } catch (error) {
+      this.toast(`Could not do it: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+}
+
+export const store = new Store();

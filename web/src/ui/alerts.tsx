@@ -1,0 +1,132 @@
+import { useEffect, useRef, useState } from "preact/hooks";
+import { Card } from "./card.tsx";
+import { Glyph } from "./icons.tsx";
+import { useStore } from "./use.ts";
+import {
+  cards, closedAlerts, handling, REASONS, title, type Alert,
+} from "../state/alerts.ts";
+import { dataTime, open, type State } from "../state/state.ts";
+import { hourMinute, clock } from "../state/words.ts";
+import { store } from "../store.ts";
+
+const HOLD_MS = 500;
+
+/** The cards as they are shown: they hold still while the pointer is among them. */
+function useHeld(groups: Alert[][]): {
+  shown: Alert[][]; waiting: number; hold: (on: boolean) => void; release: () => void;
+} {
+  const [held, setHeld] = useState<string[] | null>(null);
+  const timer = useRef(0);
+  const ids = groups.map((group) => (group[0] as Alert).id);
+  const order = useRef(ids);
+  if (!held) {
+    if (order.current.join() !== ids.join()) ordered = performance.now();
+    order.current = ids;
+  }
+  useEffect(() => () => clearTimeout(timer.current), []);
+  const shown = held
+    ? held.flatMap((id) => groups.filter((group) => group[0]?.id === id))
+    : groups;
+  return {
+    shown,
+    waiting: groups.length - shown.length,
+    hold: (on) => {
+      clearTimeout(timer.current);
+      if (on) setHeld((before) => before ?? order.current);
+      else timer.current = window.setTimeout(() => setHeld(null), HOLD_MS);
+    },
+    release: () => setHeld(null),
+  };
+}
+
+let ordered = -Infinity;
+
+/** Tell whether the order of the cards changed a moment ago: keys wait then. */
+export const justOrdered = (): boolean => performance.now() - ordered < HOLD_MS;
+
+/** Return the card on which keys act: the first that is not acknowledged. */
+export function keyed(state: State): Alert | null {
+  const now = dataTime(state);
+  return open(state).find((a) => ["new", "ended"].includes(handling(a, now))) ?? null;
+}
+
+export function Alerts() {
+  const { state } = useStore();
+  const now = dataTime(state);
+  const all = open(state);
+  const held = useHeld(cards(all, now));
+  const lost = state.link === "lost";
+  const key = keyed(state);
+  const number = lost ? "unknown" : all.length || (state.health ? "none" : "");
+  return (
+    <aside class="alerts" aria-label="Alerts">
+      <div class="head"><h2>Alerts</h2><span class="note">{number}</span></div>
+      <div class="scroll" onPointerEnter={() => held.hold(true)} onPointerLeave={() => held.hold(false)}>
+        {lost && (
+          <div class="none">
+            <strong>Alerts unknown</strong>
+            <p>The list below ends at {clock(state.lastSent, state.site?.timezone ?? "UTC")}.</p>
+          </div>
+        )}
+        {held.waiting > 0 && (
+          <button type="button" class="held" onClick={held.release}>
+            {held.waiting === 1 ? "1 new alarm above" : `${held.waiting} new alarms above`}
+          </button>
+        )}
+        <ul class={lost ? "dimmed" : ""}>
+          {held.shown.map((group) => (
+            <Card key={group[0]?.id} group={group} now={now} keyed={group[0]?.id === key?.id} />
+          ))}
+        </ul>
+        {!lost && all.length === 0 && <None state={state} />}
+        <Past state={state} dimmed={lost} />
+      </div>
+    </aside>
+  );
+}
+
+function None({ state }: { state: State }) {
+  if (!state.health || !state.site) return null;
+  const now = dataTime(state);
+  const last = closedAlerts(state.alerts, now)[0];
+  if ((state.health.rules?.total ?? state.site.rules) === 0) {
+    return (
+      <div class="none">
+        <strong>No rules yet</strong>
+        <p>Alerts for people need a zone, line or edge. A camera that sends no picture is told here already.</p>
+        <button type="button" class="button" onClick={() => store.page("zones")}>Zones</button>
+      </div>
+    );
+  }
+  const zone = state.site.timezone;
+  const as = last?.closed ? `, closed as ${REASONS[last.closed.reason].toLowerCase()}` : "";
+  return (
+    <div class="none">
+      <strong>No open alerts</strong>
+      {last && <p>Last one {hourMinute(last.start, zone)}{as}.</p>}
+    </div>
+  );
+}
+
+const PAST_SHOWN = 30;
+
+function Past({ state, dimmed }: { state: State; dimmed: boolean }) {
+  const now = dataTime(state);
+  const past = closedAlerts(state.alerts, now).slice(0, PAST_SHOWN);
+  if (past.length === 0) return null;
+  return (
+    <section class={dimmed ? "dimmed" : ""}>
+      <h3 class="since">Today</h3>
+      <ul class="past">
+        {past.map((alert) => (
+          <li key={alert.id}>
+            <time>{hourMinute(alert.start, state.site?.timezone ?? "UTC")}</time>
+            <Glyph severity={alert.severity} open={false} />
+            <span class="what">{title(alert)}</span>
+            <span class="how">{alert.closed ? REASONS[alert.closed.reason] : "Acknowledged"}</span>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}

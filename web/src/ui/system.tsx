@@ -1,0 +1,200 @@
+import { Glyph, Icon } from "./icons.tsx";
+import { useStore } from "./use.ts";
+import { isFault, title } from "../state/alerts.ts";
+import type { CameraHealth, Health } from "../state/messages.ts";
+import type { State } from "../state/state.ts";
+import { count, duration, hourMinute, named } from "../state/words.ts";
+import { camerasLive } from "./top.tsx";
+
+const STATES = { live: "Live", stale: "Stale", down: "Down", ended: "Ended" };
+
+export function System() {
+  const { state } = useStore();
+  const health = state.health;
+  return (
+    <div class="system">
+      <main class="left" aria-label="System">
+        <div class="head"><h2>Cameras</h2><span class="note">{health ? camerasLive(state) : "unknown"}</span></div>
+        {health && <Cameras health={health} state={state} />}
+        <div class="head"><h2>Rules</h2></div>
+        <p class="empty">
+          {(state.site?.rules ?? 0) === 0
+            ? "No rules yet. How often each fires, and how often that was false, stands here once there are some."
+            : "No alert has been closed yet."}
+        </p>
+        <div class="head"><h2>Events</h2></div>
+        <Changes state={state} />
+      </main>
+      <aside class="right" aria-label="Delay, storage and workers">
+        <Delay health={health} />
+        <Tracking health={health} />
+        <Stored health={health} />
+        <Workers health={health} />
+        <div class="footer">
+          <p>Supports people on duty. Not a certified safety function.</p>
+        </div>
+      </aside>
+    </div>
+  );
+}
+
+function Cameras({ health, state }: { health: Health; state: State }) {
+  const lost = state.link === "lost";
+  return (
+    <table class="grid">
+      <thead>
+        <tr>
+          <th>Camera</th><th>State</th><th class="n">Rate</th><th class="n">Age</th>
+          <th class="wide">Clock</th><th class="n wide">Left out</th><th class="wide">Why</th>
+        </tr>
+      </thead>
+      <tbody>
+        {Object.entries(health.cameras).map(([name, camera]) => (
+          <Row key={name} name={name} camera={camera} lost={lost} />
+        ))}
+      </tbody>
+    </table>
+  );
+}
+
+function Row({ name, camera, lost }: { name: string; camera: CameraHealth; lost: boolean }) {
+  const fault = isFault(camera.state);
+  const why = camera.fault ?? dropsInWords(camera);
+  return (
+    <tr class={fault ? "fault" : ""} data-camera={name}>
+      <td>
+        <span class="name">
+          {fault ? <Glyph severity="warning" /> : <Icon name="camera" size={16} />}{named(name)}
+        </span>
+      </td>
+      <td class="state">{lost ? "Unknown" : STATES[camera.state]}</td>
+      <td class="n">{camera.fps.toFixed(1)} /s</td>
+      <td class="n">{camera.age_s === null ? "Never" : duration(camera.age_s)}</td>
+      <td class="soft wide">{camera.clock === "sender" ? "From the camera" : "Unknown, arrival"}</td>
+      <td class="n wide">{camera.dropped}</td>
+      <td class="soft wide">{why}</td>
+    </tr>
+  );
+}
+
+/** Return why images were left out, the most frequent reason first. */
+function dropsInWords(camera: CameraHealth): string {
+  return Object.entries(camera.dropped_by ?? {})
+    .filter(([, n]) => n > 0)
+    .sort((a, b) => b[1] - a[1])
+    .map(([reason, n]) => `${reason.replaceAll("_", " ")} ${n}`)
+    .join(", ");
+}
+
+function Changes({ state }: { state: State }) {
+  const zone = state.site?.timezone ?? "UTC";
+  const all = [...state.alerts.values()].sort((a, b) => b.start - a.start).slice(0, 20);
+  if (all.length === 0) return <p class="empty">Nothing has happened since the start.</p>;
+  return (
+    <ul class="past">
+      {all.map((alert) => (
+        <li key={alert.id}>
+          <time>{hourMinute(alert.start, zone)}</time>
+          <Glyph severity={alert.severity} open={alert.end === null && !alert.closed} />
+          <span class="what">{title(alert)}</span>
+          <span class="how">
+            {alert.end === null ? "still" : `over after ${duration(alert.end - alert.start)}`}
+          </span>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+function Delay({ health }: { health: Health | null }) {
+  const stages = Object.entries(health?.stages ?? {});
+  const total = stages.reduce((sum, [, stage]) => sum + stage.median_ms, 0);
+  const worst = stages.reduce((sum, [, stage]) => sum + stage.p95_ms, 0);
+  let start = 0;
+  return (
+    <>
+      <div class="head"><h2>Delay, picture to page</h2><div class="end note">median</div></div>
+      <div class="block">
+        {stages.length === 0 ? <p class="note">Not measured yet.</p> : (
+          <>
+            <p class="big">
+              {(total / 1000).toFixed(2)} s
+              <small>95 of 100 of each stage together {(worst / 1000).toFixed(2)} s</small>
+            </p>
+            <div class="bars">
+              {stages.map(([name, stage]) => {
+                const from = start;
+                start += stage.median_ms;
+                return (
+                  <div key={name}>
+                    <span>{named(name)}</span>
+                    <svg viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true">
+                      <rect class="back" width="100" height="6" />
+                      <rect class="bar" x={(100 * from) / total} height="6"
+                        width={Math.max(0.8, (100 * stage.median_ms) / total)} />
+                    </svg>
+                    <b>{stage.median_ms.toFixed(stage.median_ms < 10 ? 1 : 0)} ms</b>
+                  </div>
+                );
+              })}
+            </div>
+          </>
+        )}
+      </div>
+    </>
+  );
+}
+
+function Facts({ rows }: { rows: [string, string][] }) {
+  return (
+    <div class="block">
+      <dl class="facts-list">
+        {rows.map(([name, value]) => <div key={name}><dt>{name}</dt><dd>{value}</dd></div>)}
+      </dl>
+    </div>
+  );
+}
+
+const FUSION = { starting: "Starting", running: "Running", stalled: "Stopped", ended: "Ended" };
+
+function Tracking({ health }: { health: Health | null }) {
+  const fusion = health?.fusion;
+  return (
+    <>
+      <div class="head"><h2>3D people</h2></div>
+      <Facts rows={[
+        ["State", fusion ? FUSION[fusion.state] : "Unknown"],
+        ["Results", fusion?.rate_hz === undefined ? "Unknown" : `${fusion.rate_hz.toFixed(1)} /s`],
+        ["Time of one", fusion?.step_ms == null ? "Unknown" : `${fusion.step_ms.toFixed(1)} ms`],
+      ]} />
+    </>
+  );
+}
+
+const STORE = { off: "Off", writing: "Writing", failing: "Fails" };
+
+function Stored({ health }: { health: Health | null }) {
+  const stored = health?.store;
+  return (
+    <>
+      <div class="head"><h2>Stored data</h2></div>
+      <Facts rows={[
+        ["Recording", stored ? STORE[stored.state] : "Unknown"],
+        ...(stored?.fault ? [["Why", stored.fault] as [string, string]] : []),
+      ]} />
+    </>
+  );
+}
+
+function Workers({ health }: { health: Health | null }) {
+  const restarts = Object.entries(health?.restarts ?? {}).filter(([, n]) => n > 0);
+  return (
+    <>
+      <div class="head"><h2>Restarted workers</h2></div>
+      {restarts.length === 0
+        ? <p class="empty">None since the start.</p>
+        : <Facts rows={restarts.map(([name, n]) => [named(name), count(n, "time")])} />}
+    </>
+  );
+}
+
