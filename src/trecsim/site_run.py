@@ -220,7 +220,7 @@ def _poses(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, No
     from trecsim.estimators.pool import estimate_videos, open_videos
 
     estimator = load_estimator(checked.file)
-    videos = {camera: source.video for camera, source in site.sources.items()}
+    videos = {camera: one.video for camera, one in site.sources.items() if one.video is not None}
     yield from estimate_videos(open_videos(videos, estimator), estimator, wanted=wanted)
 
 

@@ -32,12 +32,16 @@ class Frame:
         When it was taken [s]; Unix time live, any origin in recordings.
     image
         Pixels, RGB.
+    size_px
+        Width and height of the image as the camera took it [px], where `image` is a smaller one;
+        the calibration refers to them.
     """
 
     camera: str
     index: int
     t_s: float
     image: UInt8[np.ndarray, "h w 3"]
+    size_px: tuple[int, int] | None = None
 
     def __repr__(self) -> str:
         height, width = self.image.shape[:2]

@@ -79,7 +79,6 @@ def test_all_faults_are_told_at_once_by_line_with_the_nearest_name(tmp_path: Pat
     told = faults(tmp_path, text)
     expected = [
         r"line 3: name: expected .*letters, .*found 'back yard'",
-        r"line 8: sources\.south\.video: is missing",
         r"line 9: sources\.south\.vidoe: unknown key; did you mean 'video'\?",
         r"line 11: estimatr: unknown key; did you mean 'estimator'\?",
         r"line 16: fusion\.deaths_s: unknown key; did you mean 'death_s'\?",

@@ -365,6 +365,6 @@ def test_a_live_stream_is_told_from_a_file_without_its_password(given, shown):
     with pytest.raises(InputError) as caught:
         VideoFile(Path(given), "a")
     assert str(caught.value) == (
-        f"cannot read video {shown}: live streams are not supported yet in this version; give a "
-        "recording"
+        f"cannot read video {shown}: it is a live camera; `trecsim run` reads those, with a site "
+        "file"
     )

@@ -22,7 +22,7 @@ from trecsim.redaction import redacted
 
 COMMANDS = {
     "demo": "Run the full pipeline on a simulated room: no camera, no download.",
-    "run": "Run the pipeline of a site file: videos in, people in 3D out.",
+    "run": "Run the pipeline of a site file: cameras, videos or 2D poses in, people in 3D out.",
     "estimate": "Estimate 2D poses in videos.",
     "track": "Track people in 3D from 2D poses.",
     "evaluate": "Evaluate tracks with or without ground truth.",

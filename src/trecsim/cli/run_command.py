@@ -19,15 +19,24 @@ from trecsim.cli.terminal import (
 from trecsim.errors import InputError
 
 if TYPE_CHECKING:
+    from trecsim.pipeline import Feed
     from trecsim.run_summary import RunSummary
     from trecsim.sites.check import CheckedSite
     from trecsim.tracking import Tally
 
 
 def run(
-    site: Path, /, *, out: Path | None = None, resume: bool = False, json: bool = False
+    site: Path,
+    /,
+    *,
+    out: Path | None = None,
+    resume: bool = False,
+    as_live: bool = False,
+    json: bool = False,
 ) -> None:
-    """Run the pipeline of a site file: videos in, people in 3D out.
+    """Run the pipeline of a site file: cameras, videos or 2D poses in, people in 3D out.
+
+    Live cameras are read until the command is stopped: Ctrl-C ends it in order.
 
     Writes to one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), the time of
     each frame set (`timing.csv`), a summary with all settings (`summary.json`), a picture of the
@@ -46,6 +55,9 @@ def run(
     resume
         Go on with the recording in the directory `--out`, if there is one: after a crash, or where
         it ended. Images up to its end are left out; people get new identities.
+    as_live
+        Play recordings as if they were live: at their own pace, dated from now on, images left out
+        where this machine cannot keep up.
     json
         Print the summary as one JSON object.
     """
@@ -57,23 +69,38 @@ def run(
     checked = check_site(site)
     for remark in checked.remarks:
         note(remark)
-    if checked.videos:
+    if checked.file.site.sources:
         fetch_first(checked.file.site.estimator.name, quiet=json)
     if checked.videos:  # the kernels are compiled while the first images are estimated
         tell_first_run(quiet=json)
     else:
         compile_first(quiet=json)
+    feed = _live_feed(checked, as_live)
     told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
     with progress_bar("images", quiet=json) as bar, stopping_in_order() as stop:
         lines = _Lines(bar)
         summary = run_site(
-            checked, out, resume=resume, progress=lines.passed, stop=stop,
+            checked, out, feed=feed, resume=resume, progress=lines.passed, stop=stop,
             tell=_tell_nothing if told else lines.tell,
             picture=partial(_draw_paths, checked),
         )  # fmt: skip
-    if summary.ended == "stopped":
+    if summary.ended == "stopped" and feed is None:
         raise KeyboardInterrupt(f"stopped; {_told(summary)}")
     finish(_facts(summary), json, _told(summary))
+
+
+def _live_feed(checked: "CheckedSite", as_live: bool) -> "Feed | None":
+    """Return what a site delivers live; None where it is run from its recordings."""
+    from trecsim.pipeline import Feed
+    from trecsim.sites.check import load_estimator
+    from trecsim.sites.live_sources import image_sources, poses_source
+
+    if not (as_live or checked.file.site.is_live):
+        return None
+    if checked.file.site.poses is not None:
+        return Feed([poses_source(checked)])
+    estimator = load_estimator(checked.file)
+    return Feed(image_sources(checked, estimator), estimator)
 
 
 def _tell_nothing(tally: "Tally") -> None:

@@ -1,9 +1,15 @@
 """The commands `trecsim site new`, `trecsim site check` and `trecsim site schema`."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from trecsim.cli.terminal import finish, note
 from trecsim.errors import InputError
+from trecsim.redaction import redacted
+
+if TYPE_CHECKING:
+    from trecsim.sites.site_file import Site, SourceTable
+    from trecsim.sources import VideoInfo
 
 
 def new(
@@ -69,7 +75,8 @@ def check(site: Path, /, *, json: bool = False) -> None:
     """Check a site file and everything it names.
 
     Checks the keys, that the rig can be read, that each video opens and belongs to a camera of the
-    rig, and the settings of estimator and fusion. All faults are listed at once, by line.
+    rig, and the settings of estimator and fusion. All faults are listed at once, by line. Live
+    cameras are not connected: `trecsim doctor SITE` does that.
 
     Parameters
     ----------
@@ -88,15 +95,28 @@ def check(site: Path, /, *, json: bool = False) -> None:
         "site": settings.name,
         "cameras": list(checked.rig.names),
         "sources": {
-            camera: {"video": source.video, "seconds": checked.videos[camera].duration_s}
+            camera: _source_facts(source, checked.videos.get(camera))
             for camera, source in settings.sources.items()
         },
         "poses": settings.poses.file if settings.poses else None,
         "estimator": settings.estimator.name if settings.sources else None,
         "remarks": checked.remarks,
     }
-    inputs = f"{len(settings.sources)} videos" if settings.sources else f"{summary['poses']}"
+    inputs = _counted(settings) if settings.sources else f"{summary['poses']}"
     finish(summary, json, f"{site}: good ({len(checked.rig)} cameras, {inputs})")
+
+
+def _source_facts(source: "SourceTable", video: "VideoInfo | None") -> dict[str, object]:
+    if source.video is not None:
+        return {"video": source.video, "seconds": video.duration_s if video else None}
+    return {"url": redacted(source.url)} if source.url else {"device": source.device}
+
+
+def _counted(site: "Site") -> str:
+    live = sum(source.is_live for source in site.sources.values())
+    videos = len(site.sources) - live
+    told = [(live, "live streams"), (videos, "videos")]
+    return ", ".join(f"{count} {what}" for count, what in told if count)
 
 
 def schema(*, json: bool = False) -> None:

@@ -21,6 +21,7 @@ from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.camera_mailbox import TICK_S, Mailbox
+from trecsim.sources.image_sizes import original_px
 from trecsim.values import Frame, Poses2D
 
 _LIVE_DEPTH = 16  # poses of a camera that may wait for the fusion
@@ -130,7 +131,8 @@ def estimate_live(
     """Find the people in the images of live cameras; return where the 2D poses arrive.
 
     An image is taken when a thread is free for it, so images wait, and are dropped, in `frames`.
-    The poses of one camera keep their order, whichever thread is done first.
+    The poses of one camera keep their order, whichever thread is done first. Key points are pixels
+    of the images as the cameras took them, whatever size they come at.
 
     Parameters
     ----------
@@ -158,9 +160,9 @@ def _estimate_live(
     at_once = workers(estimator)
     free = Semaphore(at_once)
     in_order = Lock()
-    begun: dict[str, deque[Future[Poses2D]]] = {}
+    begun: dict[str, deque[Future[object]]] = {}
 
-    def finished(camera: str, _: Future[Poses2D]) -> None:
+    def finished(camera: str, _: Future[object]) -> None:
         free.release()
         with in_order:
             while begun[camera] and begun[camera][0].done():
@@ -178,12 +180,21 @@ def _estimate_live(
             if frame is None:
                 free.release()
                 continue
-            future = pool.submit(estimator, frame)
+            future = pool.submit(_estimated, estimator, frame)
             with in_order:
                 begun.setdefault(frame.camera, deque()).append(future)
             future.add_done_callback(partial(finished, frame.camera))
     frames.close()
     poses.end()
+
+
+def _estimated(estimator: Estimator2D, frame: Frame) -> object:
+    """Return the 2D poses in an image, in pixels of the image as the camera took it."""
+    poses: object = estimator(frame)
+    if frame.size_px is None or not isinstance(poses, Poses2D):
+        return poses
+    height, width = frame.image.shape[:2]
+    return replace(poses, xy_px=original_px(poses.xy_px, (width, height), frame.size_px))
 
 
 def _put(found: object, poses: Mailbox[Poses2D], fault: Callable[[Exception], None]) -> None:

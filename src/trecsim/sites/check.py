@@ -8,6 +8,7 @@ from trecsim import estimators
 from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
+from trecsim.sites.live_cameras import camera_remarks, secrets_faults
 from trecsim.sites.site_file import (
     EstimatorTable,
     FusionTable,
@@ -22,6 +23,7 @@ from trecsim.sites.site_reading import Draft, SiteFile, read_draft
 from trecsim.skeleton import COCO17
 from trecsim.sources import VideoInfo, probe, read_poses
 from trecsim.sources.camera_names import unknown_camera
+from trecsim.sources.image_sizes import is_cut
 from trecsim.toml_models import file_faults
 from trecsim.toml_models.toml_reading import Fault
 
@@ -73,6 +75,7 @@ def check_site(path: Path | str) -> CheckedSite:
         faults += _source_faults(draft, rig, videos)
     except SetupError as error:
         lacking = error
+    faults += secrets_faults(draft)
     faults += _poses_faults(draft, rig, remarks)
     faults += _estimator_faults(draft)
     faults += _fusion_faults(draft, rig)
@@ -84,6 +87,7 @@ def check_site(path: Path | str) -> CheckedSite:
     assert rig is not None
     site = draft.site
     remarks += _remarks(site, rig, videos)
+    remarks += camera_remarks(site)
     remarks += [f"fusion: {text}" for text in fusion_settings(site.fusion).remarks()]
     return CheckedSite(SiteFile(draft.path, draft.text, site), rig, videos, tuple(remarks))
 
@@ -108,7 +112,7 @@ def _source_faults(draft: Draft, rig: Rig | None, videos: dict[str, VideoInfo]) 
         if rig is not None and camera not in rig.names:
             yield key, unknown_camera(camera, rig.names, "in the site file")
         source = draft.part(key, SourceTable)
-        if source is None:
+        if source is None or source.video is None:
             continue
         try:
             video = probe(source.video)
@@ -119,13 +123,8 @@ def _source_faults(draft: Draft, rig: Rig | None, videos: dict[str, VideoInfo]) 
             continue
         videos[camera] = video
         found, expected = video.size_px, rig[camera].size_px
-        if found != expected and not _is_cut(found, expected):
+        if found != expected and not is_cut(found, expected):
             yield (*key, "video"), _sizes(found, expected)
-
-
-def _is_cut(found: tuple[int, int], expected: tuple[int, int]) -> bool:
-    """Return whether images only lack a few rows or columns, as after some encoders."""
-    return all(0.98 * e <= f <= e for f, e in zip(found, expected, strict=True))
 
 
 def _sizes(found: tuple[int, int], expected: tuple[int, int]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     BeforeValidator,
     ConfigDict,
     Field,
@@ -16,7 +17,7 @@ from pydantic import (
 )
 
 from trecsim.calibration import FORMATS, Floor, read_rig
-from trecsim.errors import ConfigError
+from trecsim.errors import ConfigError, InputError
 from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.fusion.settings import BELOW_ONE
@@ -24,6 +25,12 @@ from trecsim.geometry import Rig
 from trecsim.sites.page_table import PageTable
 from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
 from trecsim.sources.poses_files import FPS_RANGE
+from trecsim.sources.streams.stream_address import (
+    Transport,
+    asks_for_login,
+    check_device,
+    check_url,
+)
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
 from trecsim.toml_models.described import fields_of
 
@@ -83,11 +90,52 @@ class RigTable(Table):
         )
 
 
-class SourceTable(Table):
-    """The source of one camera."""
+def _as_fault(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return a check whose errors are faults of a key."""
 
-    video: FilePath
+    def checked(given: Any) -> Any:
+        try:
+            return check(given)
+        except InputError as error:
+            raise ValueError(str(error)) from None
+
+    return checked
+
+
+class SourceTable(Table):
+    """The source of one camera: one of `video`, `url` and `device`."""
+
+    video: FilePath | None = None
     """A recording of this camera."""
+    url: Annotated[str, AfterValidator(_as_fault(check_url))] | None = None
+    """A live camera on the network, without user and password: `rtsp://10.0.0.12:554/stream1`."""
+    device: (
+        Annotated[str, BeforeValidator(_as_fault(check_device), json_schema_input_type=str | int)]
+        | None
+    ) = None
+    """A live camera at this machine: `/dev/video0`, or its number."""
+    credentials: Name | None = None
+    """User and password of the camera, by their name: see `secrets`."""
+    transport: Transport = "tcp"
+    """How RTSP brings the images: "tcp" loses none, "udp" waits for none."""
+
+    @property
+    def is_live(self) -> bool:
+        """Whether it is a camera, and no recording of one."""
+        return self.video is None
+
+    @model_validator(mode="after")
+    def _one_of_them(self) -> Self:
+        given = [key for key in ("video", "url", "device") if getattr(self, key) is not None]
+        if len(given) != 1:
+            found = " and ".join(given) or "none"
+            raise ValueError(f"expected one of video, url and device, found {found}")
+        extra = {"credentials", "transport"} & self.model_fields_set
+        if extra and self.url is None:
+            raise ValueError(f"{' and '.join(sorted(extra))}: only a camera with a url has that")
+        if self.credentials is None and self.url and asks_for_login(self.url):
+            raise ValueError("a url with {user} and {password} needs credentials")
+        return self
 
 
 class PosesTable(Table):
@@ -178,8 +226,8 @@ LATER = "not in this version of trecsim"
 LISTED = ("volumes", "portals", "rules", "outputs")
 NOT_YET = {
     **dict.fromkeys(
-        ("url", "device", "credentials", "transport", "secrets", "reconnect_s"),
-        f"live streams are {LATER}; give a recording: video",
+        ("reconnect_s", "reconnect"),
+        "a lost camera is tried again by itself, after 0.5 s and then at longer intervals",
     ),
     **{key: f"{key} are {LATER}" for key in LISTED},
     **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
@@ -199,6 +247,8 @@ class Site(Table):
     """The calibration of the cameras: its file, or a table."""
     sources: dict[str, SourceTable] = Field(default_factory=dict)
     """The source of each camera, by the name of the camera in the rig."""
+    secrets: FilePath | None = None
+    """A file with `NAME = "user:password"` for each `credentials` that the environment lacks."""
     poses: PosesPlace | None = None
     """2D poses of all cameras in place of `sources`: their file, or a table."""
     estimator: EstimatorTable = EstimatorTable()
@@ -217,6 +267,11 @@ class Site(Table):
     """Edges of drops, by name; the page draws them."""
     page: PageTable | None = None
     """The live page; without the table there is none."""
+
+    @property
+    def is_live(self) -> bool:
+        """Whether any of its cameras is live."""
+        return any(source.is_live for source in self.sources.values())
 
     @model_validator(mode="after")
     def _one_kind_of_source(self) -> Self:

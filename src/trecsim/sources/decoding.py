@@ -26,7 +26,7 @@ CONTAINERS = (
     "yuv4mpegpipe,rm,wtv,vc1"
 )
 IMAGES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".gif", ".webp", ".heic"}
-LIVE = "live streams are not supported yet in this version; give a recording"
+LIVE = "it is a live camera; `trecsim run` reads those, with a site file"
 _OPTIONS = {
     "format_whitelist": CONTAINERS,
     "protocol_whitelist": "file",

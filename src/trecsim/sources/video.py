@@ -12,6 +12,7 @@ from jaxtyping import Float64
 
 from trecsim.errors import InputError, SetupError
 from trecsim.extras import install_command
+from trecsim.sources.image_sizes import fitted, original_px
 from trecsim.sources.orientation import Orientation
 from trecsim.values import Frame
 
@@ -152,7 +153,7 @@ class VideoFile:
         self.camera = camera
         self.info = probe(path)
         self.size_px = self.info.size_px
-        self.decoded_size_px = _fitted(self.size_px, decode_size_px or self.size_px)
+        self.decoded_size_px = fitted(self.size_px, decode_size_px or self.size_px)
         self._threads = threads
         if self.info.other_sizes_px:
             others = ", ".join(f"{width} x {height}" for width, height in self.info.other_sizes_px)
@@ -164,13 +165,8 @@ class VideoFile:
     def original_px(
         self, xy_px: Float64[np.ndarray, "*batch 2"]
     ) -> Float64[np.ndarray, "*batch 2"]:
-        """Return the positions in the original image of points in a decoded one [px].
-
-        Pixel centres are at integers, so it is the borders of the images that coincide, at -0.5.
-        """
-        scale = np.array(self.size_px) / np.array(self.decoded_size_px)
-        original: Float64[np.ndarray, "*batch 2"] = (xy_px + 0.5) * scale - 0.5
-        return original
+        """Return the positions in the original image of points in a decoded one [px]."""
+        return original_px(xy_px, self.decoded_size_px, self.size_px)
 
     def __iter__(self) -> Iterator[Frame]:
         decode = _decoding()
@@ -255,8 +251,3 @@ class _Clock:
     def period_s(self) -> float:
         """Mean time between images [s]."""
         return self._advanced_s / self._steps if self._steps else 1.0 / self.fps
-
-
-def _fitted(size_px: tuple[int, int], limit_px: tuple[int, int]) -> tuple[int, int]:
-    scale = min(1.0, limit_px[0] / size_px[0], limit_px[1] / size_px[1])
-    return max(1, round(size_px[0] * scale)), max(1, round(size_px[1] * scale))

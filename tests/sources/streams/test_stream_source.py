@@ -1,0 +1,177 @@
+"""Live cameras that break: each fault is told, counted and outlived."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Thread
+
+import pytest
+
+from made_cameras import MadeCamera, until
+from trecsim.sources.streams import NetworkAddress, StreamSource
+from trecsim.sources.streams.frozen_image import FrozenImage
+from trecsim.values import Frame
+
+SIZE_PX = (64, 48)
+
+
+class Watched:
+    """A source that is read in a thread, as in the pipeline."""
+
+    def __init__(self, source: StreamSource) -> None:
+        self.source, self.counters = source, source.counters
+        self.frames: list[Frame] = []
+        self.thread = Thread(target=self._read, daemon=True)
+        self.thread.start()
+
+    def _read(self) -> None:
+        for frame in self.source:
+            self.frames.append(frame)
+
+    def images(self, more: int = 5) -> list[Frame]:
+        """Wait for some more images, and return them."""
+        before = len(self.frames)
+        until(lambda: len(self.frames) >= before + more, f"{more} more images came")
+        return self.frames[before:]
+
+    def fault(self, text: str) -> str:
+        """Wait until a fault is told."""
+        until(lambda: text in (self.counters.fault or ""), f"{text!r} was told")
+        return str(self.counters.fault)
+
+
+@contextmanager
+def watched(camera: MadeCamera, limit_px: tuple[int, int] | None = None) -> Iterator[Watched]:
+    one = Watched(StreamSource("north", NetworkAddress(camera.url), SIZE_PX, limit_px))
+    yield one
+    one.source.close()
+    one.thread.join(10.0)
+    assert not one.thread.is_alive()
+
+
+def test_images_come_dated_now_and_in_order(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        frames = north.images(20)
+    assert {(frame.camera, frame.image.shape) for frame in frames} == {("north", (48, 64, 3))}
+    assert {frame.size_px for frame in frames} == {None}
+    times_s = [frame.t_s for frame in frames]
+    assert times_s == sorted(set(times_s))
+    assert abs(times_s[-1] - time.time()) < 10.0
+    numbers = [frame.index for frame in frames]
+    assert numbers == list(range(numbers[0], numbers[0] + len(frames)))
+    assert north.counters.clock == "arrival"  # this kind of stream has no clock
+    assert north.counters.codec == "h264"
+
+
+def test_images_come_no_larger_than_the_estimator_looks_at_them(camera: MadeCamera) -> None:
+    with watched(camera, (32, 32)) as north:
+        frame = north.images(1)[0]
+    assert frame.image.shape == (24, 32, 3)
+    assert frame.size_px == SIZE_PX
+
+
+def test_a_camera_that_is_switched_off_and_on_again_comes_back(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        last_s = north.images()[-1].t_s
+        camera.switch_off()
+        north.fault("nothing answers at 127.0.0.1")
+        assert not north.counters.connected
+        camera.switch_on()
+        assert north.images()[-1].t_s > last_s
+        assert north.counters.fault is None
+        assert north.counters.reconnects >= 1
+
+
+def test_the_end_of_a_live_stream_is_a_fault(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        north.images()
+        camera.switch_off()
+        assert "tcp://127.0.0.1" in north.fault("ended the")
+
+
+def test_a_camera_that_falls_silent_is_given_up_and_comes_back(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        north.images()
+        camera.sends.clear()
+        north.fault("nothing has come")
+        camera.sends.set()
+        north.images()
+        assert north.counters.fault is None
+
+
+def test_garbage_is_told_and_outlived(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        north.images()
+        camera.says = bytes(range(256)) * 40
+        until(lambda: north.counters.fault, "a fault was told")
+        camera.says = b""
+        north.images()
+        until(lambda: north.counters.fault is None, "the fault was over")
+
+
+def test_images_of_another_size_are_left_out_until_the_size_is_back(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        north.images()
+        camera.size_px = (96, 64)
+        told = north.fault("its images are 96 x 64 px, but it is calibrated for 64 x 48 px")
+        assert "Set the stream to that size" in told
+        until(lambda: north.counters.dropped.get("size", 0) >= 3, "such images were left out")
+        camera.size_px = SIZE_PX
+        frames = north.images()
+        assert {frame.image.shape for frame in frames} == {(48, 64, 3)}
+        until(lambda: north.counters.fault is None, "the fault was over")
+
+
+def test_an_image_that_lacks_a_few_rows_is_taken(camera: MadeCamera) -> None:
+    camera.size_px = (64, 64)
+    source = StreamSource("north", NetworkAddress(camera.url), (64, 65))
+    one = Watched(source)
+    assert one.images(1)[0].image.shape == (64, 64, 3)
+    source.close()
+
+
+def test_a_source_ends_soon_after_it_is_closed_whatever_its_camera_does(
+    camera: MadeCamera,
+) -> None:
+    with watched(camera) as north:
+        north.images(1)
+        camera.sends.clear()
+        north.source.close()
+        north.thread.join(2.0)  # the silence of the camera takes 3 s to be told
+        assert not north.thread.is_alive()
+
+
+def test_the_same_image_for_long_is_told(camera: MadeCamera) -> None:
+    with watched(camera) as north:
+        image = north.images(1)[0].image
+    frozen = FrozenImage()
+    assert not frozen.is_frozen(image, 0.0)
+    assert not frozen.is_frozen(image, 9.0)
+    assert frozen.is_frozen(image, 10.0)
+    other = image.copy()
+    other[0, 0] += 1
+    assert not frozen.is_frozen(other, 10.1)
+
+
+def test_no_text_of_a_source_shows_its_password() -> None:
+    from trecsim.sources.streams.login import Login
+
+    address = NetworkAddress("rtsp://10.0.0.12/1", login=Login("admin", "s3cret"))
+    source = StreamSource("north", address, SIZE_PX)
+    texts = [repr(source), repr(address), str(address), repr(address.opening(SIZE_PX))]
+    assert not any("s3cret" in text or "admin" in text for text in texts)
+    assert "admin:s3cret@" in address.opening(SIZE_PX).name
+
+
+@pytest.mark.parametrize(
+    ("url", "opened"),
+    [
+        ("rtsp://cam/1", "rtsp://a%40b:p%2F%3A%40w@cam/1"),
+        ("rtsp://cam/u={user}&p={password}", "rtsp://cam/u=a%40b&p=p%2F%3A%40w"),
+    ],
+)
+def test_user_and_password_are_escaped(url: str, opened: str) -> None:
+    from trecsim.sources.streams.login import Login
+
+    address = NetworkAddress(url, login=Login("a@b", "p/:@w"))
+    assert address.opening(SIZE_PX).name == opened
