@@ -2,12 +2,16 @@
 
 import json
 import sys
+from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from shlex import quote
 from shutil import which
+from types import ModuleType
 from urllib.parse import unquote, urlsplit
+
+from trecsim.errors import SetupError
 
 PACKAGE = "mc3d-trecsim"
 EXTRAS = {
@@ -26,6 +30,29 @@ EXTRAS = {
 def has_extra(extra: str) -> bool:
     """Return whether all modules of an extra are installed; none of them is imported."""
     return all(find_spec(module) is not None for module in EXTRAS[extra])
+
+
+def needed(what: str, extra: str, *modules: str) -> ModuleType:
+    """Import modules of an extra and return the last one.
+
+    Parameters
+    ----------
+    what
+        The beginning of the message where one is missing, for example "reports need Jinja".
+    extra
+        The extra that brings them.
+    modules
+        Their names.
+
+    Raises
+    ------
+    SetupError
+        One is not installed; the message holds the command that installs it.
+    """
+    try:
+        return [import_module(module) for module in modules][-1]
+    except ImportError:
+        raise SetupError(f"{what}: {install_command(extra)}") from None
 
 
 def install_command(extra: str) -> str:

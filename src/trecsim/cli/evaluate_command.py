@@ -1,5 +1,6 @@
 """The command `trecsim evaluate`."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -84,6 +85,7 @@ def evaluate(
 
 def _facts(result: "Evaluation") -> dict[str, Any]:
     shelf, seen = result.shelf, result.reprojection
+    fragmentations = [asdict(one) for one in result.fragmentations]
     return {
         "tracks": result.tracks,
         "moments": result.moments,
@@ -99,11 +101,11 @@ def _facts(result: "Evaluation") -> dict[str, Any]:
         "jitter": [row.row() for row in result.jitter],
         "support": [row.row() for row in result.support],
         "lifetimes": [life.row() for life in result.lifetimes],
-        "breaks": [one.row() for one in result.fragmentations],  # former name
-        "fragmentations": [one.row() for one in result.fragmentations],
+        "breaks": fragmentations,  # former name
+        "fragmentations": fragmentations,
         "reprojection": seen
         and {
-            "joints": [row.row() for row in seen.rows],
+            "joints": [asdict(row) for row in seen.rows],
             "cameras": [row.row() for row in seen.cameras],
         },
     }

@@ -5,8 +5,7 @@ from typing import TYPE_CHECKING
 
 import pyarrow as pa
 
-from trecsim.errors import SetupError
-from trecsim.extras import install_command
+from trecsim.extras import needed
 from trecsim.skeleton import COCO17
 from trecsim.store.rows import COLUMNS, COVARIANCE, DETAIL_SCHEMA, SCHEMA, VELOCITY
 
@@ -50,9 +49,4 @@ def wide_frame(tables: Sequence[pa.Table], details: bool) -> "DataFrame":
 
 
 def _check_pandas() -> None:
-    try:
-        import pandas  # noqa: F401
-    except ImportError:
-        raise SetupError(
-            f"tables need pandas, which is not installed: {install_command('pandas')}"
-        ) from None
+    needed("tables need pandas, which is not installed", "pandas", "pandas")

@@ -118,7 +118,7 @@ class GrowingFile(KeepsPartial):
     def _begin(self, resume: bool) -> None:
         self._empty = True
         if self._partial is not None:
-            kept = _length_of_whole_lines(self._file) if resume else 0
+            kept = length_of_whole_lines(self._file) if resume else 0
             self._empty = kept <= len(self._heading)
             self._file.truncate(0 if self._empty else kept)
             self._file.seek(0, os.SEEK_END)
@@ -228,7 +228,7 @@ def is_file_at(handle: int, path: Path) -> bool:
         return False
 
 
-def _length_of_whole_lines(file: IO[bytes]) -> int:
+def length_of_whole_lines(file: IO[bytes]) -> int:
     """Return how many bytes remain without a last line that was cut off."""
     end = file.seek(0, os.SEEK_END)
     begin = end

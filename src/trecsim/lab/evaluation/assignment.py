@@ -3,24 +3,12 @@
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.errors import SetupError
-from trecsim.extras import install_command
+from trecsim.extras import needed
 
 
 def need_scipy() -> None:
-    """Fail with the command that installs SciPy where it is missing.
-
-    Raises
-    ------
-    SetupError
-        SciPy is not installed.
-    """
-    try:
-        import scipy.special  # noqa: F401
-    except ImportError:
-        raise SetupError(
-            f"evaluation and studies need SciPy: {install_command('evaluate')}"
-        ) from None
+    """Raise SetupError with the command that installs SciPy if it is missing."""
+    needed("evaluation and studies need SciPy", "evaluate", "scipy.special")
 
 
 Pairs = tuple[tuple[int, int], ...]

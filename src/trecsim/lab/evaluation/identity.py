@@ -2,13 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from types import ModuleType
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.errors import SetupError
-from trecsim.extras import install_command
+from trecsim.extras import needed
 from trecsim.lab.evaluation.assignment import heaviest_pairs
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.lab.evaluation.truth_matching import GATE_M, NOBODY, Nearness
@@ -62,7 +60,7 @@ class IdentityCount:
     """
 
     def __init__(self, moments: Moments) -> None:
-        self._motrics = _motrics()
+        self._motrics = needed("scores of identities need motrics", "evaluate", "motrics")
         self._id = moments.id
         self._clear = self._motrics.Accumulator(THRESHOLD)
         self._borne: dict[int, int] = {}
@@ -148,13 +146,3 @@ def _parts(
         rows, columns = ~lone.any(axis=1), ~lone.any(axis=0)
         true, found, alike = true[rows], found[columns], alike[np.ix_(rows, columns)]
     yield true.tolist(), found.tolist(), alike.tolist()
-
-
-def _motrics() -> ModuleType:
-    try:
-        import motrics
-    except ImportError:
-        raise SetupError(
-            f"scores of identities need motrics: {install_command('evaluate')}"
-        ) from None
-    return motrics

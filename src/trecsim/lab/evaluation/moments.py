@@ -1,6 +1,6 @@
 """Tracks as flat arrays, frame by frame, with the frames in which nobody was tracked."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +16,9 @@ from trecsim.values import Snapshot
 
 _MOST_EMPTY = 5_000_000  # two days at 25 per second; more means wrong times
 _SAME_S = 1e-3
+
+Frame = tuple[float, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
+"""Time; identity, position, standard deviation and support of each person."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,36 +96,36 @@ def gather(snapshots: Iterable[Snapshot], dtype: npt.DTypeLike = np.float64) -> 
     InputError
         The numbers of joints differ.
     """
-    t_s: list[float] = []
-    people: list[int] = []
-    parts: list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = []
-    for snapshot in snapshots:
-        t_s.append(snapshot.t_s)
-        people.append(len(snapshot.id))
-        if len(snapshot.id):
-            sigma_m = snapshot.sigma_m.astype(dtype)
-            support = np.minimum(snapshot.support, 2**15 - 1).astype(np.int16)
-            parts.append((snapshot.id, snapshot.xyz_m.astype(dtype), sigma_m, support))
+    return joined_frames([frame_of(snapshot, dtype) for snapshot in snapshots], dtype)
+
+
+def frame_of(snapshot: Snapshot, dtype: npt.DTypeLike) -> Frame:
+    """Return time, identities, positions, standard deviations and support of a snapshot."""
+    sigma_m = snapshot.sigma_m.astype(dtype)
+    support = np.minimum(snapshot.support, 2**15 - 1).astype(np.int16)
+    return snapshot.t_s, (snapshot.id, snapshot.xyz_m.astype(dtype), sigma_m, support)
+
+
+def joined_frames(frames: Sequence[Frame], dtype: npt.DTypeLike) -> Moments:
+    """Return frames as flat arrays.
+
+    Raises
+    ------
+    InputError
+        The numbers of joints differ.
+    """
+    parts = [part for _, part in frames if len(part[0])]
     joints = {part[1].shape[1] for part in parts} or {len(COCO17.joints)}
     if len(joints) > 1:
         raise InputError(f"people have different numbers of joints: {sorted(joints)}")
-    nobody = _nobody(joints.pop(), dtype)
-    identity, xyz_m, sigma_m, support = (
-        np.concatenate(arrays) for arrays in zip(nobody, *parts, strict=True)
+    shape = (0, joints.pop())
+    nobody = (
+        *(np.empty(0, np.int64), np.empty((*shape, 3), dtype)),
+        *(np.empty(shape, dtype), np.empty(shape, np.int16)),
     )
-    first = np.concatenate([[0], np.cumsum(np.array(people, np.int64))])
-    return Moments(np.array(t_s), first, identity, xyz_m, sigma_m, support)
-
-
-def _nobody(
-    joints: int, dtype: npt.DTypeLike
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    return (
-        np.empty(0, np.int64),
-        np.empty((0, joints, 3), dtype),
-        np.empty((0, joints), dtype),
-        np.empty((0, joints), np.int16),
-    )
+    rows = (np.concatenate(arrays) for arrays in zip(nobody, *parts, strict=True))
+    first = np.cumsum([0, *(len(part[0]) for _, part in frames)])
+    return Moments(np.array([t_s for t_s, _ in frames], np.float64), first, *rows)
 
 
 def read_moments(path: Path | str) -> Recorded:

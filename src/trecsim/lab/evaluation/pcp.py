@@ -14,6 +14,7 @@ from trecsim.lab.evaluation.pcp_joints import (
     N_PARTS,
     parts_correct,
 )
+from trecsim.lab.evaluation.person_tracks import mean_of_known
 
 AVERAGED_ACTORS = 3  # the fourth of Shelf is left out of every published average
 FOUND_M = 0.5  # mean distance over the joints within which somebody counts as found
@@ -233,9 +234,7 @@ def _apart(
 ) -> Float64[np.ndarray, "actor found"]:
     """Return the mean distance over the joints both know; infinite where there is none."""
     distance_m = np.linalg.norm(truth_m[:, None] - found_m[None], axis=-1)
-    known = np.isfinite(distance_m)
-    total_m, joints = np.where(known, distance_m, 0.0).sum(axis=-1), known.sum(axis=-1)
-    return np.where(joints > 0, total_m / np.maximum(joints, 1), np.inf)
+    return np.asarray(np.nan_to_num(mean_of_known(distance_m, axis=-1), nan=np.inf))
 
 
 def _claim(counts: "Sequence[_Count]", apart_m: Float64[np.ndarray, "actor found"]) -> None:

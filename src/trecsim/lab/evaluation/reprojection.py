@@ -1,7 +1,7 @@
 """Reprojection errors: distances of projected tracks from the key points in the images."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from itertools import islice
 
 import numpy as np
@@ -44,16 +44,6 @@ class ReprojectionRow:
     median_px: float
     p90_px: float
 
-    def row(self) -> dict[str, str | float]:
-        """Return the figures as a row of a table."""
-        return {
-            "camera": self.camera,
-            "joint": self.joint,
-            "n": self.n,
-            "median_px": self.median_px,
-            "p90_px": self.p90_px,
-        }
-
 
 @dataclass(frozen=True, slots=True)
 class CameraRow:
@@ -78,13 +68,8 @@ class CameraRow:
 
     def row(self) -> dict[str, str | float]:
         """Return the figures as a row of a table."""
-        return {
-            "camera": self.camera,
-            "images": self.images,
-            "people": self.people,
-            "matched": self.matched,
-            "unmatched_share": 1 - self.matched / self.people if self.people else float("nan"),
-        }
+        unmatched = 1 - self.matched / self.people if self.people else float("nan")
+        return {**asdict(self), "unmatched_share": unmatched}
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from jaxtyping import Float64
@@ -47,14 +47,7 @@ class Lifetime:
 
     def row(self) -> dict[str, float]:
         """Return the figures as a row of a table."""
-        return {
-            "person": self.person,
-            "first_s": self.first_s,
-            "last_s": self.last_s,
-            "seconds": self.seconds,
-            "moments": self.moments,
-            "gaps": self.gaps,
-        }
+        return {**asdict(self), "seconds": self.seconds}
 
 
 def lifetimes(people: Sequence[PersonTrack], usual_s: float) -> tuple[Lifetime, ...]:
@@ -100,16 +93,6 @@ class Fragmentation:
     at_s: float
     pause_s: float
     distance_m: float
-
-    def row(self) -> dict[str, float]:
-        """Return the figures as a row of a table."""
-        return {
-            "ended": self.ended,
-            "began": self.began,
-            "at_s": self.at_s,
-            "pause_s": self.pause_s,
-            "distance_m": self.distance_m,
-        }
 
 
 def fragmentations(people: Sequence[PersonTrack]) -> tuple[Fragmentation, ...]:

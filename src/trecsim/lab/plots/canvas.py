@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trecsim.errors import InputError, SetupError
-from trecsim.extras import install_command
+from trecsim.errors import InputError
+from trecsim.extras import needed
 from trecsim.store.atomic import atomic_write
 
 if TYPE_CHECKING:
@@ -34,11 +34,9 @@ def empty_figure(width_in: float, height_in: float) -> "Figure":
     SetupError
         Matplotlib is not installed.
     """
-    try:
-        import matplotlib  # noqa: F401  the package itself, wherever its parts come from
-        from matplotlib.figure import Figure
-    except ImportError:
-        raise SetupError(f"pictures need Matplotlib: {install_command('plot')}") from None
+    needed("pictures need Matplotlib", "plot", "matplotlib", "matplotlib.figure")
+    from matplotlib.figure import Figure
+
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 

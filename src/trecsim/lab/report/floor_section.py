@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.lab.evaluation.person_tracks import mean_of_known
 from trecsim.lab.plots.labels import Label, write_labels
 from trecsim.lab.plots.recorder import floor_places
 from trecsim.lab.report.curves import curve
@@ -194,11 +195,7 @@ def _draw_people(axes: "Axes", recording: Recording) -> Iterator[Label]:
 
 def _mean_joint(recording: Recording, joints: list[int]) -> Float64[np.ndarray, "row 3"]:
     """Return the middle of those of the joints that are known, NaN where none is [m]."""
-    xyz_m = recording.sample.xyz_m[:, joints].astype(np.float64)
-    known = np.isfinite(xyz_m[..., :1])
-    count = known.sum(axis=1)
-    total_m = np.where(known, xyz_m, 0.0).sum(axis=1)
-    return np.where(count > 0, total_m / np.maximum(count, 1), np.nan)
+    return mean_of_known(recording.sample.xyz_m[:, joints].astype(np.float64), axis=1)
 
 
 def _heads(recording: Recording) -> str:

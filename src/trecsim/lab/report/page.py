@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Literal
 
-from trecsim.errors import SetupError
-from trecsim.extras import install_command
+from trecsim.extras import needed
 from trecsim.lab.report.style import css_variables
 
 Alignment = Literal["left", "right"]
@@ -160,11 +159,10 @@ def page(
     >>> "<h1>Trial &lt;1&gt;</h1>" in text, "://" in text
     (True, False)
     """
-    try:
-        from jinja2 import Environment, PackageLoader, StrictUndefined
-        from markupsafe import Markup
-    except ImportError:
-        raise SetupError(f"reports need Jinja: {install_command('report')}") from None
+    needed("reports need Jinja", "report", "jinja2")
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
     environment = Environment(
         loader=PackageLoader("trecsim.lab.report", "."),
         autoescape=True,

@@ -6,8 +6,7 @@ from contextlib import contextmanager
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, Literal
 
-from trecsim.errors import SetupError
-from trecsim.extras import install_command
+from trecsim.extras import needed
 from trecsim.lab.plots.colours import COLOURS
 
 if TYPE_CHECKING:
@@ -90,17 +89,8 @@ def css_variables() -> str:
 
 
 def need_matplotlib() -> None:
-    """Fail early where figures cannot be drawn.
-
-    Raises
-    ------
-    SetupError
-        Matplotlib is not installed.
-    """
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        raise SetupError(f"reports need Matplotlib: {install_command('report')}") from None
+    """Raise SetupError with the command that installs Matplotlib if it is missing."""
+    needed("reports need Matplotlib", "report", "matplotlib")
 
 
 @contextmanager

@@ -4,10 +4,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float32, Int16, Int64
 
-from trecsim.lab.evaluation.moments import Moments
-from trecsim.skeleton import COCO17
+from trecsim.lab.evaluation.moments import Frame, Moments, frame_of, joined_frames
 from trecsim.values import Snapshot
 
 MOST_ROWS = 60_000  # person-frames that are kept; beyond, half of the frames are dropped
@@ -31,17 +29,6 @@ class Stay:
     first_s: float
     last_s: float
     moments: int = 0
-
-
-Kept = tuple[
-    int,
-    float,
-    Int64[np.ndarray, " person"],
-    Float32[np.ndarray, "person 17 3"],
-    Float32[np.ndarray, "person 17"],
-    Int16[np.ndarray, "person 17"],
-]
-"""Number, time, identities, joints, their uncertainty and support: a snapshot in little memory."""
 
 
 @dataclass(slots=True)
@@ -69,7 +56,7 @@ class Sampler:
     every: int = 1
     moments: int = 0
     person_moments: int = 0
-    _kept: list[Kept] = field(default_factory=list)
+    _kept: list[tuple[int, Frame]] = field(default_factory=list)
     _rows: int = 0
     _stays: dict[int, Stay] = field(default_factory=dict)
 
@@ -109,23 +96,13 @@ class Sampler:
 
     def sample(self) -> Moments:
         """Return the kept frames."""
-        nobody = np.empty((0, len(COCO17.joints)))
-        columns = zip(*self._kept, strict=True) if self._kept else [()] * 6
-        _, t_s, identity, xyz_m, sigma_m, support = columns
-        return Moments(
-            np.array(t_s, np.float64),
-            np.cumsum([0, *map(len, identity)]),
-            np.concatenate([np.empty(0, np.int64), *identity]),
-            np.concatenate([np.empty((0, len(COCO17.joints), 3), np.float32), *xyz_m]),
-            np.concatenate([nobody.astype(np.float32), *sigma_m]),
-            np.concatenate([nobody.astype(np.int16), *support]),
-        )
+        return joined_frames([frame for _, frame in self._kept], np.float32)
 
     @property
     def period_s(self) -> float:
         """Median time between frames [s]; NaN for fewer than two."""
-        number = np.array([kept[0] for kept in self._kept])
-        t_s = np.array([kept[1] for kept in self._kept])
+        number = np.array([number for number, _ in self._kept])
+        t_s = np.array([t_s for _, (t_s, _) in self._kept])
         steps_s = np.diff(t_s)[np.diff(number) == 1]
         return float(np.median(steps_s)) if len(steps_s) else math.nan
 
@@ -133,18 +110,9 @@ class Sampler:
         return number % self.every < 2
 
     def _keep(self, snapshot: Snapshot) -> None:
-        self._kept.append(
-            (
-                self.moments,
-                snapshot.t_s,
-                snapshot.id,
-                snapshot.xyz_m.astype(np.float32),
-                snapshot.sigma_m.astype(np.float32),
-                np.minimum(snapshot.support, 2**15 - 1).astype(np.int16),
-            )
-        )
+        self._kept.append((self.moments, frame_of(snapshot, np.float32)))
         self._rows += len(snapshot.id)
         while self._rows > self.most_rows and len(self._kept) > 2:
             self.every = max(2 * self.every, 4)
             self._kept = [kept for kept in self._kept if self._chosen(kept[0])]
-            self._rows = sum(len(kept[2]) for kept in self._kept)
+            self._rows = sum(len(rows[0]) for _, (_, rows) in self._kept)

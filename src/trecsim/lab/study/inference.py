@@ -9,7 +9,7 @@ residual of the model counts as noise too, since its points are not balanced.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -119,7 +119,7 @@ def analyse(
     for f, own in enumerate(columns):
         code = _coding(int(level[:, f].max()) + 1)
         per_block = coefficient[:, own] @ code.T
-        deviation = _deviations(blocks, per_block) + unexplained @ solve[own].T @ code.T
+        deviation = blocks.drawn @ per_block + unexplained @ solve[own].T @ code.T
         base = _base(X, coefficient, own, blocks, level, f, anchor)
         effects.append(
             _effect(
@@ -164,13 +164,6 @@ def _unexplained(
     return scaled
 
 
-def _deviations(
-    blocks: Blocks, per_block: Float64[np.ndarray, "block level"]
-) -> Float64[np.ndarray, "draw level"]:
-    deviations: Float64[np.ndarray, "draw level"] = blocks.drawn @ per_block
-    return deviations
-
-
 def _base(
     X: Float64[np.ndarray, "point column"],
     coefficient: Float64[np.ndarray, "block column"],
@@ -198,6 +191,7 @@ def _effect(
     dust = DUST * (abs(base) + DUST)
     effect = np.where(np.abs(effect) > dust, effect, 0.0)
     difference = effect - reference @ effect
+    spreads = np.ptp(deviation, axis=1)
     low, high = interval(difference, deviation - (deviation @ reference)[:, None], blocks)
     return Effect(
         mean=base + effect,
@@ -205,14 +199,8 @@ def _effect(
         low=low,
         high=high,
         spread=float(np.ptp(effect)),
-        noise_spread=_noise_spread(deviation, blocks),
+        noise_spread=float(np.quantile(spreads, CONFIDENCE)) if blocks.have_seeds else np.nan,
         share=float(np.var(effect[level])) / total if total > 0 else np.nan,
-    )
-
-
-def _noise_spread(deviation: Float64[np.ndarray, "draw level"], blocks: Blocks) -> float:
-    return (
-        float(np.quantile(np.ptp(deviation, axis=1), CONFIDENCE)) if blocks.have_seeds else np.nan
     )
 
 
@@ -232,16 +220,12 @@ def _pairs(
         known = np.bincount(cell, minlength=int(np.prod(count)))
         mean = np.zeros((len(known), len(cell)))  # takes points to the means of their cells
         mean[cell, np.arange(len(cell))] = 1.0 / known[cell]
-        empty = known == 0
         effect = _effect(
             (blocks.weight @ residual) @ mean.T,
-            _deviations(blocks, residual @ mean.T) + unexplained @ mean.T,
+            blocks.drawn @ (residual @ mean.T) + unexplained @ mean.T,
             float(np.mean(blocks.weight @ outcome)), np.zeros(len(known)), total, cell, blocks,
         )  # fmt: skip
         shown = (blocks.weight @ outcome) @ mean.T
-        shown[empty] = np.nan
-        pairs[f, g] = Effect(
-            shown, effect.difference, effect.low, effect.high, effect.spread, effect.noise_spread,
-            effect.share,
-        )  # fmt: skip
+        shown[known == 0] = np.nan
+        pairs[f, g] = replace(effect, mean=shown)
     return pairs

@@ -11,6 +11,7 @@ from typing import IO, Any
 
 from trecsim.errors import InputError
 from trecsim.store.atomic import disk_faults
+from trecsim.store.growing import length_of_whole_lines, lock
 
 NAME = "runs.jsonl"
 _LONGEST_LINE = 1 << 16
@@ -138,33 +139,10 @@ def opened(path: Path) -> Iterator[Ledger]:
         The disk is full.
     """
     with disk_faults(path), path.open("ab+") as file:
-        _lock(file, path)
-        _cut_torn_line(file)
+        if not lock(file.fileno()):
+            raise InputError(
+                f"{path.parent} is in use by another study; wait for it, or choose another --out"
+            )
+        file.truncate(length_of_whole_lines(file))
+        file.seek(0, os.SEEK_END)
         yield Ledger(path, file)
-
-
-def _lock(file: IO[bytes], path: Path) -> None:
-    try:
-        import fcntl
-    except ImportError:  # not on Windows
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise InputError(
-            f"{path.parent} is in use by another study; wait for it, or choose another --out"
-        ) from None
-
-
-def _cut_torn_line(file: IO[bytes]) -> None:
-    end = file.seek(0, os.SEEK_END)
-    while end:
-        start = max(0, end - 65_536)
-        file.seek(start)
-        newline = file.read(end - start).rfind(b"\n")
-        if newline >= 0:
-            end = start + newline + 1
-            break
-        end = start
-    file.truncate(end)
-    file.seek(0, os.SEEK_END)
