@@ -3,8 +3,8 @@
 import numpy as np
 
 from trecsim.lab.evaluation.limbs import LIMBS, LimbSeries
+from trecsim.lab.plots.elapsed_time import ElapsedTime
 from trecsim.lab.report.odd_limbs import MOST_TOLD, odd_limbs
-from trecsim.lab.report.recording import Clock
 
 SHIN = LIMBS.index("left shin")
 
@@ -15,7 +15,7 @@ def steady(person: int = 0) -> LimbSeries:
 
 
 def told(*series: LimbSeries) -> list[str]:
-    return list(odd_limbs(series, Clock(100.0)))
+    return list(odd_limbs(series, ElapsedTime(100.0)))
 
 
 def test_a_steady_limb_is_not_told() -> None:

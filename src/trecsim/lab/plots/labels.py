@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.geometry.rig import Rig
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.transforms import Bbox
@@ -36,6 +38,19 @@ class Label:
     text: str
     xy: tuple[float, float]
     colour: str
+
+
+def floor_label(text: str, xy_m: Float64[np.ndarray, " _"], colour: str) -> Label:
+    """Return a label at a place on the floor; only x and y of it count [m]."""
+    return Label(text, (float(xy_m[0]), float(xy_m[1])), colour)
+
+
+def camera_labels(rig: Rig, colours: Sequence[str]) -> list[Label]:
+    """Return the name of each camera at its position."""
+    return [
+        floor_label(camera.name, camera.position_m, colour)
+        for camera, colour in zip(rig, colours, strict=True)
+    ]
 
 
 def write_labels(axes: "Axes", labels: Sequence[Label], *, size_pt: float = 8) -> None:

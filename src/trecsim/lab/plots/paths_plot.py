@@ -1,12 +1,10 @@
 """A picture of a recording: paths on the floor, skeletons, who was there when."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float64
 
 from trecsim.geometry import Rig
 from trecsim.lab.plots.canvas import (
@@ -17,7 +15,8 @@ from trecsim.lab.plots.canvas import (
     save_figure,
 )
 from trecsim.lab.plots.colours import COLOURS
-from trecsim.lab.plots.labels import Label, write_labels
+from trecsim.lab.plots.elapsed_time import ElapsedTime, clock_of
+from trecsim.lab.plots.labels import Label, camera_labels, floor_label, write_labels
 from trecsim.lab.plots.recorder import PathRecorder, RecordedPath
 from trecsim.lab.plots.rig_plot import draw_camera, floor_views
 from trecsim.lab.plots.skeletons import draw_skeletons
@@ -35,19 +34,6 @@ MARKS_WANTED = 8  # time marks along the longest path
 PANEL_ASPECT = 1.2  # width by height of the floor plan
 LARGE_PT, TEXT_PT, SMALL_PT = 17, 13, 11.5
 SHOWN_S = 60.0  # of the paths; those of a longer time are a tangle
-
-
-@dataclass(frozen=True, slots=True)
-class Time:
-    """Times from the start, in a unit that suits the length."""
-
-    start_s: float
-    unit_s: float
-    unit: str
-
-    def __call__(self, t_s: float) -> float:
-        """Return a time in the picture's unit, from the start."""
-        return (t_s - self.start_s) / self.unit_s
 
 
 def plot_paths(
@@ -151,12 +137,8 @@ def _colours(recorder: PathRecorder) -> dict[int, str]:
     return {person: COLOURS[place % len(COLOURS)] for place, person in enumerate(order)}
 
 
-def _time(recorder: PathRecorder) -> Time:
-    length_s = recorder.last_s - recorder.first_s if recorder.paths else 1.0
-    unit_s, unit = (1.0, "s") if length_s < 300 else (60.0, "min")
-    if length_s >= 3 * 3600:
-        unit_s, unit = 3600.0, "h"
-    return Time(recorder.first_s if recorder.paths else 0.0, unit_s, unit)
+def _time(recorder: PathRecorder) -> ElapsedTime:
+    return clock_of(recorder.first_s, recorder.last_s - recorder.first_s if recorder.paths else 1.0)
 
 
 def _write_title(
@@ -214,7 +196,7 @@ def _draw_all_paths(
     axes: "Axes",
     recorder: PathRecorder,
     shown: Mapping[int, RecordedPath],
-    time: Time,
+    time: ElapsedTime,
     colours: dict[int, str],
 ) -> None:
     if not shown:
@@ -266,21 +248,17 @@ def _draw_path(
 
 def _labels(shown: Mapping[int, RecordedPath], rig: Rig, colours: dict[int, str]) -> list[Label]:
     """Return names of cameras and identities of people, of those who stayed longest if many."""
-    labels = [Label(camera.name, _pair(camera.position_m[:2]), CAMERA_COLOUR) for camera in rig]
+    labels = camera_labels(rig, [CAMERA_COLOUR] * len(rig))
     longest = sorted(shown.items(), key=lambda one: one[1].first_s - one[1].last_s)
     labels += [
-        Label(str(person), _pair(np.array(path.points[-1][1:])), colours[person])
+        floor_label(str(person), np.array(path.points[-1][1:]), colours[person])
         for person, path in longest[:MOST_LABELS]
     ]
     return labels
 
 
-def _pair(xy_m: Float64[np.ndarray, " 2"]) -> tuple[float, float]:
-    return float(xy_m[0]), float(xy_m[1])
-
-
 def _draw_presence(
-    axes: "Axes", recorder: PathRecorder, time: Time, colours: dict[int, str]
+    axes: "Axes", recorder: PathRecorder, time: ElapsedTime, colours: dict[int, str]
 ) -> None:
     """Draw a bar per person for the time the person was tracked."""
     if not recorder.paths:
@@ -297,7 +275,7 @@ def _draw_presence(
     named = len(rows) <= LONGEST_UNLABELLED
     axes.set_yticks(range(len(rows)) if named else [], [str(p) for p, _ in rows] if named else [])
     axes.set(
-        xlabel=f"time from the start [{time.unit}]",
+        xlabel=time.label,
         ylabel="person",
         ylim=(max(len(rows), FEWEST_ROWS) - 0.4, -0.6),
     )

@@ -11,22 +11,13 @@ from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.view import image_margin
 from trecsim.lab.plots.canvas import floor_figure, missing_glyphs_allowed
-from trecsim.lab.plots.labels import Label, write_labels
+from trecsim.lab.plots.colours import COLOURS
+from trecsim.lab.plots.labels import floor_label, write_labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = (
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#B8860B",
-    "#3BA3DB",
-    "#7B4FA3",
-    "#8C6D31",
-)  # distinguishable for colour-blind people, and on paper
 SHORTEST_RANGE_M, LONGEST_RANGE_M = 4.0, 60.0
 SHADES = ("#eef2f7", "#d3dfec", "#adc5dd", "#83a7cb", "#5987b5")  # by number of cameras; last: more
 GRID = 400  # points along each side of the floor at which the views are sampled
@@ -143,11 +134,7 @@ def _draw(axes: "Axes", title: str, rig: Rig, views: FloorViews) -> None:
         draw_camera(axes, camera, colour)
     _write_title(axes, title, rig, views)
     labels = [
-        Label(
-            f"{camera.name}\n{camera.position_m[2]:.2f} m high",
-            (float(camera.position_m[0]), float(camera.position_m[1])),
-            colour,
-        )
+        floor_label(f"{camera.name}\n{camera.position_m[2]:.2f} m high", camera.position_m, colour)
         for camera, colour in zip(rig, _colours(rig), strict=True)
     ]
     write_labels(axes, labels)

@@ -9,8 +9,9 @@ from jaxtyping import Float64
 
 from trecsim.geometry.rig import Rig
 from trecsim.lab.plots.canvas import floor_figure, missing_glyphs_allowed, save_figure
-from trecsim.lab.plots.labels import Label, write_labels
-from trecsim.lab.plots.rig_plot import COLOURS, draw_camera, floor_views
+from trecsim.lab.plots.colours import COLOURS
+from trecsim.lab.plots.labels import camera_labels, write_labels
+from trecsim.lab.plots.rig_plot import draw_camera, floor_views
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,13 +72,7 @@ def plot_scene(
         axes.set(xlim=x_m, ylim=y_m)
         figure.suptitle(title, x=0.012, ha="left", fontsize=13, color="0.15", parse_math=False)
         axes.set_title(about, loc="left", fontsize=9, color="0.3", wrap=True, parse_math=False)
-        write_labels(
-            axes,
-            [
-                Label(camera.name, (float(xy[0]), float(xy[1])), CAMERA_COLOUR)
-                for camera, xy in zip(rig, cameras_m, strict=True)
-            ],
-        )
+        write_labels(axes, camera_labels(rig, [CAMERA_COLOUR] * len(rig)))
     save_figure(figure, path)
 
 

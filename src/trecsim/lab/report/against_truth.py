@@ -6,7 +6,7 @@ from trecsim.lab.evaluation.latency import Delay
 from trecsim.lab.evaluation.scores import JointScore, Scores
 from trecsim.lab.report.page import Block, Fact, Facts, Figure, Section, Table, Text
 from trecsim.lab.report.recording import Recording
-from trecsim.lab.report.style import ACCENT, PAPER, as_svg, figure, quiet
+from trecsim.lab.report.style import as_svg, draw_spreads, figure
 
 TITLE = "Against ground truth"
 LEAD = "The true positions are known for this recording: it is synthetic, or annotated."
@@ -80,13 +80,9 @@ def _errors(scores: Scores) -> str:
     joints: tuple[JointScore, ...] = scores.joints
     with figure(3.9) as drawing:
         axes = drawing.add_subplot()
-        for row, joint in enumerate(joints):
-            axes.plot([0, 100 * joint.p95_m], [row, row], color=ACCENT, linewidth=4.5, alpha=0.3)
-            axes.plot(100 * joint.median_m, row, "o", color=ACCENT, ms=6, mec=PAPER, mew=0.8)
-        axes.set_yticks(range(len(joints)), [joint.joint.replace("_", " ") for joint in joints])
-        axes.set(ylim=(len(joints) - 0.4, -0.6), xlabel="error [cm]")
-        axes.set_xlim(left=0)
-        quiet(axes, grid="x")
+        spreads = [(0.0, 100 * joint.median_m, 100 * joint.p95_m) for joint in joints]
+        draw_spreads(axes, [joint.joint for joint in joints], spreads)
+        axes.set_xlabel("error [cm]")
         return as_svg(drawing, "truth")
 
 

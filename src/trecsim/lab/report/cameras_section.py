@@ -12,12 +12,12 @@ from trecsim.lab.report.recording import Recording
 from trecsim.lab.report.style import (
     ACCENT,
     LINE,
-    PAPER,
     SOFT,
     WIDE_IN,
     as_svg,
     colour_of,
     css_colour,
+    draw_spreads,
     figure,
     quiet,
 )
@@ -171,13 +171,8 @@ def _errors(facts: CameraFacts) -> str:
     rows = {row.camera: row for row in facts.found.rows if row.joint == ALL_JOINTS}
     with figure(0.7 + 0.3 * max(len(facts.rig), 2)) as drawing:
         axes = drawing.add_subplot()
-        for number, camera in enumerate(facts.rig):
-            row, colour = rows[camera.name], colour_of(number)
-            if row.n:
-                axes.plot([0, row.p90_px], [number] * 2, color=colour, linewidth=5, alpha=0.3)
-                axes.plot(row.median_px, number, "o", color=colour, ms=8, mec=PAPER, mew=0.8)
-        axes.set_yticks(range(len(facts.rig)), [camera.name for camera in facts.rig])
-        axes.set(ylim=(max(len(facts.rig), 2) - 0.4, -0.6), xlabel="distance [px]")
-        axes.set_xlim(left=0)
-        quiet(axes, grid="x")
+        spreads = [(0.0, rows[name].median_px, rows[name].p90_px) for name in facts.rig.names]
+        colours = [colour_of(number) for number in range(len(facts.rig))]
+        draw_spreads(axes, facts.rig.names, spreads, colours)
+        axes.set_xlabel("distance [px]")
         return as_svg(drawing, "reprojection")

@@ -34,6 +34,7 @@ from trecsim.skeleton import COCO17
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure as Drawing
 
 TITLE = "Paths"
@@ -115,8 +116,12 @@ def _time_bar(drawing: "Drawing", axes: "Axes", recording: Recording) -> None:
 
     last = recording.length
     shades = ScalarMappable(Normalize(0, last), time_map())
+    _draw_bar(drawing, axes, shades, recording.clock.label)
+
+
+def _draw_bar(drawing: "Drawing", axes: "Axes", shades: "ScalarMappable", label: str) -> None:
     bar = drawing.colorbar(shades, ax=axes, location="bottom", shrink=0.62, aspect=38, pad=0.06)
-    bar.set_label(recording.clock.label)
+    bar.set_label(label)
     bar.outline.set_visible(False)
     bar.ax.tick_params(length=0)
 
@@ -145,10 +150,7 @@ def _draw_heat(
         interpolation="bilinear",
         zorder=2,
     )
-    bar = drawing.colorbar(shown, ax=axes, location="bottom", shrink=0.62, aspect=38, pad=0.06)
-    bar.set_label(f"time spent [{recording.clock.unit} per m²]")
-    bar.outline.set_visible(False)
-    bar.ax.tick_params(length=0)
+    _draw_bar(drawing, axes, shown, f"time spent [{recording.clock.unit} per m²]")
 
 
 def _side(recording: Recording, extent: Extent) -> str:

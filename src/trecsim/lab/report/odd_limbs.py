@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.lab.evaluation.limbs import LIMBS, LimbRow, LimbSeries
-from trecsim.lab.report.recording import Clock
+from trecsim.lab.plots.elapsed_time import ElapsedTime
 
 VARIES_M = 0.05  # standard deviation of one limb of one person
 FAR_TOO_LONG = 1.5  # times the median length of the limb
@@ -22,7 +22,7 @@ _BONES = tuple(
 """Limbs with one bone; the other lengths change with the posture."""
 
 
-def odd_limbs(series: Iterable[LimbSeries], clock: Clock) -> Iterator[str]:
+def odd_limbs(series: Iterable[LimbSeries], clock: ElapsedTime) -> Iterator[str]:
     """Yield a sentence for each limb that is much too long in some frames, or varies by much.
 
     Only frames count in which a camera supports both ends. The worst come first, at most
@@ -68,7 +68,7 @@ def unlike_given(rows: Sequence[LimbRow], source: str) -> Iterator[str]:
         yield f"Person {person}: mean limb lengths differ from the {source} ones: {named}{more}."
 
 
-def _odd_limbs(series: LimbSeries, clock: Clock) -> Iterator[tuple[float, str]]:
+def _odd_limbs(series: LimbSeries, clock: ElapsedTime) -> Iterator[tuple[float, str]]:
     """Yield by how much, and a sentence, for each odd limb of one person."""
     counts = series.supported & np.isfinite(series.length_m)
     for index, limb in enumerate(LIMBS):
@@ -92,9 +92,9 @@ def _when(
     long: Bool[np.ndarray, " time"],
     length_m: Float64[np.ndarray, " time"],
     t_s: Float64[np.ndarray, " time"],
-    clock: Clock,
+    clock: ElapsedTime,
 ) -> str:
     n, worst = int(long.sum()), int(length_m.argmax())
     frames = "1 frame" if n == 1 else f"{n} frames"
-    at = f"{float(clock(t_s[worst : worst + 1])[0]):.1f} {clock.unit}"
+    at = f"{clock(float(t_s[worst])):.1f} {clock.unit}"
     return f"{frames} (longest {length_m[worst]:.2f} m at {at}, median {np.median(length_m):.2f} m)"

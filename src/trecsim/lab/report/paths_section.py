@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from trecsim.lab.plots.labels import Label
+from trecsim.lab.plots.labels import Label, floor_label
 from trecsim.lab.report.plan_section import Extent, time_map
 from trecsim.lab.report.recording import Recording
 from trecsim.lab.report.style import colour_of
@@ -147,7 +147,7 @@ def path_labels(
     """Return the number of each person shown, at the end of the path."""
     colours = {stay.person: colour_of(recording.number[stay.person]) for stay in recording.shown}
     return [
-        Label(str(person), (float(xy_m[-1, 0]), float(xy_m[-1, 1])), colours[person])
+        floor_label(str(person), xy_m[-1], colours[person])
         for person, _, xy_m in _tracks(recording, places_m, chosen)
         if person in colours and len(xy_m)
     ]

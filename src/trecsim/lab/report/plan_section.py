@@ -9,7 +9,7 @@ from jaxtyping import Float64
 
 from trecsim.geometry import Rig
 from trecsim.lab.plots.canvas import round_step
-from trecsim.lab.plots.labels import Label, write_labels
+from trecsim.lab.plots.labels import Label, camera_labels, write_labels
 from trecsim.lab.plots.rig_plot import draw_camera
 from trecsim.lab.report.style import FAINT, INK, LINE, SOFT, TIME_COLOURS
 
@@ -120,11 +120,8 @@ def draw_rig(
         draw_camera(axes, camera, colour)
     for line in axes.lines[-len(rig) :]:
         line.set(markersize=11, markeredgewidth=0)
-    names = [
-        Label(camera.name, (float(camera.position_m[0]), float(camera.position_m[1])), colour)
-        for camera, colour in zip(rig, drawn, strict=True)
-    ]
-    write_labels(axes, [*people, *(names if len(rig) <= MOST_NAMES else ())])
+    names = camera_labels(rig, drawn) if len(rig) <= MOST_NAMES else []
+    write_labels(axes, [*people, *names])
 
 
 def time_map() -> "Colormap":

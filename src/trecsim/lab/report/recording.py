@@ -14,6 +14,7 @@ from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
 from trecsim.lab.evaluation.moments import Moments
+from trecsim.lab.plots.elapsed_time import ElapsedTime, clock_of
 from trecsim.lab.report.places import Places
 from trecsim.lab.report.thinning import Sampler, Stay
 from trecsim.skeleton import COCO17
@@ -26,32 +27,6 @@ EARLIEST_UNIX_S = 1e9  # times from here on are dates, others count from some st
 LONGEST_LAG_S = 10.0  # a longer one means that timing and tracks do not belong together
 MOST_SHOWN = 8  # people in tables and curves; there are as many distinguishable colours
 _LARGEST_SUMMARY_BYTES = 10_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class Clock:
-    """How a report writes times: from the start, in a unit that suits the length.
-
-    Attributes
-    ----------
-    start_s
-        Time zero [s].
-    unit_s, unit
-        Length of the unit [s] and its name.
-    """
-
-    start_s: float
-    unit_s: float = 1.0
-    unit: str = "s"
-
-    def __call__(self, t_s: Float64[np.ndarray, "..."]) -> Float64[np.ndarray, "..."]:
-        """Return times in the unit, from the start."""
-        return np.asarray((t_s - self.start_s) / self.unit_s)
-
-    @property
-    def label(self) -> str:
-        """Label of a time axis."""
-        return f"time from the start [{self.unit}]"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,14 +98,9 @@ class Recording:
         return tracks.suffix in (".partial", ".parts") or not tracks.exists()
 
     @property
-    def clock(self) -> Clock:
+    def clock(self) -> ElapsedTime:
         """How to show its times."""
-        start_s = self.start_s if math.isfinite(self.start_s) else 0.0
-        if self.length_s < 300:
-            return Clock(start_s)
-        return (
-            Clock(start_s, 60.0, "min") if self.length_s < 3 * 3600 else Clock(start_s, 3600, "h")
-        )
+        return clock_of(self.start_s, self.length_s)
 
     @property
     def shown(self) -> tuple[Stay, ...]:

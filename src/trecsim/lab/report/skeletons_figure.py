@@ -51,7 +51,7 @@ def skeletons(recording: Recording) -> str:
             for across, at_m in zip(_axes_of(xyz_m), (FRONT, SIDE), strict=True):
                 _draw_view(axes, _seen(xyz_m, across, at_m), sample.support[row], colour)
                 _draw_sigma(axes, _seen(xyz_m, across, at_m), sample.sigma_m[row], colour)
-            at = float(recording.clock(recording.t_s[row : row + 1])[0])
+            at = recording.clock(float(recording.t_s[row]))
             axes.set_title(
                 f"person {person}, at {at:.3g} {recording.clock.unit}",
                 color=colour,

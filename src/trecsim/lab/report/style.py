@@ -1,7 +1,7 @@
 """Style of pages and figures: colours for light and dark screens, fonts, sizes."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from typing import TYPE_CHECKING, Any, Literal
@@ -130,6 +130,27 @@ def quiet(axes: "Axes", *, grid: Literal["x", "y", "both"] = "y") -> None:
     axes.grid(axis=grid)
     axes.tick_params(length=0)
     axes.spines["left"].set_visible(False)
+
+
+def draw_spreads(
+    axes: "Axes",
+    names: Sequence[str],
+    spreads: Sequence[tuple[float, float, float]],
+    colours: Sequence[str] = (),
+) -> None:
+    """Draw one row per name: a bar from the low to the high end with a dot at the median.
+
+    `spreads` are low end, median and high end of each row, NaN for none; `colours` one per row, or
+    none for the accent colour.
+    """
+    for row, (low, middle, high) in enumerate(spreads):
+        colour = colours[row] if colours else ACCENT
+        axes.plot([low, high], [row, row], color=colour, linewidth=4.5, alpha=0.3)
+        axes.plot(middle, row, "o", color=colour, ms=6, mec=PAPER, mew=0.8)
+    axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
+    axes.set_ylim(max(len(names), 2) - 0.4, -0.6)
+    axes.set_xlim(left=0)
+    quiet(axes, grid="x")
 
 
 def as_svg(drawn: "Figure", name: str) -> str:

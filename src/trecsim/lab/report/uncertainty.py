@@ -10,7 +10,7 @@ from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.report.curves import curve, draw_curve
 from trecsim.lab.report.page import Figure, Section, Text
 from trecsim.lab.report.recording import Recording
-from trecsim.lab.report.style import ACCENT, PAPER, SOFT, as_svg, figure, quiet
+from trecsim.lab.report.style import ACCENT, SOFT, as_svg, draw_spreads, figure, quiet
 from trecsim.skeleton import COCO17
 
 if TYPE_CHECKING:
@@ -72,21 +72,17 @@ def _ceiling(high: Float64[np.ndarray, " point"]) -> float:
 
 
 def _per_joint(recording: Recording) -> str:
-    names = [name.replace("_", " ") for name in COCO17.joints]
+    spreads = []
+    for values in 100 * recording.sample.sigma_m.T.astype(np.float64):
+        known = values[np.isfinite(values)]
+        low, middle, high = np.quantile(known if len(known) else [np.nan], (0.05, 0.5, 0.95))
+        spreads.append((float(low), float(middle), float(high)))
     with figure(4.1) as drawing:
         sigma, support = drawing.subplots(1, 2, sharey=True)
-        for row, values in enumerate(100 * recording.sample.sigma_m.T.astype(np.float64)):
-            known = values[np.isfinite(values)]
-            if len(known):
-                low, middle, high = np.quantile(known, (0.05, 0.5, 0.95))
-                sigma.plot([low, high], [row, row], color=ACCENT, linewidth=4.5, alpha=0.3)
-                sigma.plot(middle, row, "o", color=ACCENT, ms=6, mec=PAPER, mew=0.8)
-        sigma.set_yticks(range(len(names)), names)
-        sigma.set(ylim=(len(names) - 0.4, -0.6), xlabel="standard deviation [cm]")
-        sigma.set_xlim(left=0)
+        draw_spreads(sigma, COCO17.joints, spreads)
+        sigma.set_xlabel("standard deviation [cm]")
         _draw_support(support, recording)
-        for axes in (sigma, support):
-            quiet(axes, grid="x")
+        quiet(support, grid="x")
         return as_svg(drawing, "joints")
 
 
