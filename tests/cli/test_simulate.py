@@ -55,7 +55,7 @@ def test_a_shown_scene_can_be_simulated_as_ones_own(trecsim: Run, tmp_path: Path
 def test_the_list_has_a_line_and_a_picture_of_each_scene(
     trecsim: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    chapters = (scene_file.CHAPTERS[1], scene_file.CHAPTERS[-1])  # all of them take long
+    chapters = dict([*scene_file.CHAPTERS.items()][1::3])  # all of them take long
     monkeypatch.setattr(scene_file, "CHAPTERS", chapters)
     names = [name for chapter in chapters for name in chapter.names]
     code, told, err = trecsim("simulate", "--list")

@@ -1,6 +1,6 @@
 """Tracks as pandas tables."""
 
-import builtins
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -81,14 +81,7 @@ def test_without_pandas_the_message_tells_how_to_install_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tracks = read_tracks(write(tmp_path / "t.csv", list(walk(3))))
-    load = builtins.__import__
-
-    def missing(name: str, *given: object, **named: object) -> object:
-        if name == "pandas":
-            raise ImportError(name)
-        return load(name, *given, **named)  # type: ignore[arg-type]  # passed on as they came
-
-    monkeypatch.setattr(builtins, "__import__", missing)
+    monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(SetupError, match=r"pandas, which is not installed: .*install .*\[pandas\]"):
         tracks.to_dataframe()
 

@@ -115,9 +115,7 @@ def _schema(json: bool) -> None:
 def _list(json: bool, *, plans: bool) -> None:
     from trecsim.lab.simulation.scene_file import CHAPTERS, read_scene
 
-    chapters = [
-        (chapter.title, [read_scene(name) for name in chapter.names]) for chapter in CHAPTERS
-    ]
+    chapters = [(title, [read_scene(name) for name in names]) for title, names in CHAPTERS.items()]
     facts = {
         "scenes": [_facts(scene) | {"chapter": title} for title, ones in chapters for scene in ones]
     }

@@ -218,7 +218,7 @@ def count_pcp(
         actors = np.flatnonzero(there[:, frame])
         bodies_m = truth_m[actors, frame]
         apart_m = _apart(bodies_m, found.joints_m)
-        for row, column in enumerate(apart_m.argmin(axis=1) if len(found.id) else ()):
+        for row, column in enumerate(apart_m.argmin(axis=1).tolist() if len(found.id) else ()):
             counts[actors[row]].add(bodies_m[row], found, column, float(apart_m[row, column]))
         _claim([counts[actor] for actor in actors], apart_m)
     return Pcp(

@@ -10,6 +10,7 @@ from jaxtyping import Float64
 
 from trecsim.lab.simulation.body_shape import JOINTS
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck
+from trecsim.lab.simulation.rotations import unit
 
 STEP_S = 0.08  # coarse on purpose: the bias adds no jitter
 FAST, FAST_S, SLOW_S = 0.7, 0.3, 8.0  # share of the variance that changes quickly; memories
@@ -62,11 +63,6 @@ def _wandering(t_s: Float64[np.ndarray, " time"], people: int, rng: np.random.Ge
 
 def _body_axes(xyz_m: Joints) -> Float64[np.ndarray, "time person 3 axis"]:
     """Return the forward, left and up axes of each trunk, as columns."""
-    up = _unit(xyz_m[..., 5:7, :].mean(axis=-2) - xyz_m[..., 11:13, :].mean(axis=-2))
-    forward = _unit(np.cross(xyz_m[..., 11, :] - xyz_m[..., 12, :], up))
+    up = unit(xyz_m[..., 5:7, :].mean(axis=-2) - xyz_m[..., 11:13, :].mean(axis=-2))
+    forward = unit(np.cross(xyz_m[..., 11, :] - xyz_m[..., 12, :], up))
     return np.stack((forward, np.cross(up, forward), up), axis=-1)
-
-
-def _unit(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch 3"]:
-    unit: Float64[np.ndarray, "*batch 3"] = vector / np.linalg.norm(vector, axis=-1, keepdims=True)
-    return unit

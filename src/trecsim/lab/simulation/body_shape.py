@@ -103,15 +103,7 @@ def _head() -> Float64[np.ndarray, "5 3"]:
 
 
 def bodies(people: int, rng: np.random.Generator) -> tuple[Body, ...]:
-    """Return bodies with statures spread over those of adults, in random order.
-
-    Parameters
-    ----------
-    people
-        Number of them.
-    rng
-        Random numbers.
-    """
+    """Return bodies with statures spread over those of adults, in random order."""
     share = (np.arange(people) + rng.uniform(0.0, 1.0, people)) / max(people, 1)
     statures_m = SHORTEST_M + (TALLEST_M - SHORTEST_M) * rng.permutation(share)
     return tuple(body(float(stature_m), rng) for stature_m in statures_m)

@@ -65,13 +65,6 @@ class Clock:
     ) -> tuple[Float64[np.ndarray, " time"], Float64[np.ndarray, " time"]]:
         """Return the times of all images that arrive, and their stamps, both increasing [s].
 
-        Parameters
-        ----------
-        seconds
-            Length of the scene [s].
-        rng
-            Random numbers.
-
         Examples
         --------
         >>> rng = np.random.default_rng(0)

@@ -135,15 +135,7 @@ def look_at(
 
 
 def rolled(T_cam_world: Float64[np.ndarray, "4 4"], roll_deg: float) -> Float64[np.ndarray, "4 4"]:
-    """Return the pose of a camera rotated about its line of sight.
-
-    Parameters
-    ----------
-    T_cam_world
-        The pose before.
-    roll_deg
-        Angle, clockwise seen from behind the camera [degrees].
-    """
+    """Return the pose of a camera rotated about its line of sight, clockwise seen from behind."""
     turned = np.eye(4)
     turned[:3, :3] = rotation_matrix(np.array([0.0, 0.0, -np.radians(roll_deg)]))
     pose: Float64[np.ndarray, "4 4"] = turned @ T_cam_world

@@ -204,16 +204,7 @@ class CameraTable(MakeTable):
         return (Knock(name, self.knock.t_s, self.knock.turn_deg, self.knock.shift_m),)
 
     def camera(self, name: str, pattern: Mapping[str, Camera], common: Make) -> Camera:
-        """Return the camera.
-
-        Parameters
-        ----------
-        name
-            Its name.
-        pattern
-            The cameras of the pattern.
-        common
-            The make of cameras without their own.
+        """Return the camera; what it does not give comes from the pattern and the common make.
 
         Raises
         ------

@@ -15,7 +15,7 @@ from trecsim.errors import InputError
 from trecsim.lab.simulation.actions import FARTHEST_M, Point
 from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.frame_times import even
-from trecsim.lab.simulation.paths import STEP_S, smooth
+from trecsim.lab.simulation.paths import STEP_S, distances_m, interpolated, smooth
 from trecsim.lab.simulation.pose import Joints, Pose, blend, cut, joined, pose_of
 from trecsim.lab.simulation.postures import STAND, Posture
 from trecsim.lab.simulation.rotations import Place, unit
@@ -55,12 +55,7 @@ class Take:
     xyz_m: Joints
 
     def cut(self, from_s: float, to_s: float | None) -> "Take":
-        """Return a part of the take.
-
-        Parameters
-        ----------
-        from_s, to_s
-            Where it begins and ends; None keeps the end [s].
+        """Return the part of the take from `from_s` to `to_s`, or to its end.
 
         Raises
         ------
@@ -77,11 +72,6 @@ class Take:
 
 def read_clip(path: Path) -> Take:
     """Read a clip of real motion.
-
-    Parameters
-    ----------
-    path
-        An ``.npz`` file, see above.
 
     Raises
     ------
@@ -126,13 +116,6 @@ def posed(take: Take, body: Body) -> Pose:
 
     It begins over the origin and faces +x. Ways over the floor grow with the legs, so that feet
     that stand keep standing.
-
-    Parameters
-    ----------
-    take
-        The recorded motion.
-    body
-        The other body.
     """
     seconds = (len(take.xyz_m) - 1) / take.fps
     entry = np.arange(int(seconds / STEP_S) + 1) * STEP_S * take.fps
@@ -178,32 +161,14 @@ def _moved(
 
 
 def stays_in(pose: Pose, entry: int) -> Posture:
-    """Return the posture closest to one entry of a pose: standing or lying.
-
-    Parameters
-    ----------
-    pose
-        Poses over time.
-    entry
-        Which of them.
-    """
+    """Return the posture closest to one entry of a pose: standing or lying."""
     if pose.chest[entry, 2, 2] > UPRIGHT:
         return STAND
     return Posture("back" if pose.chest[entry, 2, 0] > 0 else "front")
 
 
 def place_of(pose: Pose, entry: int, body: Body) -> Place:
-    """Return the standing place that belongs to a pose.
-
-    Parameters
-    ----------
-    pose
-        Poses over time.
-    entry
-        Which of them.
-    body
-        Limb lengths.
-    """
+    """Return the standing place that belongs to a pose."""
     x_m, y_m, _ = pose.root_m[entry]
     hips = Place(float(x_m), float(y_m), _heading(pose, entry))
     return hips.ahead(
@@ -212,17 +177,7 @@ def place_of(pose: Pose, entry: int, body: Body) -> Place:
 
 
 def looped(pose: Pose, times: int, body: Body) -> Pose:
-    """Return a motion repeated, each repetition starting where the last one ended.
-
-    Parameters
-    ----------
-    pose
-        Over time.
-    times
-        Number of repetitions.
-    body
-        Limb lengths.
-    """
+    """Return a motion repeated, each repetition starting where the last one ended."""
     over = min(round(OVERLAP_S / STEP_S), len(pose.root_m) // 2)
     share = even(np.arange(over) / max(over, 1))
     start = place_of(pose, 0, body)
@@ -243,28 +198,18 @@ def _row(place: Place) -> Float64[np.ndarray, " 3"]:
 
 
 def carried(pose: Pose, place: Place, along_m: Sequence[Point], body: Body) -> Pose:
-    """Return poses moved to a place, and bent along a path if there is one.
+    """Return poses moved to a place, and bent along way points if there are any.
 
-    Parameters
-    ----------
-    pose
-        Over time; see :func:`posed`.
-    place
-        Place of the person before.
-    along_m
-        Way points, followed over the length of the recorded path [m].
-    body
-        Limb lengths.
+    The way points are followed over the length of the recorded path.
     """
     pose = _moved(pose, _row(place_of(pose, 0, body)), _row(place))
     if not along_m:
         return pose
     own_m = smooth(pose.root_m[:, :2], STRIDES_S)
-    steps_m = np.linalg.norm(np.diff(own_m, axis=0), axis=1)
-    gone_m = np.concatenate(([0.0], np.cumsum(steps_m)))
+    gone_m = distances_m(own_m)
     corners_m = np.array([own_m[0], *along_m], dtype=float)
-    ends_m = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1))))
-    way_m = np.stack([np.interp(gone_m, ends_m, column) for column in corners_m.T], axis=1)
+    ends_m = distances_m(corners_m)
+    way_m = interpolated(gone_m, ends_m, corners_m)
     leg = np.clip(np.searchsorted(ends_m, gone_m, side="right") - 1, 0, len(corners_m) - 2)
     towards = unit(np.column_stack((np.diff(corners_m, axis=0), np.zeros(len(corners_m) - 1))))[leg]
     # Beyond the last way point the path goes straight on.

@@ -23,13 +23,6 @@ def on_the_floor(pose: Pose, body: Body) -> Joints:
 
     The trunk is lifted by as little as is needed, smoothly over time; ankles stay where they are.
     Arms give way: hands that would go through the floor glide over it.
-
-    Parameters
-    ----------
-    pose
-        One entry per `STEP_S`.
-    body
-        Limb lengths.
     """
     for _ in range(ROUNDS):
         xyz_m = _with_hands_up(joints(pose, body), body)

@@ -11,9 +11,9 @@ from trecsim.lab.simulation.frame_times import even
 from trecsim.lab.simulation.keyposes import ANKLE_M, FEET, KNEE_M, pitched
 from trecsim.lab.simulation.locomotion import Segment, end_of, path_along, segments_along, stay
 from trecsim.lab.simulation.on_foot import strides
-from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
+from trecsim.lab.simulation.paths import STEP_S, FloorPath, interpolated, smooth
 from trecsim.lab.simulation.pose import Pose, reaching
-from trecsim.lab.simulation.rotations import Place, about, unit
+from trecsim.lab.simulation.rotations import Place, about, forward_left, unit
 
 STRIDE = 0.29  # stride length as a share of the stature
 STANCE = 0.62  # share of a stride during which a hand or knee rests
@@ -35,19 +35,7 @@ def on_all_fours(body: Body) -> Pose:
 
 
 def crawl(body: Body, place: Place, to_m: Sequence[Point], speed_mps: float) -> tuple[Pose, Place]:
-    """Return the poses of a crawl, one per `STEP_S`, and where it ends.
-
-    Parameters
-    ----------
-    body
-        Limb lengths.
-    place
-        Place of the pose, see :func:`on_all_fours`.
-    to_m
-        Way points of the hips [m].
-    speed_mps
-        Speed [m/s].
-    """
+    """Return the poses of a crawl along way points of the hips, one per `STEP_S`, and its end."""
     hips, segments = place.ahead(body.shin_m), [stay(place.ahead(body.shin_m), 0.1)]
     for point_m in to_m:
         segments += segments_along(hips, [((point_m,), speed_mps)], turning_radps=TURN_RADPS)
@@ -104,7 +92,7 @@ def _plant(path: FloorPath, phase: np.ndarray, wanted: np.ndarray, reach_m: np.n
     """Return the point that has this reach from the body when the phase is as wanted [m]."""
     t_s = np.interp(wanted, phase, path.t_s, left=path.t_s[0], right=path.t_s[-1])
     heading_rad = np.interp(t_s, path.t_s, path.heading_rad)
-    xy_m = np.stack([np.interp(t_s, path.t_s, column) for column in path.xy_m.T], axis=1)
+    xy_m = interpolated(t_s, path.t_s, path.xy_m)
     c, s = np.cos(heading_rad), np.sin(heading_rad)
     plant_m: Flat = xy_m + np.stack(
         (c * reach_m[0] - s * reach_m[1], s * reach_m[0] + c * reach_m[1]), axis=1
@@ -120,9 +108,8 @@ def _held(
     hands_m: Float64[np.ndarray, "time 2 3"],
 ) -> Pose:
     """Return the pose with hips, knees and hands over these points of the floor."""
-    c, s, zero = np.cos(heading_rad), np.sin(heading_rad), np.zeros(len(hips_m))
-    ahead = np.stack((c, s, zero), axis=1)
-    left = np.stack((-s, c, zero), axis=1)
+    zero = np.zeros(len(hips_m))
+    ahead, left = forward_left(heading_rad)
     turn = np.stack((ahead, left, np.cross(ahead, left)), axis=2)
     sides = ((0, 1.0), (1, -1.0))
     away_m = [

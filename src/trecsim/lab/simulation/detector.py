@@ -195,17 +195,7 @@ class Footage:
 
 
 def detect(footage: Footage, detector: Detector, rng: np.random.Generator) -> list[Poses2D]:
-    """Return the detections in each image of one camera.
-
-    Parameters
-    ----------
-    footage
-        The people in front of the camera.
-    detector
-        Errors of the estimator.
-    rng
-        Random numbers.
-    """
+    """Return the detections in each image of one camera."""
     camera, t_s = footage.camera, footage.taken_s
     xyz_m = np.ascontiguousarray(np.moveaxis(footage.xyz_m, 0, 1))
     height_px = _height_in_image(camera, xyz_m, footage.stature_m)

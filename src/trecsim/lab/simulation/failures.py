@@ -12,15 +12,7 @@ from trecsim.geometry.rigid import rotation_matrix
 
 @dataclass(frozen=True, slots=True)
 class Outage:
-    """Outage of a camera, for a while or for good.
-
-    Attributes
-    ----------
-    camera
-        Its name.
-    from_s, to_s
-        Start and end [s].
-    """
+    """Outage of a camera, for a while or for good."""
 
     camera: str
     from_s: float

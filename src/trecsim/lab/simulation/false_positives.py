@@ -21,14 +21,7 @@ FIGURE = np.stack((_LEFT, _DOWN), axis=1)
 class FalsePositive:
     """False positive of one camera: background that is sometimes detected as a person.
 
-    Attributes
-    ----------
-    xy_px
-        Its key points, NaN where missing [px].
-    score
-        Confidence per key point.
-    found
-        Whether it is detected.
+    Missing key points are NaN.
     """
 
     xy_px: Float64[np.ndarray, "time 1 17 2"]
@@ -42,19 +35,7 @@ def false_positive(
     share: float,
     rng: np.random.Generator,
 ) -> FalsePositive:
-    """Return a false positive at a fixed place of the image, detected now and then.
-
-    Parameters
-    ----------
-    size_px
-        Of the image (width, height) [px].
-    t_s
-        Times of the images [s].
-    share
-        Share of the images in which it is detected.
-    rng
-        Random numbers.
-    """
+    """Return a false positive at a fixed place of the image, detected in a share of the images."""
     tall_px = rng.uniform(0.15, 0.35) * size_px[1]
     middle_px = rng.uniform(0.15, 0.85, 2) * size_px
     figure = FIGURE - [0.0, 0.4] + 0.05 * rng.standard_normal((JOINTS, 2))
@@ -81,21 +62,9 @@ def with_swaps(
     share: float,
     rng: np.random.Generator,
 ) -> tuple[Float64[np.ndarray, "time person 17 2"], Float64[np.ndarray, "time person 17"]]:
-    """Return key points and scores with left and right swapped now and then.
+    """Return key points and scores with left and right swapped in a share of the images.
 
-    Parameters
-    ----------
-    t_s
-        Times of the images [s].
-    xy_px
-        Key points [px].
-    score
-        Confidence per key point.
-    share
-        Share of the images in which left and right are swapped, mostly of the whole person, else of
-        the arms or legs only.
-    rng
-        Random numbers.
+    Mostly the whole person is swapped, else the arms or the legs only.
     """
     xy_px, score = xy_px.copy(), score.copy()
     for mirror, part in _PARTS:

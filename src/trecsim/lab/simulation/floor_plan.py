@@ -20,15 +20,7 @@ Xy = Float64[np.ndarray, "*batch 2"]
 
 
 def floor_plan(scene: Scene, columns: int = COLUMNS, rows: int = ROWS) -> str:
-    """Return a scene from above: arrows are cameras, dots paths, `o` their ends.
-
-    Parameters
-    ----------
-    scene
-        What to show, with its own seed.
-    columns, rows
-        Size of the picture [characters].
-    """
+    """Return a scene from above: arrows are cameras, dots paths, `o` their ends."""
     xy_m = ways(scene)
     seen_m = xy_m[np.isfinite(xy_m[..., 0])]
     cameras_m = np.array([camera.position_m[:2] for camera in scene.rig])

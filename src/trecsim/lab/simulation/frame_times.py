@@ -7,12 +7,7 @@ Share = Float64[np.ndarray, " time"]
 
 
 def even(share: Share) -> Share:
-    """Return the course from 0 to 1 of minimum jerk, at rest at both ends.
-
-    Parameters
-    ----------
-    share
-        Share of the time; below 0 and above 1 it rests.
+    """Return the course from 0 to 1 of minimum jerk, at rest at both ends and beyond.
 
     Examples
     --------
@@ -26,11 +21,6 @@ def even(share: Share) -> Share:
 
 def falling(share: Share) -> Share:
     """Return a course from 0 to 1 that accelerates for two thirds of the time, then stops.
-
-    Parameters
-    ----------
-    share
-        Share of the time; below 0 and above 1 it rests.
 
     Examples
     --------

@@ -254,15 +254,7 @@ def buckling(body: Body, to: str) -> Pose:
 
 
 def with_arms_up(pose: Pose, arms: str) -> Pose:
-    """Return a pose with one arm or both raised over the head.
-
-    Parameters
-    ----------
-    pose
-        A standing pose.
-    arms
-        "both", "left" or "right".
-    """
+    """Return a standing pose with the "left", the "right" or "both" arms raised over the head."""
     turns, elbow_rad = pose.arms.copy(), pose.elbow_rad.copy()
     for side, name in enumerate(("left", "right")):
         if arms in ("both", name):

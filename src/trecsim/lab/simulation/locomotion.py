@@ -9,7 +9,7 @@ from jaxtyping import Float64
 from trecsim.lab.simulation import paths
 from trecsim.lab.simulation.actions import Point
 from trecsim.lab.simulation.frame_times import even
-from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
+from trecsim.lab.simulation.paths import STEP_S, FloorPath, distances_m, interpolated, smooth
 from trecsim.lab.simulation.rotations import Place
 
 CURVE_S = 0.25  # standard deviation of the smoothing that rounds corners
@@ -44,30 +44,14 @@ class Segment:
 
 
 def stay(place: Place, seconds: float) -> Segment:
-    """Return a segment of standing still.
-
-    Parameters
-    ----------
-    place
-        Position and direction.
-    seconds
-        Duration [s].
-    """
+    """Return a segment of standing still."""
     steps = round(seconds / STEP_S)
     here_m = np.tile([place.x_m, place.y_m], (steps, 1))
     return Segment(here_m, np.full(steps, place.heading_rad))
 
 
 def end_of(segments: list[Segment], place: Place) -> Place:
-    """Return where the last segment ends.
-
-    Parameters
-    ----------
-    segments
-        All segments.
-    place
-        Where they begin; returned if there are none.
-    """
+    """Return where the last segment ends; `place` if there is none."""
     if not segments or not len(segments[-1].xy_m):
         return place
     last = segments[-1]
@@ -122,17 +106,7 @@ def shortest(angle_rad: float) -> float:
 
 
 def turned(place: Place, by_rad: float, speed_radps: float) -> Segment:
-    """Return a turn on the spot.
-
-    Parameters
-    ----------
-    place
-        Where it begins.
-    by_rad
-        Angle, counter-clockwise [rad].
-    speed_radps
-        Mean angular speed [rad/s].
-    """
+    """Return a turn on the spot, counter-clockwise, at a mean angular speed."""
     steps = max(round(abs(by_rad) / speed_radps / STEP_S), 30)
     here_m = np.tile([place.x_m, place.y_m], (steps, 1))
     turn = place.heading_rad + by_rad * even(np.arange(steps) / steps)
@@ -188,13 +162,11 @@ def _go(
     goes: bool,
 ) -> Segment:
     """Return the segment along a path through corners."""
-    along_path_m = np.concatenate(
-        ([0.0], np.cumsum(np.linalg.norm(np.diff(corners_m, axis=0), axis=1)))
-    )
+    along_path_m = distances_m(corners_m)
     t_s, s_m = _timetable(along_path_m, speeds_mps, comes, goes)
     steps_s = np.arange(max(int(t_s[-1] / STEP_S), 2)) * STEP_S
     along_m = np.interp(steps_s, t_s, s_m)
-    xy_m = np.stack([np.interp(along_m, along_path_m, column) for column in corners_m.T], axis=1)
+    xy_m = interpolated(along_m, along_path_m, corners_m)
     steps_m = np.diff(corners_m, axis=0)
     angles = np.unwrap(np.arctan2(steps_m[:, 1], steps_m[:, 0]))
     angles += place.heading_rad + shortest(angles[0] - place.heading_rad) - angles[0]
@@ -227,17 +199,7 @@ def _timetable(
 
 
 def path_along(segments: Sequence[Segment], start_s: float, comes: bool, goes: bool) -> FloorPath:
-    """Return the path along all segments, extended before and after.
-
-    Parameters
-    ----------
-    segments
-        In order of time.
-    start_s
-        Time of the start [s].
-    comes, goes
-        Whether the person is already moving at the start, still moving at the end.
-    """
+    """Return the path along all segments, extended before and after."""
     xy_m = np.concatenate([segment.xy_m for segment in segments])
     heading_rad = np.concatenate([segment.heading_rad for segment in segments])
     steps, margin = len(xy_m), round(paths.LEAD_S / STEP_S)

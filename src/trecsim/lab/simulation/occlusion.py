@@ -42,16 +42,7 @@ def hidden_behind_obstacles(
     xyz_m: Float64[np.ndarray, "*batch 3"],
     obstacles: tuple[Obstacle, ...],
 ) -> Bool[np.ndarray, "*batch"]:
-    """Return which points lie behind an obstacle, or inside one.
-
-    Parameters
-    ----------
-    position_m
-        Position of the camera [m].
-    xyz_m
-        Points, NaN where absent: those are not hidden [m].
-    obstacles
-        The boxes.
+    """Return which points lie behind an obstacle or inside one; absent points (NaN) do not.
 
     Notes
     -----
@@ -75,13 +66,6 @@ def hidden_behind_others(
 ) -> Bool[np.ndarray, "time person 17"]:
     """Return which joints are occluded by another person.
 
-    Parameters
-    ----------
-    position_m
-        Position of the camera [m].
-    xyz_m
-        Joints of all people, NaN while absent [m].
-
     Notes
     -----
     A body blocks the view with its trunk, head and legs, whatever its posture: capsules between
@@ -95,15 +79,7 @@ def hidden_behind_others(
 def faces_away(
     position_m: Float64[np.ndarray, " 3"], xyz_m: Float64[np.ndarray, "time person 17 3"]
 ) -> Bool[np.ndarray, "time person 5"]:
-    """Return which of nose, eyes and ears lie on the far side of the head.
-
-    Parameters
-    ----------
-    position_m
-        Position of the camera [m].
-    xyz_m
-        Joints of all people, NaN while absent [m].
-    """
+    """Return which of nose, eyes and ears lie on the far side of the head."""
     face_m = xyz_m[..., :5, :]
     middle_m = xyz_m[..., 3:5, :].mean(axis=-2, keepdims=True)
     outward = face_m - middle_m

@@ -32,17 +32,7 @@ TREAD_VIGOUR = 0.2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stretch:
-    """Motion on foot over a while.
-
-    Attributes
-    ----------
-    walker
-        The motion.
-    seconds
-        Duration [s].
-    end
-        Place at the end.
-    """
+    """Motion on foot over a while, and the place at its end."""
 
     walker: Walker
     seconds: float
@@ -59,24 +49,9 @@ def on_foot(
     comes: bool = False,
     goes: bool = False,
 ) -> Stretch:
-    """Return the motion of these actions on foot.
+    """Return the motion of these actions on foot; consecutive paths have no stop between them.
 
-    Parameters
-    ----------
-    body
-        Limb lengths.
-    place
-        Place at the start.
-    actions
-        Standing, turning, walking, running; consecutive paths have no stop between them.
-    start_s
-        Start time [s].
-    style
-        Any angle; phase of this person's small idle motions [rad].
-    comes
-        Whether the person is already walking at the start.
-    goes
-        Whether the person is still walking at the end.
+    `comes` and `goes` say whether the person is already walking at the start, still at the end.
     """
     segments = [] if comes else [stay(place, _rest_s(actions))]
     groups = _groups(actions)
@@ -94,19 +69,7 @@ def on_foot(
 
 
 def standing(body: Body, place: Place, style: float, start_s: float, seconds: float) -> Walker:
-    """Return the motion of standing at a place, feet side by side.
-
-    Parameters
-    ----------
-    body
-        Limb lengths.
-    place
-        The place.
-    style
-        Any angle; phase of this person's small idle motions [rad].
-    start_s, seconds
-        Start time and duration [s].
-    """
+    """Return the motion of standing at a place, feet side by side."""
     path = path_along([stay(place, max(seconds, 0.1))], start_s, False, False)
     return stepping(body, path, np.full(len(path.t_s), NEUTRAL), style)
 

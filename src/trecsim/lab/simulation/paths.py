@@ -71,24 +71,30 @@ def through(t_s: Float64[np.ndarray, " point"], xy_m: Float64[np.ndarray, "point
     last = xy_m[-1] + (xy_m[-1] - xy_m[-2]) / (t_s[-1] - t_s[-2]) * (grid_s[-1] - t_s[-1])
     known_s = np.concatenate(([grid_s[0]], t_s, [grid_s[-1]]))
     known_m = np.concatenate(([first], xy_m, [last]))
-    rough_m = np.stack([np.interp(grid_s, known_s, column) for column in known_m.T], axis=1)
+    rough_m = interpolated(grid_s, known_s, known_m)
     inside = slice(round(4 * SMOOTH_S / STEP_S), -round(4 * SMOOTH_S / STEP_S))
     smooth_m = smooth(rough_m, SMOOTH_S)
     return FloorPath(grid_s[inside], smooth_m[inside], heading(smooth_m)[inside], enter_s, leave_s)
 
 
+def distances_m(points_m: Float64[np.ndarray, "point dim"]) -> Float64[np.ndarray, " point"]:
+    """Return the distance of each point from the first, along the straight lines between them."""
+    return np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points_m, axis=0), axis=1))))
+
+
+def interpolated(
+    at: Float64[np.ndarray, " wanted"],
+    known: Float64[np.ndarray, " point"],
+    points_m: Float64[np.ndarray, "point dim"],
+) -> Float64[np.ndarray, "wanted dim"]:
+    """Return points on the straight lines between known ones."""
+    return np.stack([np.interp(at, known, column) for column in points_m.T], axis=1)
+
+
 def smooth(
     values: Float64[np.ndarray, "step *batch"], sigma_s: float
 ) -> Float64[np.ndarray, "..."]:
-    """Return equidistant values after a Gaussian filter over time; ends are held.
-
-    Parameters
-    ----------
-    values
-        One row per `STEP_S`.
-    sigma_s
-        Standard deviation of the filter [s].
-    """
+    """Return values, one row per `STEP_S`, after a Gaussian filter over time; ends are held."""
     reach = round(4 * sigma_s / STEP_S)
     weight = np.exp(-0.5 * (np.arange(-reach, reach + 1) * STEP_S / sigma_s) ** 2)
     weight /= weight.sum()
@@ -98,13 +104,7 @@ def smooth(
 
 
 def heading(xy_m: Float64[np.ndarray, "step 2"]) -> Float64[np.ndarray, " step"]:
-    """Return the direction of motion [rad]; a standing person turns slowly to the next one.
-
-    Parameters
-    ----------
-    xy_m
-        Positions, one per `STEP_S` [m].
-    """
+    """Return the direction of motion [rad]; a standing person turns slowly to the next one."""
     velocity_mps = np.gradient(xy_m, STEP_S, axis=0)
     moving = np.flatnonzero(np.linalg.norm(velocity_mps, axis=1) > STANDING_MPS)
     if not moving.size:

@@ -18,15 +18,7 @@ from trecsim.lab.simulation.wandering import wander
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Person:
-    """One person of a scene.
-
-    Attributes
-    ----------
-    stature_m
-        Height standing upright [m].
-    motion
-        Joints as a function of time.
-    """
+    """One person of a scene."""
 
     stature_m: float
     motion: Motion
@@ -48,17 +40,7 @@ class People(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Wanderers:
-    """People who wander about a floor, come and go.
-
-    Attributes
-    ----------
-    people
-        Number of them.
-    width_m, depth_m
-        Size of their floor, along x and y [m].
-    centre_m
-        Its middle, x and y [m].
-    """
+    """People who wander about a floor, come and go."""
 
     count: int
     width_m: float
@@ -81,13 +63,7 @@ class Wanderers:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathWalkers:
-    """People who walk along given paths.
-
-    Attributes
-    ----------
-    paths
-        One per person; see :func:`trecsim.lab.simulation.paths.through`.
-    """
+    """People who walk along given paths, see :func:`trecsim.lab.simulation.paths.through`."""
 
     paths: tuple[FloorPath, ...]
 
@@ -103,13 +79,7 @@ class PathWalkers:
 
 @dataclass(frozen=True, slots=True)
 class ScriptedPeople:
-    """People with scripts.
-
-    Attributes
-    ----------
-    roles
-        One per person.
-    """
+    """People with scripts."""
 
     roles: tuple[Role, ...]
 
@@ -128,13 +98,7 @@ class ScriptedPeople:
 
 @dataclass(frozen=True, slots=True)
 class PeopleGroups:
-    """Several groups of people in one scene.
-
-    Attributes
-    ----------
-    groups
-        In the order of the ground truth.
-    """
+    """Several groups of people in one scene, in the order of the ground truth."""
 
     groups: tuple[People, ...]
 
@@ -154,13 +118,7 @@ class PeopleGroups:
 
 
 def clips_of(group: People) -> tuple[Path, ...]:
-    """Return the files of recorded motion that a group plays, each once, in order.
-
-    Parameters
-    ----------
-    group
-        Any; other kinds of people play none.
-    """
+    """Return the files of recorded motion that a group plays, each once, in order."""
     if isinstance(group, PeopleGroups):
         return tuple(dict.fromkeys(path for one in group.groups for path in clips_of(one)))
     if not isinstance(group, ScriptedPeople):

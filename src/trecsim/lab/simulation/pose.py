@@ -51,15 +51,7 @@ class Pose:
 
 
 def joints(pose: Pose, body: Body) -> Joints:
-    """Return the COCO-17 joints of a body in a pose [m].
-
-    Parameters
-    ----------
-    pose
-        The pose.
-    body
-        Limb lengths.
-    """
+    """Return the COCO-17 joints of a body in a pose [m]."""
     xyz_m = np.empty((len(pose.root_m), JOINTS, 3))
     neck_m = pose.root_m + body.trunk_m * pose.chest[:, :, 2]
     xyz_m[:, :5] = neck_m[:, None] + np.einsum("tab,jb->tja", pose.head, body.head_m)
@@ -110,17 +102,7 @@ def _arm(shoulder_m: Xyz, pose: Pose, side: int, body: Body) -> tuple[Xyz, Xyz]:
 
 
 def reaching(pose: Pose, body: Body, wrists_m: Float64[np.ndarray, "time 2 3"]) -> Pose:
-    """Return a pose with the wrists at given points, elbows bent towards the feet.
-
-    Parameters
-    ----------
-    pose
-        Pose of the rest of the body.
-    body
-        Limb lengths.
-    wrists_m
-        Targets of the left and right wrist, which may be out of reach [m].
-    """
+    """Return a pose with the wrists at given points, if in reach, elbows bent towards the feet."""
     neck_m = pose.root_m + body.trunk_m * pose.chest[:, :, 2]
     left = pose.chest[:, :, 1]
     arms, elbows = np.empty_like(pose.arms), np.empty_like(pose.elbow_rad)
@@ -218,56 +200,24 @@ def _across(vector: Xyz, axis: Xyz) -> Xyz:
 
 
 def cut(pose: Pose, part: slice) -> Pose:
-    """Return some of the entries of a pose.
-
-    Parameters
-    ----------
-    pose
-        Over time.
-    part
-        Which entries.
-    """
+    """Return some of the entries of a pose."""
     return Pose(*(getattr(pose, name)[part] for name in Pose.__slots__))
 
 
 def at(pose: Pose, entry: int, times: int = 1) -> Pose:
-    """Return one entry of a pose, as often as asked for.
-
-    Parameters
-    ----------
-    pose
-        Over time.
-    entry
-        Which entry.
-    times
-        How often.
-    """
+    """Return one entry of a pose, as often as asked for."""
     parts = (getattr(pose, name)[entry] for name in Pose.__slots__)
     return Pose(*(np.broadcast_to(part, (times, *part.shape)) for part in parts))
 
 
 def joined(poses: Sequence[Pose]) -> Pose:
-    """Return poses one after the other.
-
-    Parameters
-    ----------
-    poses
-        At least one.
-    """
+    """Return poses one after the other."""
     parts = ([getattr(pose, name) for pose in poses] for name in Pose.__slots__)
     return Pose(*(np.concatenate(part) for part in parts))
 
 
 def blend(a: Pose, b: Pose, share: Float64[np.ndarray, " time"]) -> Pose:
-    """Interpolate two poses, each part by the shortest rotation.
-
-    Parameters
-    ----------
-    a, b
-        Poses at the same times.
-    share
-        0 gives `a`, 1 gives `b`.
-    """
+    """Interpolate from pose `a` (0) to pose `b` (1), each part by the shortest rotation."""
     one = share[:, None]
     return Pose(
         root_m=a.root_m + one * (b.root_m - a.root_m),
@@ -282,15 +232,7 @@ def blend(a: Pose, b: Pose, share: Float64[np.ndarray, " time"]) -> Pose:
 
 
 def placed(pose: Pose, place: Place) -> Pose:
-    """Return a pose that was given about the origin, facing +x, at a place on the floor.
-
-    Parameters
-    ----------
-    pose
-        A pose about the origin.
-    place
-        Where to.
-    """
+    """Return a pose that was given about the origin, facing +x, at a place on the floor."""
     turn = about("z", place.heading_rad)
     shift_m = np.array([place.x_m, place.y_m, 0.0])
     return Pose(

@@ -165,17 +165,7 @@ class Actor:
     style: float
 
     def held(self, posture: Posture, place: Place, t_s: Times) -> Pose:
-        """Return the poses of holding a posture, with idle motion.
-
-        Parameters
-        ----------
-        posture
-            Which.
-        place
-            Where the person would stand.
-        t_s
-            When, increasing [s].
-        """
+        """Return the poses of holding a posture, with idle motion."""
         if posture.name in ("stand", "arms"):
             walker = standing(self.body, place, self.style, float(t_s[0]), float(np.ptp(t_s)))
             upright = pose_of(walker(np.minimum(t_s, walker.path.leave_s)), self.body.head_m)
@@ -185,28 +175,12 @@ class Actor:
         return self.on_hands(pose, t_s) if posture.name == "fours" else self.alive(pose, t_s)
 
     def on_hands(self, pose: Pose, t_s: Times) -> Pose:
-        """Return a pose with idle motions of all but the hands, which bear weight.
-
-        Parameters
-        ----------
-        pose
-            One pose, or one per time.
-        t_s
-            Time [s].
-        """
+        """Return a pose with idle motions of all but the hands, which bear weight."""
         hands_m = joints(pose, self.body)[:, 9:11]
         return reaching(self.alive(pose, t_s), self.body, hands_m)
 
     def alive(self, pose: Pose, t_s: Times) -> Pose:
-        """Return a pose with idle motion: breath, slow turns of the head, small motion of the arms.
-
-        Parameters
-        ----------
-        pose
-            One pose, or one per time.
-        t_s
-            Time [s].
-        """
+        """Return a pose with idle motion: breath, slow turns of the head, small motion of arms."""
         many = len(t_s)
         look = 0.2 * np.sin(0.6 * t_s + 2 * self.style)
         lean = 0.012 * np.sin(0.5 * t_s + self.style)
@@ -230,17 +204,7 @@ class Actor:
     def change(
         self, start: Posture, goal: Posture, place: Place, start_s: float
     ) -> tuple["Transition", Place]:
-        """Return the transition between neighbouring postures, and the place afterwards.
-
-        Parameters
-        ----------
-        start, goal
-            Neighbours, see :func:`transition`.
-        place
-            Of the first posture.
-        start_s
-            Time [s].
-        """
+        """Return the transition between neighbouring postures, and the place afterwards."""
         back = (start.name, goal.name) not in _CHANGES
         change = _CHANGES[(goal.name, start.name) if back else (start.name, goal.name)]
         moved = change.moved(self.body)
@@ -260,19 +224,7 @@ class Actor:
         start_s: float,
         seconds: float,
     ) -> tuple["Transition", Place]:
-        """Return a fall to the floor, and the place afterwards.
-
-        Parameters
-        ----------
-        start
-            Upright or sitting.
-        to
-            Side that is on the floor afterwards.
-        place
-            Before.
-        start_s, seconds
-            Start time and duration [s].
-        """
+        """Return a fall to the floor, and the place afterwards."""
         far_m, turned = 0.26 * self.body.leg_m, np.pi / 2
         after = {
             "back": place.ahead(-0.37 * self.body.leg_m),
@@ -324,17 +276,7 @@ class Transition:
 
 
 def stepping_over(pose: Pose, first: Pose, last: Pose, share: Times) -> Pose:
-    """Return a pose with moving feet lifted.
-
-    Parameters
-    ----------
-    pose
-        Between the two others.
-    first, last
-        Where it begins and ends.
-    share
-        How far it is between them.
-    """
+    """Return a pose between two others with its moving feet lifted."""
     far_m = np.linalg.norm((last.ankles_m - first.ankles_m)[..., :2], axis=-1)
     lift_m = np.minimum(STEP_M, 0.3 * far_m) * np.sin(np.pi * share)[:, None] ** 2
     ankles_m = pose.ankles_m.copy()

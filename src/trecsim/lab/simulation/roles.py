@@ -54,17 +54,7 @@ class Visit:
     leaves: bool = False
 
     def motion(self, body: Body, seconds: float, style: float) -> Motion:
-        """Return the motion of a body in a scene of a given length.
-
-        Parameters
-        ----------
-        body
-            Limb lengths.
-        seconds
-            Length of the scene [s].
-        style
-            Any angle; phase of this person's small idle motions [rad].
-        """
+        """Return the motion of a body in a scene of a given length."""
         facing_rad = self._ahead_rad() if self.facing_rad is None else self.facing_rad
         left_s = max(seconds - self.enter_s, 0.0) + AFTER_S
         actions = tuple(_in_time(self.actions, self.start_m, left_s))
@@ -156,14 +146,9 @@ def _way_in_time(
 
 @dataclass(frozen=True, slots=True)
 class Role:
-    """A person with a script.
+    """A person with a script: one visit, or several for a person who leaves and returns.
 
-    Attributes
-    ----------
-    visits
-        At least one visit; several for a person who leaves and returns.
-    stature_m
-        Height standing upright; None for random [m].
+    Without a stature the person has a random one.
     """
 
     visits: tuple[Visit, ...]
@@ -177,17 +162,7 @@ class Role:
             )
 
     def motion(self, body: Body, seconds: float, style: float) -> Motion:
-        """Return the motion of a body in a scene of a given length.
-
-        Parameters
-        ----------
-        body
-            Limb lengths.
-        seconds
-            Length of the scene [s].
-        style
-            Any angle; phase of this person's small idle motions [rad].
-        """
+        """Return the motion of a body in a scene of a given length."""
         visits = sorted(self.visits, key=lambda visit: visit.enter_s)
         motions = tuple(visit.motion(body, seconds, style) for visit in visits)
         if len(motions) == 1:

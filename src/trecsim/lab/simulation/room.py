@@ -19,17 +19,7 @@ Points = Float64[np.ndarray, "cam 3"]
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """The rectangle surrounded by cameras.
-
-    Attributes
-    ----------
-    width_m, depth_m
-        Size along x and y [m].
-    height_m
-        Height of the cameras above the floor [m].
-    centre_m
-        Its centre, x and y [m].
-    """
+    """The rectangle surrounded by cameras, which hang at `height_m`."""
 
     width_m: float
     depth_m: float
@@ -143,17 +133,6 @@ PATTERNS: dict[str, Callable[[Floor, int], tuple[Points, Points]]] = {
 def pattern_rig(pattern: str, floor: Floor, cameras: int, make: Make | None = None) -> Rig:
     """Return cameras in a pattern, named ``cam1``, ``cam2`` and so on.
 
-    Parameters
-    ----------
-    pattern
-        One of :data:`PATTERNS`.
-    floor
-        The floor between the cameras.
-    cameras
-        Number of cameras, at least 1.
-    make
-        Image, field of view and lens of all cameras; None for the default.
-
     Raises
     ------
     InputError
@@ -189,17 +168,6 @@ def corner_rig(
 
     The first four stand in the corners, counter-clockwise from (-x, -y); more of them are spread
     along the walls between the corners.
-
-    Parameters
-    ----------
-    width_m, depth_m
-        Size of the room along x and y; its centre is the world's origin [m].
-    height_m
-        Height of the cameras above the floor [m].
-    cameras
-        Number of cameras, at least 1.
-    size_px
-        Size of their images (width, height) [px].
 
     Raises
     ------

@@ -13,6 +13,14 @@ def unit(vector: Float64[np.ndarray, "*batch 3"]) -> Float64[np.ndarray, "*batch
     return direction
 
 
+def forward_left(
+    angle_rad: Float64[np.ndarray, " time"],
+) -> tuple[Float64[np.ndarray, "time 3"], Float64[np.ndarray, "time 3"]]:
+    """Return the unit vectors ahead and to the left for the direction `angle_rad` on the floor."""
+    c, s, zero = np.cos(angle_rad), np.sin(angle_rad), np.zeros_like(angle_rad)
+    return np.stack((c, s, zero), axis=1), np.stack((-s, c, zero), axis=1)
+
+
 def about(
     axis: str, angle_rad: float | Float64[np.ndarray, " time"]
 ) -> Float64[np.ndarray, "*time 3 3"]:
@@ -36,15 +44,7 @@ def turn_between(
     b: Float64[np.ndarray, "*batch 3 3"],
     share: Float64[np.ndarray, "..."],
 ) -> Float64[np.ndarray, "*batch 3 3"]:
-    """Interpolate between two rotations on the shortest way.
-
-    Parameters
-    ----------
-    a, b
-        Rotations.
-    share
-        0 gives `a`, 1 gives `b`.
-    """
+    """Interpolate from rotation `a` (0) to rotation `b` (1) on the shortest way."""
     rest = np.swapaxes(a, -1, -2) @ b
     axis = np.stack(
         [rest[..., k, j] - rest[..., j, k] for j, k in ((1, 2), (2, 0), (0, 1))], axis=-1
@@ -72,15 +72,7 @@ def _turn_about(
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Position and direction of a person on the floor.
-
-    Attributes
-    ----------
-    x_m, y_m
-        Position [m].
-    heading_rad
-        Counter-clockwise from +x [rad].
-    """
+    """Position and direction of a person on the floor; the heading is counter-clockwise from +x."""
 
     x_m: float
     y_m: float

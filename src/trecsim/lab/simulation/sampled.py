@@ -48,13 +48,7 @@ class Sampled:
 
 
 def sampled(walker: Walker) -> Sampled:
-    """Return the same motion, sampled once for all cameras.
-
-    Parameters
-    ----------
-    walker
-        A walking person.
-    """
+    """Return the same motion, sampled once for all cameras."""
     enter_s, leave_s = walker.path.enter_s, walker.path.leave_s
     steps = max(int(np.ceil((leave_s - enter_s) / STEP_S)), 1)
     t_s = np.linspace(enter_s, leave_s, steps + 1)
@@ -67,12 +61,7 @@ def between(
 ) -> Float64[np.ndarray, "time *batch"]:
     """Return values between equidistant samples, smooth through all of them.
 
-    Parameters
-    ----------
-    samples
-        One row per step.
-    entry
-        Where to look, in steps from the first row.
+    `entry` counts in steps from the first row.
 
     Examples
     --------

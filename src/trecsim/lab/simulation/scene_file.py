@@ -1,6 +1,5 @@
 """Read scene files and the built-in scenes."""
 
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -15,55 +14,23 @@ from trecsim.toml_models.toml_reading import nearest
 _KIND = "scene file"
 
 
-@dataclass(frozen=True, slots=True)
-class Chapter:
-    """Built-in scenes that belong together.
-
-    Attributes
-    ----------
-    title
-        What they have in common.
-    names
-        What they are called.
-    """
-
-    title: str
-    names: tuple[str, ...]
-
-
-CHAPTERS = (
-    Chapter(
-        "The thesis' typical cases, in its room with two cameras",
-        (
-            "one-person",
-            "two-people",
-            "three-people",
-            "side-entry",
-            "arms-up",
-            "rotating",
-            "sitting",
-        ),
+CHAPTERS = {
+    "The thesis' typical cases, in its room with two cameras": (
+        *("one-person", "two-people", "three-people", "side-entry", "arms-up", "rotating"),
+        "sitting",
     ),
-    Chapter(
-        "Its edge cases, in the same room",
-        ("crossing-50cm", "crossing-30cm", "close-entry", "standing-up", "lying-down"),
+    "Its edge cases, in the same room": (
+        *("crossing-50cm", "crossing-30cm", "close-entry", "standing-up", "lying-down"),
     ),
-    Chapter(
-        "People",
-        ("overtaking", "hugging", "leaving-returning", "falling", "crawling", "crowded-room"),
+    "People": (
+        *("overtaking", "hugging", "leaving-returning", "falling", "crawling", "crowded-room"),
     ),
-    Chapter(
-        "Places",
-        ("hall", "platform-edge", "gate", "ski-lift", "two-rooms"),
-    ),
-    Chapter(
-        "Cameras that fail",
-        ("camera-dies", "camera-knocked", "cheap-cameras"),
-    ),
-)
-"""All built-in scenes, in the order in which they are listed."""
+    "Places": ("hall", "platform-edge", "gate", "ski-lift", "two-rooms"),
+    "Cameras that fail": ("camera-dies", "camera-knocked", "cheap-cameras"),
+}
+"""All built-in scenes by what they have in common, in the order in which they are listed."""
 
-BUILT_IN: tuple[str, ...] = tuple(name for chapter in CHAPTERS for name in chapter.names)
+BUILT_IN: tuple[str, ...] = tuple(name for names in CHAPTERS.values() for name in names)
 """Names of the built-in scenes."""
 
 

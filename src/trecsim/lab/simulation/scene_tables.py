@@ -183,13 +183,7 @@ class SceneTable(Table):
         return self
 
     def scene(self, name: str) -> tuple[Scene | None, list[Fault]]:
-        """Return the scene, or its inconsistencies.
-
-        Parameters
-        ----------
-        name
-            Its name.
-        """
+        """Return the scene, or its inconsistencies."""
         faults: list[Fault] = []
         rig = self._rig(faults)
         if rig is None:

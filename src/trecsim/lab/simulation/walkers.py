@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from trecsim.lab.simulation.body_shape import JOINTS, Body
 from trecsim.lab.simulation.paths import STEP_S, FloorPath, smooth
+from trecsim.lab.simulation.rotations import forward_left
 
 STANCE = 0.55  # share of a stride in stance
 MID_STANCE = 0.26  # phase at which the body passes over the foot
@@ -79,15 +80,6 @@ class Walker:
 def walker(body: Body, path: FloorPath, style: float = 0.0) -> Walker:
     """Return a person with this body who walks along this path.
 
-    Parameters
-    ----------
-    body
-        Limb lengths.
-    path
-        Path of the pelvis.
-    style
-        Any angle; phase of this person's small idle motions [rad].
-
     Notes
     -----
     The feet come first: each is planted where the body will pass over it and stays there for more
@@ -98,15 +90,7 @@ def walker(body: Body, path: FloorPath, style: float = 0.0) -> Walker:
 
 
 def cadence_hz(body: Body, path: FloorPath) -> Float64[np.ndarray, " step"]:
-    """Return the strides per second along a path, turning included.
-
-    Parameters
-    ----------
-    body
-        Limb lengths.
-    path
-        Path of the pelvis.
-    """
+    """Return the strides per second along a path, turning included."""
     speed_mps = path.speed_mps
     # Stride length grows with the root of the speed, so the cadence does too.
     cadence = np.sqrt(speed_mps) / (STRIDE * body.stature_m)
@@ -125,18 +109,7 @@ def stepping(
 ) -> Walker:
     """Return a person who follows a path with strides at given times.
 
-    Parameters
-    ----------
-    body
-        Limb lengths.
-    path
-        Path of the pelvis.
-    phase
-        Cumulative number of strides, one entry per time of the path.
-    style
-        Any angle; phase of this person's small idle motions [rad].
-    treading
-        Least vigour, for steps without speed or turn.
+    `treading` is the least vigour, for steps without speed or turn.
     """
     turning = np.minimum(0.2 * _on_the_spot(path) * _turning_radps(path), 0.3)
     speed_mps = path.speed_mps
@@ -202,19 +175,13 @@ def _place(person: Walker, t_s: Scalar) -> Xyz:
     return np.stack((x, y, np.zeros_like(x)), axis=1)
 
 
-def _forward_left(angle_rad: Scalar) -> tuple[Xyz, Xyz]:
-    """Return the unit vectors ahead and to the left for the direction `angle_rad`."""
-    c, s, zero = np.cos(angle_rad), np.sin(angle_rad), np.zeros_like(angle_rad)
-    return np.stack((c, s, zero), axis=1), np.stack((-s, c, zero), axis=1)
-
-
 def _hips(person: Walker, t_s: Scalar) -> tuple[Xyz, Xyz]:
     """Return the left and right hip [m]: the pelvis turns with the legs and sways a little."""
     stride = 2 * np.pi * _at(person, person.phase, t_s)
     vigour = _at(person, person.vigour, t_s)
     facing = _at(person, person.path.heading_rad, t_s)
-    _, left = _forward_left(facing - 0.12 * vigour * np.cos(stride))
-    _, aside = _forward_left(facing)
+    _, left = forward_left(facing - 0.12 * vigour * np.cos(stride))
+    _, aside = forward_left(facing)
     sway_m = 0.015 * vigour * np.sin(stride) + 0.008 * np.sin(0.7 * t_s + person.style)
     middle_m = _place(person, t_s) + sway_m[:, None] * aside
     middle_m[:, 2] = _at(person, person.pelvis_m, t_s)
@@ -260,7 +227,7 @@ def _plant(person: Walker, phase: Scalar, side: int) -> Xyz:
     """Return the plant of a foot over which the body passes at `phase` [m]."""
     grid_s = person.path.t_s
     t_s = np.interp(phase, person.phase, grid_s, left=grid_s[0], right=grid_s[-1])
-    _, left = _forward_left(_at(person, person.path.heading_rad, t_s))
+    _, left = forward_left(_at(person, person.path.heading_rad, t_s))
     aside_m = 0.4 * person.body.hips_m * (1 - 2 * side)
     plant_m: Xyz = _place(person, t_s) + aside_m * left
     return plant_m
@@ -274,7 +241,7 @@ def _leg(person: Walker, t_s: Scalar, hip_m: Xyz, ankle_m: Xyz) -> tuple[Xyz, Xy
     down = leg_m / length_m
     length_m = np.minimum(length_m, 0.9995 * body.leg_m)
     along_m = (body.thigh_m**2 - body.shin_m**2 + length_m**2) / (2 * length_m)
-    forward, _ = _forward_left(_at(person, person.path.heading_rad, t_s))
+    forward, _ = forward_left(_at(person, person.path.heading_rad, t_s))
     forward = forward - (forward * down).sum(axis=1, keepdims=True) * down
     forward /= np.linalg.norm(forward, axis=1, keepdims=True)
     bend_m = np.sqrt(np.maximum(body.thigh_m**2 - along_m**2, 0.0))
@@ -289,7 +256,7 @@ def _put_upper_body(
     stride = 2 * np.pi * _at(person, person.phase, t_s)
     vigour = _at(person, person.vigour, t_s)
     facing = _at(person, person.path.heading_rad, t_s)
-    forward, left = _forward_left(facing + 0.08 * vigour * np.cos(stride))
+    forward, left = forward_left(facing + 0.08 * vigour * np.cos(stride))
     runs = _at(person, person.running, t_s)
     lean = (0.03 + 0.06 * vigour + 0.08 * runs + 0.02 * np.sin(0.5 * t_s + style))[:, None]
     up = np.sin(lean) * forward + np.cos(lean) * np.array([0.0, 0.0, 1.0])
@@ -317,7 +284,7 @@ def _arm_direction(swing: Scalar, ahead: Xyz, up: Xyz, out: Xyz) -> Xyz:
 
 def _head(body: Body, look_rad: Scalar) -> Float64[np.ndarray, "time 5 3"]:
     """Return nose, eyes and ears from the middle of the shoulders [m]."""
-    forward, left = _forward_left(look_rad)
+    forward, left = forward_left(look_rad)
     up = np.broadcast_to([0.0, 0.0, 1.0], forward.shape)
     head_m: Float64[np.ndarray, "time 5 3"] = np.einsum(
         "ja,atx->tjx", body.head_m, np.stack((forward, left, up))
@@ -326,15 +293,7 @@ def _head(body: Body, look_rad: Scalar) -> Float64[np.ndarray, "time 5 3"]:
 
 
 def poses(motions: Sequence[Motion], t_s: Scalar) -> Float64[np.ndarray, "person time 17 3"]:
-    """Return the joints of all people at given times [m]; NaN while absent.
-
-    Parameters
-    ----------
-    motions
-        Motion of each person.
-    t_s
-        Times [s].
-    """
+    """Return the joints of all people at given times [m]; NaN while absent."""
     if not motions:
         return np.empty((0, len(t_s), JOINTS, 3))
     return np.stack([motion(t_s) for motion in motions])

@@ -35,17 +35,6 @@ def wander(
 
     About half of them are there from the start; the others come in through doors in the walls,
     and every third one leaves before the end.
-
-    Parameters
-    ----------
-    people
-        Number of them.
-    width_m, depth_m
-        Floor they use, along x and y [m].
-    seconds
-        Duration [s].
-    rng
-        Random numbers.
     """
     half_m = np.array([width_m, depth_m]) / 2
     enter_s, leave_s = _hours(people, seconds, rng)
