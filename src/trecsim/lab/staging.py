@@ -17,19 +17,7 @@ from trecsim.store.truth import write_truth
 
 @dataclass(frozen=True, slots=True)
 class Staged:
-    """Summary of a written scene.
-
-    Attributes
-    ----------
-    folder
-        Folder of the files.
-    scene
-        Name of the scene.
-    seed, seconds
-        Seed, and length [s].
-    cameras, people, images
-        Number of each.
-    """
+    """Summary of a written scene."""
 
     folder: Path
     scene: str
@@ -108,15 +96,6 @@ def _check_empty(folder: Path) -> None:
 
 def write_simulation(made: Simulation, folder: Path, writing: Progress | None = None) -> None:
     """Write a simulated scene as ``rig.toml``, ``truth.npz`` and ``poses.jsonl``.
-
-    Parameters
-    ----------
-    made
-        The simulation.
-    folder
-        Gets the files; must be there.
-    writing
-        Told the number of images written, and of all.
 
     Raises
     ------

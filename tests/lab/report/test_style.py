@@ -21,7 +21,7 @@ from trecsim.lab.report.style import (
 
 
 def drawn(name: str = "one", text: str = "speed $v$ <b>") -> str:
-    with figure(2.0, 3.0) as drawing:
+    with figure(2.0) as drawing:
         axes = drawing.add_subplot()
         axes.plot([0, 1, 2.123456], [0.0, 1.0, 0.5], "o-", color=ACCENT, label="a")
         axes.set(xlabel=text, ylabel="y", title="over all")

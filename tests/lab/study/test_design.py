@@ -39,9 +39,8 @@ def test_random_points_cover_each_setting_evenly_and_stay_in_the_range() -> None
     assert (np.histogram(decades, bins=10, range=(-2, 0))[0] == 3).all()
 
 
-def test_the_same_seed_draws_the_same_points() -> None:
+def test_the_random_points_are_always_the_same() -> None:
     assert random((A, C), 8).points == random((A, C), 8).points
-    assert random((A, C), 8).points != random((A, C), 8, seed=1).points
 
 
 def test_levels_are_the_values_in_order() -> None:

@@ -17,12 +17,7 @@ Pairs = tuple[tuple[int, int], ...]
 def best_pairs(distance: Float64[np.ndarray, "row column"], gate: float) -> Pairs:
     """Return the assignment with the most pairs within the gate and the least total distance.
 
-    Parameters
-    ----------
-    distance
-        Between each row and column; NaN where a pair is impossible.
-    gate
-        Largest distance of a pair.
+    A distance of NaN makes a pair impossible.
 
     Raises
     ------
@@ -41,12 +36,7 @@ def best_pairs(distance: Float64[np.ndarray, "row column"], gate: float) -> Pair
 
 
 def heaviest_pairs(weight: Float64[np.ndarray, "row column"]) -> Pairs:
-    """Return the assignment with the largest total weight.
-
-    Parameters
-    ----------
-    weight
-        Of each pair; pairs of weight 0 are left out.
+    """Return the assignment with the largest total weight; pairs of weight 0 are left out.
 
     Raises
     ------

@@ -49,12 +49,7 @@ class JitterRow:
 def jitter(people: Iterable[PersonTrack], usual_s: float) -> tuple[JitterRow, ...]:
     """Return the jitter of each joint, and of all together in the first row.
 
-    Parameters
-    ----------
-    people
-        The tracks.
-    usual_s
-        Typical time between two frames; longer gaps are left out [s].
+    Gaps longer than usual, `usual_s` between two frames, are left out.
 
     Notes
     -----

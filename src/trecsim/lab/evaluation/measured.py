@@ -37,12 +37,7 @@ class MeasuredFile(Table):
 
 
 def read_measured(path: Path | str) -> Given:
-    """Read measured limb lengths.
-
-    Parameters
-    ----------
-    path
-        A TOML file.
+    """Read limb lengths measured with a tape from a TOML file.
 
     Raises
     ------

@@ -84,13 +84,6 @@ class Recorded:
 def gather(snapshots: Iterable[Snapshot], dtype: npt.DTypeLike = np.float64) -> Moments:
     """Convert snapshots to flat arrays.
 
-    Parameters
-    ----------
-    snapshots
-        In order of time.
-    dtype
-        Of positions and standard deviations; files have float32.
-
     Raises
     ------
     InputError
@@ -130,11 +123,6 @@ def joined_frames(frames: Sequence[Frame], dtype: npt.DTypeLike) -> Moments:
 
 def read_moments(path: Path | str) -> Recorded:
     """Read tracks, and the times of all frame sets if there is a ``timing.csv`` beside them.
-
-    Parameters
-    ----------
-    path
-        Tracks as `read_tracks` takes them: a file, or the directory of a recording.
 
     Raises
     ------

@@ -99,13 +99,7 @@ class ActorPcp:
 
 @dataclass(frozen=True, slots=True)
 class Pcp:
-    """PCP3D of a recording.
-
-    Attributes
-    ----------
-    actors
-        In the order of the annotation.
-    """
+    """PCP3D of a recording; actors in the order of the annotation."""
 
     actors: tuple[ActorPcp, ...]
 
@@ -170,15 +164,7 @@ def _mean(values: Sequence[float]) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """Who was found in one frame.
-
-    Attributes
-    ----------
-    id
-        Identities.
-    joints_m
-        Their joints as annotated, see :func:`annotated_joints` [m].
-    """
+    """Tracks in one frame, with the joints that are annotated."""
 
     id: Int64[np.ndarray, " person"]
     joints_m: Float64[np.ndarray, "person 14 3"]

@@ -38,11 +38,6 @@ def annotated_joints(
 ) -> Float64[np.ndarray, "*batch 14 3"]:
     """Return the joints that the annotation has, computed from those of COCO-17 [m].
 
-    Parameters
-    ----------
-    xyz_m
-        Joints in a world with z up [m].
-
     Notes
     -----
     COCO-17 lacks the two ends of the head; they come from nose, ears and shoulders by the rule of
@@ -69,12 +64,7 @@ def parts_correct(
 ) -> Bool[np.ndarray, "*batch 10"]:
     """Tell which parts are right: both ends off by no more than half its length, on average.
 
-    Parameters
-    ----------
-    found_m
-        Joints found; a part of which an end is NaN is wrong.
-    truth_m
-        Joints annotated, as a body of the same place.
+    A part of which an end is NaN is wrong.
     """
     found_starts_m, found_ends_m = _ends(found_m)
     starts_m, ends_m = _ends(truth_m)

@@ -47,19 +47,7 @@ class ReprojectionRow:
 
 @dataclass(frozen=True, slots=True)
 class CameraRow:
-    """Number of people detected by one camera, and matched with a track.
-
-    Attributes
-    ----------
-    camera
-        Its name.
-    images
-        Number of images.
-    people
-        Number of detections in them.
-    matched
-        Number of detections that match a track.
-    """
+    """Number of people detected by one camera, and matched with a track."""
 
     camera: str
     images: int
@@ -171,17 +159,7 @@ class _Count:
 def positions_at(
     track: PersonTrack, t_s: Float64[np.ndarray, " image"], longest_s: float
 ) -> Float64[np.ndarray, "image joint 3"]:
-    """Return interpolated positions at any times; NaN outside the track [m].
-
-    Parameters
-    ----------
-    track
-        Track of one person.
-    t_s
-        The times [s].
-    longest_s
-        Longest gap to interpolate [s]; NaN for any.
-    """
+    """Return interpolated positions at any times; NaN outside the track and in longer gaps [m]."""
     last = len(track.t_s) - 1
     after = np.searchsorted(track.t_s, t_s, side="right").clip(0, last)
     before = (after - 1).clip(0)

@@ -51,15 +51,7 @@ class Lifetime:
 
 
 def lifetimes(people: Sequence[PersonTrack], usual_s: float) -> tuple[Lifetime, ...]:
-    """Return the lifetime of each track.
-
-    Parameters
-    ----------
-    people
-        The tracks.
-    usual_s
-        Typical time between two frames; a longer one is a gap [s].
-    """
+    """Return the lifetime of each track; a time between frames longer than usual is a gap."""
     return tuple(
         Lifetime(
             track.person,

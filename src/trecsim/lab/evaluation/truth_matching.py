@@ -82,14 +82,9 @@ class Matches:
 def truth_at(
     t_s: Float64[np.ndarray, " moment"], truth: Truth
 ) -> Float64[np.ndarray, "truth moment joint 3"]:
-    """Return the ground truth at given times, NaN while absent [m].
+    """Return the ground truth at given times, interpolated linearly [m].
 
-    Parameters
-    ----------
-    t_s
-        The times, within the ground truth [s].
-    truth
-        Interpolated linearly; a person who is absent at either end is absent.
+    A person who is absent at either end is absent (NaN).
 
     Examples
     --------
@@ -112,12 +107,7 @@ def truth_at(
 def nearness(moments: Moments, truth: Truth) -> Iterator[Nearness]:
     """Yield the distances between tracks and ground truth, a few frames at a time.
 
-    Parameters
-    ----------
-    moments
-        The tracks, within the time of the ground truth.
-    truth
-        Ground truth with the same joints.
+    The tracks must lie within the time of the ground truth and have the same joints.
 
     Raises
     ------

@@ -56,16 +56,9 @@ def uncertainty_calibration(
     sigma_m: Float64[np.ndarray, "pair joint"],
     counts: Bool[np.ndarray, "pair joint"] | None = None,
 ) -> UncertaintyCalibration:
-    """Compare errors with the reported standard deviations.
+    """Compare errors with the reported standard deviations, of the joints that count.
 
-    Parameters
-    ----------
-    error_m
-        Distances to the ground truth, NaN where unknown [m].
-    sigma_m
-        Reported standard deviation per axis [m].
-    counts
-        Which joints count; all if None.
+    Unknown errors are NaN.
     """
     stated = np.isfinite(error_m) & (sigma_m > 0)
     stated = stated if counts is None else stated & counts

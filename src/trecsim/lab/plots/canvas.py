@@ -24,11 +24,6 @@ FINEST_STEP_M = 0.5
 def empty_figure(width_in: float, height_in: float) -> "Figure":
     """Return an empty picture.
 
-    Parameters
-    ----------
-    width_in, height_in
-        Its size [inches].
-
     Raises
     ------
     SetupError
@@ -42,11 +37,6 @@ def empty_figure(width_in: float, height_in: float) -> "Figure":
 
 def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[Figure, Axes]":
     """Return a picture of a part of the floor from above, in equal metres, with a grid.
-
-    Parameters
-    ----------
-    x_m, y_m
-        From and to [m].
 
     Raises
     ------
@@ -62,15 +52,7 @@ def floor_figure(x_m: tuple[float, float], y_m: tuple[float, float]) -> "tuple[F
 
 
 def lay_floor(axes: "Axes", x_m: tuple[float, float], y_m: tuple[float, float]) -> None:
-    """Make axes a part of the floor from above, in equal metres, with a grid.
-
-    Parameters
-    ----------
-    axes
-        Empty ones.
-    x_m, y_m
-        From and to [m].
-    """
+    """Make axes a part of the floor from above, in equal metres, with a grid."""
     from matplotlib.ticker import MultipleLocator
 
     axes.set(xlim=x_m, ylim=y_m, aspect="equal", xlabel="x [m]", ylabel="y [m]")

@@ -23,17 +23,7 @@ Pixels = Float64[np.ndarray, " 2"]
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A text that belongs to a point.
-
-    Attributes
-    ----------
-    text
-        What to write; may have several lines.
-    xy
-        The point, in the units of the axes.
-    colour
-        Of the text.
-    """
+    """A text that belongs to a point, in the units of the axes."""
 
     text: str
     xy: tuple[float, float]
@@ -56,14 +46,7 @@ def camera_labels(rig: Rig, colours: Sequence[str]) -> list[Label]:
 def write_labels(axes: "Axes", labels: Sequence[Label], *, size_pt: float = 8) -> None:
     """Write each label near its point, away from the others and inside the picture.
 
-    Parameters
-    ----------
-    axes
-        Where to; its limits must be final.
-    labels
-        What to write.
-    size_pt
-        Size of the letters [points].
+    The limits of the axes must be final.
     """
     figure = axes.get_figure(root=True)
     if figure is None or not labels:

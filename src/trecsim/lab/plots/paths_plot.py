@@ -78,18 +78,7 @@ def plot_paths(
 def paths_figure(
     recorder: PathRecorder, rig: Rig, *, title: str = "", remark: str = ""
 ) -> "Figure":
-    """Return the picture of a recording.
-
-    Parameters
-    ----------
-    recorder
-        Was given the recording.
-    rig
-        Its cameras.
-    title
-        What to write over it; without it, how many people in how much time.
-    remark
-        One more line under the title.
+    """Return the picture of a recording; see :func:`plot_paths`.
 
     Raises
     ------

@@ -101,13 +101,6 @@ def _sample(
 def rig_figure(rig: Rig, title: str = "") -> "Figure":
     """Return a picture of the cameras from above, and of the floor that they see.
 
-    Parameters
-    ----------
-    rig
-        The rig.
-    title
-        What to write over it; a line on what is drawn is added.
-
     Raises
     ------
     SetupError

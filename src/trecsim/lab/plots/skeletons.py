@@ -30,20 +30,9 @@ def draw_skeletons(
     colours: Mapping[int, str],
     floor_m: tuple[Span, Span],
 ) -> None:
-    """Draw everybody in one frame, on the floor, with the cameras that are near.
+    """Draw everybody in one frame, on the floor around them, with the cameras that are near.
 
-    Parameters
-    ----------
-    axes
-        Empty, three-dimensional.
-    snapshot
-        The people; None draws the floor and the cameras only.
-    rig
-        The cameras.
-    colours
-        By identity.
-    floor_m
-        From and to along x and y [m]; where there are people, only the floor around them is drawn.
+    Without people the whole floor is drawn.
     """
     floor_m = _around(snapshot, floor_m)
     _lay_floor(axes, floor_m)

@@ -30,14 +30,7 @@ LEAD = (
 def section(recording: Recording, given: Given, source: str) -> Section:
     """Return table and curves of the fourteen limb lengths of the people who stayed longest.
 
-    Parameters
-    ----------
-    recording
-        The recording.
-    given
-        True lengths by identity, where known.
-    source
-        Where they come from, as in "measured"; used in the captions.
+    `source` says in the captions where the given lengths come from, as in "measured".
     """
     shown = {stay.person for stay in recording.shown}
     tracks = [track for track in people_of(recording.sample) if track.person in shown]

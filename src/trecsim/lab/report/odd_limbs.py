@@ -27,13 +27,6 @@ def odd_limbs(series: Iterable[LimbSeries], clock: ElapsedTime) -> Iterator[str]
 
     Only frames count in which a camera supports both ends. The worst come first, at most
     :data:`MOST_TOLD` of them, then the number of others.
-
-    Parameters
-    ----------
-    series
-        Lengths over time.
-    clock
-        How to write times.
     """
     found = sorted(
         (odd for one in series for odd in _odd_limbs(one, clock)), key=lambda odd: -odd[0]
@@ -48,12 +41,7 @@ def odd_limbs(series: Iterable[LimbSeries], clock: ElapsedTime) -> Iterator[str]
 def unlike_given(rows: Sequence[LimbRow], source: str) -> Iterator[str]:
     """Yield a sentence for each person whose mean limb lengths are off the given ones.
 
-    Parameters
-    ----------
-    rows
-        Mean lengths beside given ones, where known.
-    source
-        Where the given lengths come from: "measured" or "true".
+    `source` says where the given lengths come from: "measured" or "true".
     """
     off: dict[int, list[LimbRow]] = {}
     for row in rows:

@@ -29,17 +29,7 @@ class Text:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One number, shown large.
-
-    Attributes
-    ----------
-    label
-        What it is, a few words.
-    value
-        The number with its unit.
-    detail
-        What helps to judge it; may be empty.
-    """
+    """One number with its unit, shown large; what it is, and what helps to judge it."""
 
     label: str
     value: str
@@ -94,15 +84,7 @@ class Table:
 class Figure:
     """A drawing with what one sees in it.
 
-    Attributes
-    ----------
-    svg
-        The drawing as `trecsim.lab.report.style.as_svg` returns it; goes into the page as it is, so
-        never pass a file of a user.
-    caption
-        What one sees, in a sentence or two.
-    title
-        A line over it; may be empty.
+    The SVG goes into the page as it is, so it must never be a file of a user.
     """
 
     svg: str
@@ -115,17 +97,7 @@ Block = Text | Facts | Table | Figure
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A part of the page under a heading.
-
-    Attributes
-    ----------
-    title
-        The heading.
-    blocks
-        Its content, in order.
-    lead
-        A sentence under the heading; may be empty.
-    """
+    """A part of the page under a heading, with a sentence that leads in."""
 
     title: str
     blocks: Sequence[Block] = field(default_factory=tuple)
@@ -136,17 +108,6 @@ def page(
     title: str, sections: Sequence[Section], *, subtitle: str = "", footer: str = "made by trecsim"
 ) -> str:
     """Return a whole HTML page.
-
-    Parameters
-    ----------
-    title
-        Of the page.
-    sections
-        Its parts.
-    subtitle
-        A line under the title; may be empty.
-    footer
-        The last line.
 
     Raises
     ------

@@ -26,15 +26,7 @@ PAUSE_STEPS = 3.0  # of the sample; after a longer pause a path begins anew
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Excerpts:
-    """Which part of the paths is drawn.
-
-    Attributes
-    ----------
-    drawn_s
-        Length of each excerpt [s].
-    chosen
-        The rows of the sample that are in an excerpt.
-    """
+    """The rows of the sample whose paths are drawn, and the length of each excerpt [s]."""
 
     drawn_s: float
     chosen: Bool[np.ndarray, " row"]
@@ -46,17 +38,7 @@ def draw_paths(
     places_m: Float64[np.ndarray, "row 2"],
     chosen: Bool[np.ndarray, " row"],
 ) -> None:
-    """Draw the path of each person.
-
-    Parameters
-    ----------
-    axes
-        The plan; its limits must be final.
-    recording, places_m
-        The recording, and the position on the floor of each row of its sample [m].
-    chosen
-        The rows to draw.
-    """
+    """Draw the path of each person in the chosen rows; the limits of the plan must be final."""
     from matplotlib.collections import LineCollection
 
     colours = time_map()

@@ -22,15 +22,7 @@ RUN = "run"
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """The files of a recording; None if missing.
-
-    Attributes
-    ----------
-    tracks
-        A file of tracks, or a directory of parts.
-    rig, poses, truth, timing, summary
-        What else there is.
-    """
+    """The files of a recording; None if missing."""
 
     tracks: Path
     rig: Path | None = None
@@ -43,14 +35,9 @@ class Places:
 def find(
     path: Path, *, rig: Path | None = None, poses: Path | None = None, truth: Path | None = None
 ) -> Places:
-    """Return the files of a recording.
+    """Return the files of a recording, those given instead of or beside those found.
 
-    Parameters
-    ----------
-    path
-        A folder of a recording or of a demo, or a file of tracks alone.
-    rig, poses, truth
-        Files to use instead, or in addition.
+    `path` is the folder of a recording or of a demo, or a file of tracks alone.
 
     Raises
     ------

@@ -23,13 +23,7 @@ MOST_NAMES = 16  # of cameras; more of them get none
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """A part of the floor.
-
-    Attributes
-    ----------
-    x_m, y_m
-        From and to [m].
-    """
+    """A part of the floor."""
 
     x_m: tuple[float, float]
     y_m: tuple[float, float]
@@ -99,19 +93,7 @@ def draw_rig(
     colours: list[str] | None = None,
     people: Sequence[Label] = (),
 ) -> None:
-    """Draw the cameras, their names and those of people; call it last, so that no text overlaps.
-
-    Parameters
-    ----------
-    axes
-        The plan; its limits must be final.
-    rig
-        The cameras; None if they are not known.
-    colours
-        Of each camera.
-    people
-        More names to write.
-    """
+    """Draw the cameras, their names and those of people; call it last, so that no text overlaps."""
     if rig is None:
         write_labels(axes, people)
         return

@@ -134,14 +134,7 @@ def read_recording(
 ) -> Recording:
     """Read a recording frame by frame, in little memory.
 
-    Parameters
-    ----------
-    places
-        Its files.
-    from_s, to_s
-        The part of it to take, counted from its start [s].
-    progress
-        Called with the number of frames read.
+    The part to take counts from its start.
 
     Raises
     ------

@@ -94,13 +94,8 @@ def need_matplotlib() -> None:
 
 
 @contextmanager
-def figure(height_in: float, width_in: float = WIDE_IN) -> "Iterator[Figure]":
+def figure(height_in: float) -> "Iterator[Figure]":
     """Offer an empty figure to draw into, in the look of the page.
-
-    Parameters
-    ----------
-    height_in, width_in
-        Its size [inches]; on the page it is as wide as the text.
 
     Raises
     ------
@@ -114,19 +109,11 @@ def figure(height_in: float, width_in: float = WIDE_IN) -> "Iterator[Figure]":
     from trecsim.lab.plots.canvas import missing_glyphs_allowed
 
     with matplotlib.rc_context(_SETTINGS), missing_glyphs_allowed():
-        yield Figure(figsize=(width_in, height_in), layout="constrained")
+        yield Figure(figsize=(WIDE_IN, height_in), layout="constrained")
 
 
 def quiet(axes: "Axes", *, grid: Literal["x", "y", "both"] = "y") -> None:
-    """Leave of the axes what one needs to read values: a grid, a base line, no ticks.
-
-    Parameters
-    ----------
-    axes
-        The axes.
-    grid
-        Across which axis lines are drawn: ``"x"``, ``"y"`` or ``"both"``.
-    """
+    """Leave of the axes what one needs to read values: a grid, a base line, no ticks."""
     axes.grid(axis=grid)
     axes.tick_params(length=0)
     axes.spines["left"].set_visible(False)
@@ -156,12 +143,7 @@ def draw_spreads(
 def as_svg(drawn: "Figure", name: str) -> str:
     """Return a figure as SVG to embed in a page, with its colours as CSS variables.
 
-    Parameters
-    ----------
-    drawn
-        What was drawn inside :func:`figure`, still inside it.
-    name
-        Different for each figure of a page; keeps their inner names apart.
+    Call it inside :func:`figure`. A name of its own keeps the inner names of each figure apart.
     """
     buffer = BytesIO()
     drawn.savefig(buffer, format="svg", dpi=RASTER_DPI, transparent=True)

@@ -46,22 +46,7 @@ def section(
 ) -> Section:
     """Return the figures, and warnings.
 
-    Parameters
-    ----------
-    recording
-        The recording.
-    cameras
-        What they see; None without a rig.
-    limbs
-        Variation of the limb lengths.
-    scores
-        Against ground truth; None without it.
-    series
-        Limb lengths of each person over time.
-    compared
-        Mean limb lengths beside measured or true ones, where known.
-    source
-        Where those come from: "measured" or "true".
+    `compared` are mean limb lengths beside those of `source`, "measured" or "true".
     """
     blocks: list[Block] = [Facts(list(_facts(recording, limbs)))]
     warnings = [*_run_warnings(recording), *_track_warnings(recording)]

@@ -13,17 +13,7 @@ MOST_ROWS = 60_000  # person-frames that are kept; beyond, half of the frames ar
 
 @dataclass(slots=True)
 class Stay:
-    """Time in which one identity was tracked.
-
-    Attributes
-    ----------
-    person
-        The identity.
-    first_s, last_s
-        First and last time [s].
-    moments
-        Number of frames.
-    """
+    """Time in which one identity was tracked."""
 
     person: int
     first_s: float

@@ -19,13 +19,13 @@ MARGIN_M = 0.3
 Xy = Float64[np.ndarray, "*batch 2"]
 
 
-def floor_plan(scene: Scene, columns: int = COLUMNS, rows: int = ROWS) -> str:
+def floor_plan(scene: Scene) -> str:
     """Return a scene from above: arrows are cameras, dots paths, `o` their ends."""
     xy_m = ways(scene)
     seen_m = xy_m[np.isfinite(xy_m[..., 0])]
     cameras_m = np.array([camera.position_m[:2] for camera in scene.rig])
     boxes_m = np.array([(box.low_m[:2], box.high_m[:2]) for box in scene.obstacles])
-    paper = _Paper(np.concatenate((seen_m, cameras_m, boxes_m.reshape(-1, 2))), columns, rows)
+    paper = _Paper(np.concatenate((seen_m, cameras_m, boxes_m.reshape(-1, 2))))
     for low_m, high_m in boxes_m:
         paper.fill(low_m, high_m)
     for way_m in xy_m:
@@ -58,12 +58,12 @@ def _arrow(camera: Camera) -> str:
 class _Paper:
     """A grid of cells, each of which holds eight dots or one character."""
 
-    def __init__(self, extent_m: Xy, columns: int, rows: int) -> None:
+    def __init__(self, extent_m: Xy) -> None:
         low_m, high_m = extent_m.min(axis=0) - MARGIN_M, extent_m.max(axis=0) + MARGIN_M
-        self._dots: Bool[np.ndarray, "y x"] = np.zeros((4 * rows, 2 * columns), dtype=bool)
-        self._characters = np.full((rows, columns), "", dtype="<U1")
-        self._dot_m = float(max((high_m - low_m) / [2 * columns, 4 * rows]))
-        size_m = np.array([2 * columns, 4 * rows]) * self._dot_m
+        self._dots: Bool[np.ndarray, "y x"] = np.zeros((4 * ROWS, 2 * COLUMNS), dtype=bool)
+        self._characters = np.full((ROWS, COLUMNS), "", dtype="<U1")
+        self._dot_m = float(max((high_m - low_m) / [2 * COLUMNS, 4 * ROWS]))
+        size_m = np.array([2 * COLUMNS, 4 * ROWS]) * self._dot_m
         self._corner_m = (low_m + high_m - size_m) / 2
 
     def _at(self, xy_m: Xy) -> tuple[np.ndarray, np.ndarray]:
@@ -93,8 +93,7 @@ class _Paper:
         self._characters[row // 4, column // 2] = character
 
     def __str__(self) -> str:
-        rows, columns = self._characters.shape
-        cells = self._dots.reshape(rows, 4, columns, 2)
+        cells = self._dots.reshape(ROWS, 4, COLUMNS, 2)
         codes = (cells * DOTS[:, None, :]).sum(axis=(1, 3))
         lines = [
             "".join(

@@ -137,16 +137,7 @@ class Findings:
 
 
 def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
-    """Analyse finished runs.
-
-    Parameters
-    ----------
-    study
-        What was asked for.
-    runs
-        What is there, of any version and of any study that was in the folder.
-    code
-        The version that counts.
+    """Analyse the finished runs of one version of the code; other runs are left out.
 
     Raises
     ------

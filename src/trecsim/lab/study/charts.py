@@ -26,15 +26,7 @@ _STRENGTH_LIMITS = (0.1, 100.0)
 
 
 def effects_svg(findings: Findings, finding: Finding) -> str:
-    """Return one small drawing per setting: outcome over value, interval, default marked.
-
-    Parameters
-    ----------
-    findings
-        What the study says.
-    finding
-        The measure to draw.
-    """
+    """Return one small drawing per setting: outcome over value, interval, default marked."""
     order = strongest(finding)
     count = len(order)
     across = min(_ACROSS, count)
@@ -145,17 +137,7 @@ def _strengths(axes: "Axes", row: "np.ndarray[Any, np.dtype[np.float64]]") -> No
 
 
 def pairs_svg(findings: Findings, finding: Finding, pairs: Sequence[tuple[int, int]]) -> str:
-    """Return a heat map per pair of settings: outcome for each combination of their values.
-
-    Parameters
-    ----------
-    findings
-        What the study says.
-    finding
-        The measure to draw.
-    pairs
-        Numbers of the settings, at least one pair.
-    """
+    """Return a heat map per pair of settings: outcome for each combination of their values."""
     down = ceil(len(pairs) / _MAPS_ACROSS)
     with figure(0.2 + 2.4 * down) as drawn:
         grid = drawn.subplots(down, _MAPS_ACROSS, squeeze=False)

@@ -39,13 +39,7 @@ def simulation_digest() -> str:
 
 
 def digest_of(parts: tuple[str, ...]) -> str:
-    """Return a digest of some modules of trecsim.
-
-    Parameters
-    ----------
-    parts
-        Modules and packages, relative to the package.
-    """
+    """Return a digest of modules and packages of trecsim."""
     folder = Path(trecsim.__file__).parent
     files = {path for part in parts for path in (folder / part).rglob("*.py")}
     files |= {folder / part for part in parts if part.endswith(".py")}

@@ -59,18 +59,7 @@ def default_rank(
 ) -> DefaultRank:
     """Return the rank of one point among all.
 
-    Parameters
-    ----------
-    outcome
-        Of every point on every scene and seed, without gaps.
-    seed
-        Of each block; blocks of the same seed are left out together when the best is chosen.
-    blocks
-        See :func:`blocks_of`.
-    default
-        Number of the point.
-    more_is_better
-        Whether large outcomes are good.
+    Blocks of the same seed are left out together when the best point is chosen.
     """
     loss = -outcome if more_is_better else outcome
     mean = blocks.weight @ loss

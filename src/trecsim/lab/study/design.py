@@ -102,17 +102,10 @@ def one_at_a_time(factors: tuple[Factor, ...]) -> Design:
     return _design("one-at-a-time", factors, points)
 
 
-def random(factors: tuple[Factor, ...], count: int, seed: int = 0) -> Design:
-    """Return a Latin hypercube: random points that cover each setting evenly.
+def random(factors: tuple[Factor, ...], count: int) -> Design:
+    """Return a Latin hypercube, always the same: random points that cover each setting evenly.
 
-    Parameters
-    ----------
-    factors
-        The settings; without levels, values are drawn from the span.
-    count
-        Number of points.
-    seed
-        The same seed and number give the same points.
+    Without levels, values are drawn from the span.
 
     Examples
     --------
@@ -123,7 +116,7 @@ def random(factors: tuple[Factor, ...], count: int, seed: int = 0) -> Design:
     from scipy.stats.qmc import LatinHypercube
 
     better = "random-cd" if count <= _WELL_SPREAD else None  # lower discrepancy
-    shares = LatinHypercube(len(factors), rng=seed, optimization=better).random(count)
+    shares = LatinHypercube(len(factors), rng=0, optimization=better).random(count)
     points = [tuple(map(_drawn, factors, row.tolist())) for row in shares]
     return _design("random", factors, points)
 
@@ -160,13 +153,7 @@ def levels_of(
 ) -> tuple[Int64[np.ndarray, "point factor"], tuple[tuple[Value, ...], ...]]:
     """Return the level of each setting at each point, and the values of the levels.
 
-    Parameters
-    ----------
-    design
-        The design; drawn values are put into bins of equal count, and a level is the mean of its
-        bin.
-    points
-        Of the design, all or some.
+    Drawn values are put into bins of equal count; a level is the mean of its bin.
     """
     index = np.empty((len(points), len(design.factors)), np.int64)
     names = []

@@ -13,12 +13,7 @@ STUDY = "study.toml"
 
 
 def check_folder(out: Path) -> None:
-    """Refuse a folder that contains something other than a study.
-
-    Parameters
-    ----------
-    out
-        Folder for a study; hidden files in it are ignored.
+    """Refuse a folder that contains something other than a study; hidden files are ignored.
 
     Raises
     ------
@@ -41,15 +36,7 @@ def _holds_study_file(path: Path) -> bool:
 
 
 def changed_parts(study: Study, out: Path) -> list[str]:
-    """Return the parts in which a study differs from the one in its folder.
-
-    Parameters
-    ----------
-    study
-        The present study.
-    out
-        Folder of the study; without a readable study file nothing differs.
-    """
+    """Return the parts in which a study differs from the one in its folder, if any is there."""
     try:
         before = read_study_table(out / STUDY)
         seeds = parse_seeds(before.seeds, STUDY)

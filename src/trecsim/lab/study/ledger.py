@@ -51,11 +51,7 @@ class Run:
 def read_runs(path: Path) -> list[Run]:
     """Return all runs of a file; of runs with the same key, the last one.
 
-    Parameters
-    ----------
-    path
-        The file; a missing file has no runs. An incomplete last line, as a crash leaves it, is
-        ignored.
+    A missing file has no runs. An incomplete last line, as a crash leaves it, is ignored.
 
     Raises
     ------

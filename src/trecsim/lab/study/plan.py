@@ -34,19 +34,7 @@ _KINDS: dict[str, type] = {
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """A study that can be run.
-
-    Attributes
-    ----------
-    table
-        Table of the study.
-    scenes
-        Scenes that provide the 2D poses.
-    seeds
-        Seeds of the simulated scenes.
-    design
-        Settings and points.
-    """
+    """A study that can be run."""
 
     table: StudyTable
     scenes: tuple[SceneChoice, ...]
@@ -71,13 +59,6 @@ class Study:
 def planned(table: StudyTable, origin: str) -> Study:
     """Return the study of a table.
 
-    Parameters
-    ----------
-    table
-        The study file, or the table from the command line.
-    origin
-        Source of the table, for messages.
-
     Raises
     ------
     ConfigError
@@ -94,14 +75,7 @@ def planned(table: StudyTable, origin: str) -> Study:
 
 
 def check_seeds(study: Study, *, reporting: bool) -> None:
-    """Refuse seeds that are reserved for another purpose.
-
-    Parameters
-    ----------
-    study
-        The study.
-    reporting
-        Whether it reports results instead of choosing settings.
+    """Refuse seeds that are reserved: for reporting results, or for choosing settings.
 
     Raises
     ------

@@ -30,22 +30,15 @@ class Blocks:
         return bool(self.drawn.any())
 
 
-def blocks_of(scene: Int64[np.ndarray, " block"], seed: int = 0) -> Blocks:
-    """Return the weights of blocks.
-
-    Parameters
-    ----------
-    scene
-        Scene of each block.
-    seed
-        Seed of the bootstrap.
+def blocks_of(scene: Int64[np.ndarray, " block"]) -> Blocks:
+    """Return the weights of blocks by their scenes.
 
     Examples
     --------
     >>> blocks_of(np.array([0, 0, 1])).weight
     array([0.25, 0.25, 0.5 ])
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     names, index, count = np.unique(scene, return_inverse=True, return_counts=True)
     weight = 1.0 / (count[index] * len(names))
     drawn = np.zeros((DRAWS, len(scene)))
@@ -69,17 +62,7 @@ def interval(
     deviation: Float64[np.ndarray, "draw level"],
     blocks: Blocks,
 ) -> tuple[Float64[np.ndarray, " level"], Float64[np.ndarray, " level"]]:
-    """Return bootstrap confidence intervals.
-
-    Parameters
-    ----------
-    value
-        Means over the blocks.
-    deviation
-        Deviation of the means in each bootstrap draw.
-    blocks
-        See :func:`blocks_of`; without a scene with two seeds the ends are NaN.
-    """
+    """Return bootstrap confidence intervals; NaN without a scene with two seeds."""
     if not blocks.have_seeds:
         return np.full_like(value, np.nan), np.full_like(value, np.nan)
     tails = [(1 - CONFIDENCE) / 2, (1 + CONFIDENCE) / 2]

@@ -15,13 +15,6 @@ Row = dict[str, object]
 def write_results(findings: Findings, out: Path) -> None:
     """Write `results.csv`, `pairs.csv` and `default.csv`.
 
-    Parameters
-    ----------
-    findings
-        The findings.
-    out
-        Folder of the study.
-
     Raises
     ------
     SetupError

@@ -43,23 +43,7 @@ Task = TypeVar("Task")
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One run to execute.
-
-    Attributes
-    ----------
-    key
-        See `Run.key`.
-    choice, seed
-        The scene.
-    out
-        Folder of the study.
-    settings
-        Settings of the fusion.
-    values
-        Those of them that the study varies.
-    lag_s
-        Lag of the reported positions [s].
-    """
+    """One run to execute; `values` are the settings that the study varies."""
 
     key: str
     choice: SceneChoice
@@ -72,17 +56,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """Outcome of a study.
-
-    Attributes
-    ----------
-    runs
-        Number of runs of the study.
-    made
-        Number of runs executed now.
-    failed
-        Number of failed runs.
-    """
+    """Number of runs of a study, of those executed now, and of those that failed."""
 
     runs: int
     made: int
@@ -90,15 +64,7 @@ class Done:
 
 
 def jobs_of(study: Study, out: Path) -> list[Job]:
-    """Return all runs of a study, scene by scene.
-
-    Parameters
-    ----------
-    study
-        The study.
-    out
-        Its folder.
-    """
+    """Return all runs of a study, scene by scene."""
     lag_s = study.table.lag_s
     points = [(settings_of(study.design, point), point) for point in study.design.points]
     names = [factor.name for factor in study.design.factors]

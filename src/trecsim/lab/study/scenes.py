@@ -54,15 +54,7 @@ class SceneChoice:
         return self.folder is None
 
     def kept_at(self, out: Path, seed: int | None) -> Path:
-        """Return its folder, existing or not.
-
-        Parameters
-        ----------
-        out
-            Folder of the study.
-        seed
-            Seed of a simulated scene.
-        """
+        """Return its folder, existing or not."""
         if self.folder is not None:
             return self.folder
         made_by = json.dumps([self.facts, simulation_digest()], sort_keys=True)
@@ -72,13 +64,6 @@ class SceneChoice:
 
 def chosen(tables: Mapping[str, ChoiceTable], origin: str) -> tuple[SceneChoice, ...]:
     """Return the scenes of a study, each checked.
-
-    Parameters
-    ----------
-    tables
-        Tables of the study file by name.
-    origin
-        Source of the tables, for messages.
 
     Raises
     ------
@@ -150,15 +135,6 @@ def scene_of(choice: SceneChoice) -> Scene:
 def prepare(choice: SceneChoice, seed: int | None, out: Path) -> Path:
     """Simulate a scene unless it exists, and return its folder.
 
-    Parameters
-    ----------
-    choice
-        The scene.
-    seed
-        Seed of a simulated scene.
-    out
-        Folder of the study.
-
     Raises
     ------
     Error
@@ -181,17 +157,7 @@ def prepare(choice: SceneChoice, seed: int | None, out: Path) -> Path:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedScene:
-    """A scene in memory.
-
-    Attributes
-    ----------
-    rig
-        The cameras.
-    poses
-        2D poses.
-    truth
-        Ground truth.
-    """
+    """A scene in memory."""
 
     rig: Rig
     poses: tuple[Poses2D, ...]

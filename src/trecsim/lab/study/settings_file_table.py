@@ -135,11 +135,6 @@ class StudyTable(Table):
 def read_study_table(path: Path) -> StudyTable:
     """Read a study file.
 
-    Parameters
-    ----------
-    path
-        A TOML file with the keys of :class:`StudyTable`.
-
     Raises
     ------
     ConfigError

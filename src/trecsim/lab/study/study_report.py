@@ -38,15 +38,6 @@ def need_report() -> None:
 def report_study(study: Study, out: Path, *, remark: Remark | None = None) -> Findings:
     """Write `report.html`, `results.csv`, `pairs.csv` and `default.csv` of the finished runs.
 
-    Parameters
-    ----------
-    study
-        The study.
-    out
-        Its folder, with the finished runs.
-    remark
-        Called with remarks.
-
     Raises
     ------
     InputError
@@ -70,15 +61,7 @@ def report_study(study: Study, out: Path, *, remark: Remark | None = None) -> Fi
 
 
 def study_page(study: Study, found: Findings) -> str:
-    """Return the report of a study as HTML.
-
-    Parameters
-    ----------
-    study
-        The study.
-    found
-        Its findings.
-    """
+    """Return the report of a study as HTML."""
     sections = [
         Section("In short", tuple(_short(study, found))),
         Section(
