@@ -5,7 +5,6 @@
     [{"image_id": 12, "category_id": 1, "keypoints": [x, y, score, ...], "score": 0.9}, ...]
 """
 
-import io
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain, groupby, islice
@@ -19,9 +18,8 @@ from jaxtyping import Float64
 from trecsim.errors import InputError
 from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.frame_numbers import MAX_FRAME, frame_number, frame_place
-from trecsim.sources.json_stream import JsonStream
+from trecsim.sources.json_stream import opened_json
 from trecsim.sources.keypoint_layouts import NumberedImages, coco17
-from trecsim.store.atomic import opened_for_reading
 from trecsim.values import Poses2D
 
 LOOK_AHEAD = 500  # entries, from whose file names the place of the frame number is found
@@ -57,8 +55,7 @@ def read_coco(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
         With up to ten faults: json, key point counts, numbers, images out of order.
     """
     image = NumberedImages(camera, fps, path)
-    with opened_for_reading(path) as file, io.TextIOWrapper(file, "utf-8-sig") as text:
-        stream = JsonStream(text, path)
+    with opened_json(path) as stream:
         if stream.peek() != "[":
             raise InputError(
                 f"{path}: expected key point results of COCO (a json list with one entry per "

@@ -4,6 +4,7 @@ import io
 import json
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from reprlib import repr as brief
 from typing import Any
@@ -11,10 +12,24 @@ from typing import Any
 from trecsim.errors import InputError
 from trecsim.sources import strict_json
 from trecsim.sources.faults import FaultError
+from trecsim.store.atomic import opened_for_reading
 
 CHUNK_CHARS = 2**18
 MAX_ENTRY_CHARS = 2**20  # the memory that reading takes is bounded by a few of these
 _BLANK = re.compile(r"[ \t\r\n]*")
+
+
+@contextmanager
+def opened_json(path: Path) -> "Iterator[JsonStream]":
+    """Open a JSON file to read it piece by piece.
+
+    Raises
+    ------
+    InputError
+        It cannot be read.
+    """
+    with opened_for_reading(path) as file, io.TextIOWrapper(file, "utf-8-sig") as text:
+        yield JsonStream(text, path)
 
 
 class JsonStream:

@@ -8,7 +8,6 @@
 with instances ``{"keypoints": [[x, y], ...], "keypoint_scores": [...], "bbox_score": 0.9}``.
 """
 
-import io
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
@@ -21,9 +20,8 @@ from jaxtyping import Float64
 from trecsim.errors import InputError
 from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.frame_numbers import MAX_FRAME
-from trecsim.sources.json_stream import JsonStream
+from trecsim.sources.json_stream import JsonStream, opened_json
 from trecsim.sources.keypoint_layouts import NumberedImages, Places, coco17, places_of
-from trecsim.store.atomic import opened_for_reading
 from trecsim.values import Poses2D
 
 
@@ -47,8 +45,7 @@ def read_mmpose(path: Path, *, camera: str, fps: float) -> Iterator[Poses2D]:
     InputError
         With up to ten faults: json, key point counts, numbers, frames out of order.
     """
-    with opened_for_reading(path) as file, io.TextIOWrapper(file, "utf-8-sig") as text:
-        stream = JsonStream(text, path)
+    with opened_json(path) as stream:
         if stream.peek() == "[":
             yield from _images(stream, path, _Parser(NumberedImages(camera, fps, path), None))
             return

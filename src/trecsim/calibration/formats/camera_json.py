@@ -37,13 +37,7 @@ def is_table(data: Mapping[str, Any]) -> bool:
 
 
 def read_panoptic(document: Document, options: ReadOptions) -> Rig:
-    """Read a calibration of the CMU Panoptic Studio.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a calibration of the CMU Panoptic Studio."""
     faults = Faults(document.path)
     cameras = document.data["cameras"]
     if not cameras:
@@ -60,13 +54,7 @@ def read_panoptic(document: Document, options: ReadOptions) -> Rig:
 
 
 def read_table(document: Document, options: ReadOptions) -> Rig:
-    """Read a table of cameras with ``K``, ``R``, ``t``, ``dist``, ``width`` and ``height``.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a table of cameras with ``K``, ``R``, ``t``, ``dist``, ``width`` and ``height``."""
     faults = Faults(document.path)
     found = []
     for name, fields in document.data["cameras"].items():

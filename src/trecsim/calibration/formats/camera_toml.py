@@ -72,24 +72,12 @@ def is_anipose(data: Mapping[str, Any]) -> bool:
 
 
 def read_pose2sim(document: Document, options: ReadOptions) -> Rig:
-    """Read a ``Calib*.toml`` of Pose2Sim.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a ``Calib*.toml`` of Pose2Sim."""
     return _read(document, options, 1.0, z_up=True)
 
 
 def read_anipose(document: Document, options: ReadOptions) -> Rig:
-    """Read a calibration of aniposelib, FreeMoCap or caliscope.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a calibration of aniposelib, FreeMoCap or caliscope."""
     return _read(document, options, 0.001 if _is_freemocap(document.data) else None)
 
 
@@ -163,41 +151,13 @@ def _rotation(entry: Entry) -> Rotation:
 
 
 def write_pose2sim(rig: Rig, path: Path, unit_m: float) -> list[str]:
-    """Write a ``Calib*.toml`` as Pose2Sim reads it.
-
-    Parameters
-    ----------
-    rig
-        The rig.
-    path
-        The file.
-    unit_m
-        Length of its unit [m]; Pose2Sim takes metres.
-
-    Returns
-    -------
-    Remarks: what the format cannot hold.
-    """
+    """Write a ``Calib*.toml`` as Pose2Sim reads it."""
     tables = [_pose2sim_table(camera, unit_m) for camera in rig]
     return _write(rig, path, tables)
 
 
 def write_anipose(rig: Rig, path: Path, unit_m: float) -> list[str]:
-    """Write a calibration as aniposelib, FreeMoCap and caliscope read it.
-
-    Parameters
-    ----------
-    rig
-        The rig.
-    path
-        The file.
-    unit_m
-        Length of its unit [m].
-
-    Returns
-    -------
-    Remarks: what the format cannot hold.
-    """
+    """Write a calibration as aniposelib, FreeMoCap and caliscope read it."""
     tables = [_anipose_table(index, camera, unit_m) for index, camera in enumerate(rig)]
     return _write(rig, path, tables)
 

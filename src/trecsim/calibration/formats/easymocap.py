@@ -122,19 +122,6 @@ def _size_px(entry: Entry, K: Float64[np.ndarray, "3 3"], options: ReadOptions) 
 def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
     """Write ``intri.yml`` and ``extri.yml`` into a directory, which is made if need be.
 
-    Parameters
-    ----------
-    rig
-        The rig.
-    path
-        The directory.
-    unit_m
-        Length of the unit [m]; EasyMocap takes metres.
-
-    Returns
-    -------
-    Remarks: what the format cannot hold.
-
     Raises
     ------
     CalibrationError

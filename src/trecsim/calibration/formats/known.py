@@ -38,9 +38,11 @@ class Format:
     recognise
         Returns whether the content of a file has this format.
     read
-        Returns the rig of such a file.
+        Returns the rig of such a file, or raises CalibrationError with every fault, each with the
+        camera it belongs to.
     write
-        Writes a rig to a path in a unit and returns remarks; None if the format is only read.
+        Writes a rig to a file or directory with lengths in a unit [m], and returns remarks on what
+        the format cannot hold; None if the format is only read.
     """
 
     name: str

@@ -36,13 +36,7 @@ def recognise(data: Mapping[str, Any]) -> bool:
 
 
 def read(document: Document, options: ReadOptions) -> Rig:
-    """Read a ``calibrated_cameras_data.yml``; the cameras are called ``camera_0`` and so on.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a ``calibrated_cameras_data.yml``; the cameras are called ``camera_0`` and so on."""
     faults = Faults(document.path)
     tables = {key: value for key, value in document.data.items() if key.startswith("camera_")}
     _check_count(Entry("the file", document.data, faults), tables, options)
@@ -106,21 +100,7 @@ def _camera(name: str, entry: Entry) -> CameraInFile:
 
 
 def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
-    """Write a ``calibrated_cameras_data.yml``, with the floor in a comment.
-
-    Parameters
-    ----------
-    rig
-        The rig.
-    path
-        The file.
-    unit_m
-        Length of its unit [m].
-
-    Returns
-    -------
-    Remarks: what the format cannot hold.
-    """
+    """Write a ``calibrated_cameras_data.yml``, with the floor in a comment."""
     T_world_first = inverse(rig.cameras[0].T_cam_world)
     data: dict[str, Any] = {"nb_camera": len(rig)}
     for index, camera in enumerate(rig):

@@ -47,13 +47,7 @@ def recognise(data: Mapping[str, Any]) -> bool:
 
 
 def read(document: Document, options: ReadOptions) -> Rig:
-    """Read a ``.qca.txt``; cameras that give no images are left out with a remark.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a ``.qca.txt``; cameras that give no images are left out with a remark."""
     faults = Faults(document.path)
     elements = document.data["root"].findall("cameras/camera")
     video = [element for element in elements if _gives_images(element)]

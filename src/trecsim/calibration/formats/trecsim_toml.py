@@ -35,13 +35,7 @@ def recognise(data: Mapping[str, Any]) -> bool:
 
 
 def read(document: Document, options: ReadOptions) -> Rig:
-    """Read a ``rig.toml``.
-
-    Raises
-    ------
-    CalibrationError
-        Something is wrong; every fault, with the camera it belongs to.
-    """
+    """Read a ``rig.toml``."""
     faults = Faults(document.path)
     top = Entry("the file", document.data, faults)
     top.unknown(("format", "cameras"))
@@ -96,21 +90,7 @@ def _camera(name: str, table: object, faults: Faults) -> Camera | None:
 
 
 def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
-    """Write a ``rig.toml``; what is read back is the same to the last bit.
-
-    Parameters
-    ----------
-    rig
-        The rig.
-    path
-        The file.
-    unit_m
-        Must be 1: the format is in metres.
-
-    Returns
-    -------
-    Remarks: none.
-    """
+    """Write a ``rig.toml``; what is read back is the same to the last bit."""
     if unit_m != 1.0:
         raise CalibrationError("a trecsim rig file is in metres always; do not give a unit")
     lines = [f'format = "{FORMAT}"']
