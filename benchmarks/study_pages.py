@@ -15,9 +15,9 @@ from trecsim.lab.report.style import PALETTE
 from trecsim.lab.study.analysis import findings
 from trecsim.lab.study.charts import effects_svg
 from trecsim.lab.study.folder import STUDY
-from trecsim.lab.study.ledger import NAME, read_runs
 from trecsim.lab.study.plan import planned
 from trecsim.lab.study.results import DEFAULT, PAIRS, RESULTS
+from trecsim.lab.study.runs_file import NAME, read_runs
 from trecsim.lab.study.settings_file_table import read_study_table
 
 KEPT = ROOT / "benchmarks" / "results" / "study_three"

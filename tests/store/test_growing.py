@@ -15,7 +15,7 @@ import pytest
 from made_tracks import assert_same, walk
 from trecsim.errors import InputError, SetupError
 from trecsim.lab.evaluation.evaluating import evaluate
-from trecsim.lab.report.places import find
+from trecsim.lab.report.recording_files import find
 from trecsim.sources import read_poses
 from trecsim.store.growing import GrowingFile
 from trecsim.store.timing_csv import read_timing

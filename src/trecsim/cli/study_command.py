@@ -143,9 +143,9 @@ def _cli_table(
 
 
 def _run(plan: "Study", out: Path, jobs: int | None, *, reporting: bool, quiet: bool) -> None:
-    from trecsim.lab.study.ledger import NAME
     from trecsim.lab.study.plan import check_seeds
     from trecsim.lab.study.running import run_study
+    from trecsim.lab.study.runs_file import NAME
 
     check_seeds(plan, reporting=reporting)
     try:

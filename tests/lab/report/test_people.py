@@ -9,8 +9,8 @@ import pytest
 from made_recording import make_recording
 from trecsim.lab.report import compute_section, people_section, skeletons_figure
 from trecsim.lab.report.page import Figure, Table
-from trecsim.lab.report.places import find
 from trecsim.lab.report.recording import Recording, read_recording
+from trecsim.lab.report.recording_files import find
 from trecsim.store.timing_csv import Timing
 
 

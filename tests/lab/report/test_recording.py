@@ -9,8 +9,8 @@ import pytest
 
 from made_recording import make_recording, snapshots
 from trecsim.errors import InputError
-from trecsim.lab.report.places import find
 from trecsim.lab.report.recording import Recording, read_recording
+from trecsim.lab.report.recording_files import find
 from trecsim.store.tracks import tracks_writer
 
 

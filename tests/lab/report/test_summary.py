@@ -16,8 +16,8 @@ from trecsim.lab.report import summary
 from trecsim.lab.report.against_truth import scores_of
 from trecsim.lab.report.coverage import CameraFacts, facts_of
 from trecsim.lab.report.page import Facts, Text
-from trecsim.lab.report.places import find
 from trecsim.lab.report.recording import Recording, read_recording
+from trecsim.lab.report.recording_files import find
 from trecsim.lab.report.thinning import Stay
 from trecsim.skeleton import COCO17
 

@@ -12,10 +12,10 @@ from trecsim.errors import InputError
 from trecsim.lab.study.analysis import findings
 from trecsim.lab.study.cli_table import scenes_table, settings_table
 from trecsim.lab.study.code_digest import code_digest
-from trecsim.lab.study.ledger import NAME, Run, opened
 from trecsim.lab.study.plan import Study, planned
 from trecsim.lab.study.results import RESULTS, settings_that_matter, write_results  # fmt: skip
 from trecsim.lab.study.running import jobs_of
+from trecsim.lab.study.runs_file import NAME, Run, opened
 from trecsim.lab.study.settings_file_table import StudyTable
 from trecsim.lab.study.study_report import REPORT, report_study
 

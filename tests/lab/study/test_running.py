@@ -11,9 +11,9 @@ from trecsim.errors import InputError, SetupError
 from trecsim.lab.simulation.scene import simulate
 from trecsim.lab.study import code_digest, running, scenes
 from trecsim.lab.study.cli_table import scenes_table, settings_table
-from trecsim.lab.study.ledger import NAME, read_runs
 from trecsim.lab.study.plan import Study, planned
 from trecsim.lab.study.running import Job, jobs_of, run_one, run_study
+from trecsim.lab.study.runs_file import NAME, read_runs
 from trecsim.lab.study.settings_file_table import StudyTable
 
 TINY = "room:people=1,cameras=2,seconds=1"

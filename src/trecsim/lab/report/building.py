@@ -22,8 +22,8 @@ from trecsim.lab.report import (
 )
 from trecsim.lab.report.coverage import facts_of
 from trecsim.lab.report.page import Section, Text, page
-from trecsim.lab.report.places import find
 from trecsim.lab.report.recording import Recording, read_recording
+from trecsim.lab.report.recording_files import find
 from trecsim.lab.report.style import need_matplotlib
 from trecsim.store.atomic import atomic_write
 

@@ -15,7 +15,7 @@ from trecsim.errors import InputError
 from trecsim.geometry import Rig
 from trecsim.lab.evaluation.moments import Moments
 from trecsim.lab.plots.elapsed_time import ElapsedTime, clock_of
-from trecsim.lab.report.places import Places
+from trecsim.lab.report.recording_files import Places
 from trecsim.lab.report.thinning import Sampler, Stay
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import opened_for_reading

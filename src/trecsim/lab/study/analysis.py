@@ -14,10 +14,10 @@ from trecsim.lab.study.code_digest import code_digest
 from trecsim.lab.study.default_rank import DefaultRank, default_rank
 from trecsim.lab.study.design import Design, Factor, Point, Value, levels_of, value_text
 from trecsim.lab.study.inference import Analysis, analyse
-from trecsim.lab.study.ledger import Run
 from trecsim.lab.study.plan import Study
 from trecsim.lab.study.resampling import Blocks, blocks_of
 from trecsim.lab.study.running import jobs_of
+from trecsim.lab.study.runs_file import Run
 
 FEW_SEEDS = 5
 _ENOUGH = 0.5  # share of finished points from which a scene and seed counts

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from trecsim.errors import ConfigError, InputError
-from trecsim.lab.study.ledger import NAME, holds_runs
 from trecsim.lab.study.plan import Study, parse_seeds
+from trecsim.lab.study.runs_file import NAME, holds_runs
 from trecsim.lab.study.settings_file_table import FORMAT, StudyTable, read_study_table
 from trecsim.store.atomic import disk_faults
 from trecsim.toml_models import parsed, read_text

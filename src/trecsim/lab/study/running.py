@@ -29,8 +29,8 @@ from trecsim.fusion import FusionSettings
 from trecsim.lab.evaluation.ground_truth import compare
 from trecsim.lab.study.code_digest import code_changed, code_digest
 from trecsim.lab.study.folder import STUDY, changed_parts, check_folder
-from trecsim.lab.study.ledger import NAME, Run, opened, read_runs
 from trecsim.lab.study.plan import Study, settings_of
+from trecsim.lab.study.runs_file import NAME, Run, opened, read_runs
 from trecsim.lab.study.scenes import SceneChoice, load, prepare
 from trecsim.lab.study.settings_file_table import toml_of
 from trecsim.store.atomic import atomic_write, disk_faults

@@ -13,9 +13,9 @@ from trecsim.lab.study.analysis import Finding, Findings, findings
 from trecsim.lab.study.code_digest import code_digest
 from trecsim.lab.study.default_rank import DefaultRank
 from trecsim.lab.study.formatting import figure_text, interval_text
-from trecsim.lab.study.ledger import NAME, read_runs
 from trecsim.lab.study.plan import FIRST_REPORTING_SEED, Study
 from trecsim.lab.study.results import settings_that_matter, write_results
+from trecsim.lab.study.runs_file import NAME, read_runs
 from trecsim.lab.study.sections import default_blocks, measure_blocks, pair_blocks, setting_blocks
 from trecsim.store.atomic import atomic_write
 

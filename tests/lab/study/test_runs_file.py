@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from trecsim.errors import InputError
-from trecsim.lab.study.ledger import Run, opened, read_runs
+from trecsim.lab.study.runs_file import Run, opened, read_runs
 
 FIGURES = {
     "mean_m": 0.03, "recall_15cm": 0.9, "switches": 1.0, "missed": 2.0, "ghosts": 0.0,
