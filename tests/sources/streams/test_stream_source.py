@@ -1,56 +1,19 @@
 """Live cameras that break: each fault is told, counted and outlived."""
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from threading import Thread
 
 import pytest
 
 from made_cameras import MadeCamera, until
 from trecsim.sources.streams import NetworkAddress, StreamSource
 from trecsim.sources.streams.frozen_image import FrozenImage
-from trecsim.values import Frame
+from watched_streams import Watched, watched
 
 SIZE_PX = (64, 48)
 
 
-class Watched:
-    """A source that is read in a thread, as in the pipeline."""
-
-    def __init__(self, source: StreamSource) -> None:
-        self.source, self.counters = source, source.counters
-        self.frames: list[Frame] = []
-        self.thread = Thread(target=self._read, daemon=True)
-        self.thread.start()
-
-    def _read(self) -> None:
-        for frame in self.source:
-            self.frames.append(frame)
-
-    def images(self, more: int = 5) -> list[Frame]:
-        """Wait for some more images, and return them."""
-        before = len(self.frames)
-        until(lambda: len(self.frames) >= before + more, f"{more} more images came")
-        return self.frames[before:]
-
-    def fault(self, text: str) -> str:
-        """Wait until a fault is told."""
-        until(lambda: text in (self.counters.fault or ""), f"{text!r} was told")
-        return str(self.counters.fault)
-
-
-@contextmanager
-def watched(camera: MadeCamera, limit_px: tuple[int, int] | None = None) -> Iterator[Watched]:
-    one = Watched(StreamSource("north", NetworkAddress(camera.url), SIZE_PX, limit_px))
-    yield one
-    one.source.close()
-    one.thread.join(10.0)
-    assert not one.thread.is_alive()
-
-
 def test_images_come_dated_now_and_in_order(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         frames = north.images(20)
     assert {(frame.camera, frame.image.shape) for frame in frames} == {("north", (48, 64, 3))}
     assert {frame.size_px for frame in frames} == {None}
@@ -64,14 +27,14 @@ def test_images_come_dated_now_and_in_order(camera: MadeCamera) -> None:
 
 
 def test_images_come_no_larger_than_the_estimator_looks_at_them(camera: MadeCamera) -> None:
-    with watched(camera, (32, 32)) as north:
+    with watched(camera.url, SIZE_PX, (32, 32)) as north:
         frame = north.images(1)[0]
     assert frame.image.shape == (24, 32, 3)
     assert frame.size_px == SIZE_PX
 
 
 def test_a_camera_that_is_switched_off_and_on_again_comes_back(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         last_s = north.images()[-1].t_s
         camera.switch_off()
         north.fault("nothing answers at 127.0.0.1")
@@ -83,14 +46,14 @@ def test_a_camera_that_is_switched_off_and_on_again_comes_back(camera: MadeCamer
 
 
 def test_the_end_of_a_live_stream_is_a_fault(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         north.images()
         camera.switch_off()
         assert "tcp://127.0.0.1" in north.fault("ended the")
 
 
 def test_a_camera_that_falls_silent_is_given_up_and_comes_back(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         north.images()
         camera.sends.clear()
         north.fault("nothing has come")
@@ -100,7 +63,7 @@ def test_a_camera_that_falls_silent_is_given_up_and_comes_back(camera: MadeCamer
 
 
 def test_garbage_is_told_and_outlived(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         north.images()
         camera.says = bytes(range(256)) * 40
         until(lambda: north.counters.fault, "a fault was told")
@@ -110,7 +73,7 @@ def test_garbage_is_told_and_outlived(camera: MadeCamera) -> None:
 
 
 def test_images_of_another_size_are_left_out_until_the_size_is_back(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         north.images()
         camera.size_px = (96, 64)
         told = north.fault("its images are 96 x 64 px, but it is calibrated for 64 x 48 px")
@@ -133,7 +96,7 @@ def test_an_image_that_lacks_a_few_rows_is_taken(camera: MadeCamera) -> None:
 def test_a_source_ends_soon_after_it_is_closed_whatever_its_camera_does(
     camera: MadeCamera,
 ) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         north.images(1)
         camera.sends.clear()
         north.source.close()
@@ -142,7 +105,7 @@ def test_a_source_ends_soon_after_it_is_closed_whatever_its_camera_does(
 
 
 def test_the_same_image_for_long_is_told(camera: MadeCamera) -> None:
-    with watched(camera) as north:
+    with watched(camera.url, SIZE_PX) as north:
         image = north.images(1)[0].image
     frozen = FrozenImage()
     assert not frozen.is_frozen(image, 0.0)

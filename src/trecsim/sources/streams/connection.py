@@ -229,8 +229,7 @@ def _video_stream(container: Any) -> Any:
     """Return the stream of video in a container; a text that says what is wrong where none is."""
     streams = container.streams.video
     if not streams:
-        kinds = ", ".join(sorted({stream.type for stream in container.streams})) or "nothing"
-        return f"there is no video in it, only {kinds}"
+        return "there is no video in it"
     known = [stream for stream in streams if stream.codec_context is not None]
     if not known:
         return "its coding is not known here; set the camera to H.264"

@@ -58,8 +58,8 @@ _TEXTS: tuple[tuple[type[Exception], str], ...] = (
     ),
     (
         av.error.HTTPOtherClientError,
-        "the camera at {place} does not take the request for {address}; try the other transport, "
-        '"tcp" or "udp"',
+        "the camera at {place} does not play {address}: there may be no video in it, or it needs "
+        'the other transport, "tcp" or "udp"',
     ),
     (
         av.InvalidDataError,
