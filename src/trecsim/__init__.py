@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from trecsim.geometry import triangulate as triangulate
     from trecsim.lab.evaluation.evaluating import evaluate as evaluate
     from trecsim.lab.report.building import report as report
+    from trecsim.page.client import LiveEvent as LiveEvent
+    from trecsim.page.client import connect as connect
     from trecsim.pipeline import track as track
     from trecsim.site_run import run as run
     from trecsim.sites.check import check_site as check_site
@@ -58,6 +60,7 @@ _HOMES = {
     "trecsim.lab.report.building": ("report",),
     "trecsim.fusion": ("FusionSettings", "Tracker"),
     "trecsim.geometry": ("Camera", "Rig", "triangulate"),
+    "trecsim.page.client": ("LiveEvent", "connect"),
     "trecsim.pipeline": ("track",),
     "trecsim.site_run": ("run",),
     "trecsim.skeleton": ("COCO17", "Skeleton"),

@@ -6,7 +6,6 @@ import socket
 import subprocess
 import sys
 from contextlib import ExitStack
-from pathlib import Path
 from time import sleep, time
 
 import httpx
@@ -15,34 +14,11 @@ from websockets.exceptions import ConnectionClosed
 
 from made_page import SITE, event, next_of, running_page, until, well
 from made_tracks import snapshot
+from page_processes import children, is_running, linux, process_of
 from trecsim.errors import InputError, SetupError
 from trecsim.page import page_process
 from trecsim.page.address import PageAddress
 from trecsim.page.page_process import PageProcess
-
-
-def children(of: int) -> list[int]:
-    """Return the processes that a process started."""
-    found = []
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdecimal():
-            try:
-                parent = (entry / "stat").read_text().rpartition(")")[2].split()[1]
-            except (FileNotFoundError, ProcessLookupError):
-                continue
-            if int(parent) == of:
-                found.append(int(entry.name))
-    return found
-
-
-def page_processes() -> list[int]:
-    def is_page(process: int) -> bool:
-        return b"trecsim.page" in Path(f"/proc/{process}/cmdline").read_bytes()
-
-    return [process for process in children(os.getpid()) if is_page(process)]
-
-
-linux = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="finds processes in /proc")
 
 
 def test_the_port_listens_before_the_page_process_runs() -> None:
@@ -86,9 +62,7 @@ def test_a_page_process_that_was_killed_is_replaced_and_viewers_miss_no_event() 
         page.process.health(well())
         page.process.event(event("before"))
         until(lambda: page.client.get("/api/health").status_code == 200)
-        for killed in page_processes():
-            if page.port in ports_of(killed):
-                os.kill(killed, signal.SIGKILL)
+        os.kill(process_of(page), signal.SIGKILL)
         page.process.event(event("after"))
         until(lambda: page.process.restarts == 1)
         page.process.write(snapshot(time(), [1]))
@@ -102,10 +76,8 @@ def test_a_page_process_that_was_killed_is_replaced_and_viewers_miss_no_event() 
 def test_a_signal_to_all_processes_leaves_the_page_to_its_parent() -> None:
     with running_page() as page:
         page.client.get("/api/health")
-        for one in page_processes():
-            if page.port in ports_of(one):
-                os.kill(one, signal.SIGINT)
-                os.kill(one, signal.SIGTERM)
+        os.kill(process_of(page), signal.SIGINT)
+        os.kill(process_of(page), signal.SIGTERM)
         sleep(0.3)
         assert page.client.get("/api/health").status_code == 503
         assert page.process.restarts == 0
@@ -150,28 +122,8 @@ def test_the_page_ends_with_the_block_and_leaves_the_port() -> None:
         with running_page() as page:
             viewer = viewers.enter_context(page.stream())
             next_of(viewer, "health")
-            before = page_processes()
+            process = process_of(page)
         with pytest.raises(ConnectionClosed):
             next_of(viewer, "none of this kind")
-    assert len(page_processes()) == len(before) - 1
+    assert not is_running(process)
     socket.create_server(("127.0.0.1", page.port)).close()
-
-
-def is_running(process: int) -> bool:
-    try:
-        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
-        return False
-    return state != "Z"
-
-
-def ports_of(process: int) -> set[int]:
-    """Return the ports on which a process listens."""
-    links = set()
-    for handle in Path(f"/proc/{process}/fd").iterdir():
-        try:
-            links.add(os.readlink(handle))
-        except FileNotFoundError:
-            continue
-    rows = [line.split() for line in Path("/proc/net/tcp").read_text().splitlines()[1:]]
-    return {int(row[1].split(":")[1], 16) for row in rows if f"socket:[{row[9]}]" in links}

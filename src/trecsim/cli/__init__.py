@@ -50,6 +50,19 @@ GROUPS = {
             "schema": "Print the JSON schema of site files.",
         },
     ),
+    "users": (
+        "Manage who may sign in at the live page.",
+        {
+            "add": "Add a user of the page, or give one a new password.",
+            "list": "List the users of the page.",
+            "role": "Give a user of the page another role.",
+            "remove": "Remove a user of the page.",
+        },
+    ),
+    "audit": (
+        "Check the audit log of a site.",
+        {"verify": "Check that no entry of an audit log was changed, added or removed."},
+    ),
     "models": (
         "Manage the files of pose models.",
         {

@@ -3,10 +3,12 @@
 import ipaddress
 import os
 import socket
+import ssl
 from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.errors import InputError
+from trecsim.page.users_file import read_users
 
 LOOPBACK_NAMES = ("localhost", "localhost.localdomain")
 SHORTEST_TOKEN = 16  # characters
@@ -75,12 +77,30 @@ class PageAddress:
         if (self.tls_cert is None) != (self.tls_key is None):
             given, missing = ("cert", "key") if self.tls_cert else ("key", "cert")
             raise InputError(f"[page] has tls_{given}: expected tls_{missing} too, found none")
-        for file in (self.users_file, self.tls_cert, self.tls_key):
-            if file is not None and not file.is_file():
-                raise InputError(f"[page] expected the file {file}, found none")
+        if self.users_file is not None:
+            there = self.users_file.is_file()
+            if not there or not read_users(self.users_file):
+                found = "it names nobody" if there else "there is no such file"
+                raise InputError(
+                    f"[page] users: expected users in {self.users_file}, but {found}; add "
+                    f"somebody: trecsim users add NAME --role admin --file {self.users_file}"
+                )
+        if self.tls_cert is not None and self.tls_key is not None:
+            _check_certificate(self.tls_cert, self.tls_key)
         self.token()
-        if not self.is_open:  # nobody may think that it is protected before it is
-            raise InputError("[page] users and token_env are not in this version of trecsim")
+
+    @property
+    def remark(self) -> str | None:
+        """What people should know who use it so; None where there is nothing."""
+        protected = self.tls_cert or self.trusted_proxy or is_loopback(self.host)
+        if protected:
+            return None
+        if self.insecure:
+            return "the page takes passwords over plain HTTP: whoever listens on the way has them"
+        return (
+            "other machines can reach the page but not sign in: passwords need TLS (tls_cert and "
+            "tls_key) or a trusted_proxy under [page]"
+        )
 
     def token(self) -> str | None:
         """Return the token of programs from the environment; None where none is asked for.
@@ -101,6 +121,18 @@ class PageAddress:
                 "python -c 'import secrets; print(secrets.token_urlsafe())'"
             )
         return token
+
+
+def _check_certificate(cert: Path, key: Path) -> None:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        context.load_cert_chain(cert, key, password=b"")  # none is asked for
+    except (OSError, ValueError) as error:  # OSError: also what is wrong in the files
+        reason = getattr(error, "reason", None) or getattr(error, "strerror", None) or error
+        raise InputError(
+            f"[page] tls_cert, tls_key: expected a certificate and its key without a password, "
+            f"both PEM, in {cert} and {key}: {reason}"
+        ) from None
 
 
 def is_loopback(host: str) -> bool:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -9,63 +10,81 @@ from starlette.middleware import Middleware
 from starlette.middleware.body_limit import RequestBodyLimitMiddleware
 from starlette.requests import Request
 from starlette.responses import Response
-from starlette.routing import Route, WebSocketRoute
+from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
-from trecsim.page.address import PageAddress
+from trecsim.errors import Error
+from trecsim.page.access import Access, Answer
+from trecsim.page.answers import error, json_answer
+from trecsim.page.asking import Ask
 from trecsim.page.bundle import Bundle, answer
-from trecsim.page.hosts import names_of
+from trecsim.page.event_routes import event_routes
+from trecsim.page.journal import Journal
 from trecsim.page.live_state import LiveState
+from trecsim.page.login import login_routes
 from trecsim.page.messages import json_bytes
 from trecsim.page.metrics import metrics_text
-from trecsim.page.policy import Policy, error
+from trecsim.page.policy import Policy
 from trecsim.page.schema import stream_schema
 from trecsim.page.stream import stream
 
 LARGEST_BODY = 1_000_000  # bytes of a request
 PAGES = re.compile(r"/(?:live|review|zones|system|login)(?:/.*)?$")
 
-Answer = Callable[[Request], Awaitable[Response]]
 
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What the routes need.
 
-def page_app(state: LiveState, address: PageAddress, bundle: Bundle) -> Starlette:
-    """Return the application that answers browsers and programs.
-
-    Parameters
+    Attributes
     ----------
     state
         What is known of the site now.
-    address
-        Where the page listens.
+    access
+        Who may do what.
+    journal
+        Events and audit.
     bundle
         The built page.
+    ask
+        Asks the tracking process for something.
     """
-    routes = [
-        Route("/api/health", _health(state)),
+
+    state: LiveState
+    access: Access
+    journal: Journal
+    bundle: Bundle
+    ask: Ask
+
+
+def page_app(parts: Parts) -> Starlette:
+    """Return the application that answers browsers and programs."""
+    state, access = parts.state, parts.access
+    routes: list[BaseRoute] = [
+        Route("/api/health", _health(state, access)),
         Route("/api/schema", _schema),
-        Route("/api/site", _site(state)),
-        Route("/metrics", _metrics(state)),
-        WebSocketRoute("/api/stream", _stream(state)),
-        Route("/{path:path}", _files(bundle)),
+        Route("/api/site", access.needs("viewer", _site(state))),
+        Route("/metrics", access.needs("viewer", _metrics(state))),
+        WebSocketRoute("/api/stream", _stream(parts)),
+        *login_routes(access, parts.journal),
+        *event_routes(access, parts.journal, state.hub, parts.ask),
+        Route("/{path:path}", _files(parts.bundle)),
     ]
     return Starlette(
         routes=routes,
         middleware=[
-            Middleware(Policy, names=names_of(address)),
+            Middleware(Policy, address=access.address),
             Middleware(RequestBodyLimitMiddleware, max_body_size=LARGEST_BODY),
         ],
-        exception_handlers={HTTPException: _refused},
+        exception_handlers={HTTPException: _refused, Error: _impossible},
     )
 
 
-def json_answer(body: object, status: int = 200) -> Response:
-    """Return an answer in JSON; numbers that are missing become null."""
-    return Response(json_bytes(body), status, media_type="application/json")
-
-
-def _health(state: LiveState) -> Answer:
+def _health(state: LiveState, access: Access) -> Answer:
     async def health(request: Request) -> Response:
         body = state.health_json()
+        if access.identity(request) is None:  # a watchdog needs no more
+            body = {"status": body["status"]}
         return json_answer(body, 200 if body["status"] == "ok" else 503)
 
     return health
@@ -90,9 +109,21 @@ def _metrics(state: LiveState) -> Answer:
     return metrics
 
 
-def _stream(state: LiveState) -> Callable[[WebSocket], Awaitable[None]]:
+def _stream(parts: Parts) -> Callable[[WebSocket], Awaitable[None]]:
+    def may_see(socket: WebSocket) -> bool:
+        try:
+            return parts.access.identity(socket) is not None
+        except HTTPException:
+            return False
+
     async def serve(socket: WebSocket) -> None:
-        await stream(socket, state.hub)
+        try:
+            parts.access.checked(socket, "viewer")
+        except HTTPException as refused:
+            answer = error(refused.status_code, refused.detail)
+            await socket.send_denial_response(answer)
+            return
+        await stream(socket, parts.state.hub, parts.journal.missed, lambda: may_see(socket))
 
     return serve
 
@@ -116,3 +147,8 @@ async def _refused(request: Request, exception: Exception) -> Response:
     if not isinstance(exception, HTTPException):
         raise exception
     return error(exception.status_code, exception.detail, dict(exception.headers or {}))
+
+
+async def _impossible(request: Request, exception: Exception) -> Response:
+    """Answer what this machine cannot do now, as when its disk is full."""
+    return error(503, str(exception))

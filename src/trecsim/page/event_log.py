@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-EVENTS_KEPT = 10_000
+EVENTS_KEPT = 2_000  # about 5 kB each
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +39,10 @@ class EventLog:
         self._events.append(NumberedEvent(number, event))
         self._number_of[identity] = number
         return True
+
+    def knows(self, event_id: str) -> bool:
+        """Tell whether an event is kept here."""
+        return event_id in self._number_of
 
     def after(self, event_id: str | None) -> int:
         """Return the number of the first event after one that a viewer has.

@@ -11,7 +11,7 @@ from trecsim.page.last_seen import snapshot_part
 from trecsim.page.link import EventPart, HealthPart, PulsePart, Setup, SitePart, ToPage, framed
 from trecsim.values import Snapshot
 
-EVENTS_KEPT = 10_000  # for a page process that is started again
+EVENTS_KEPT = 2_000  # for a page process that is started again
 PULSE_S = 1.0
 
 _Seen = tuple[Snapshot, list[float]]  # and how long ago each person was seen

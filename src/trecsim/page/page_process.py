@@ -83,6 +83,8 @@ class PageProcess:
                 + install_command("page")
             )
         address.check()
+        if address.remark is not None:
+            logger.warning("%s", address.remark)
         self._listening = listen(address)
         self.url = url_of(address, self._listening)
         self.restarts = 0

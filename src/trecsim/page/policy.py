@@ -1,19 +1,19 @@
 """What holds for every request: who may ask, how much, and what browsers may do with the answer."""
 
-from collections.abc import Collection
-
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from trecsim.page.hosts import is_known, is_own_origin
+from trecsim.page.access import SAFE
+from trecsim.page.address import PageAddress
+from trecsim.page.answers import error
+from trecsim.page.caller import caller_of
+from trecsim.page.hosts import is_known, is_own_origin, names_of
 from trecsim.page.rates import Rates
 
 LONGEST_PATH = 1024  # bytes, and as many in the query
 LARGEST_HEADERS = 16_384  # bytes, all together
 REQUESTS_PER_S, REQUESTS_AT_ONCE = 100.0, 400.0  # of one address
 
-SAFE = ("GET", "HEAD", "OPTIONS")
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
@@ -36,13 +36,14 @@ class Policy:
     ----------
     app
         Who answers.
-    names
-        The names of this page.
+    address
+        Where the page listens.
     """
 
-    def __init__(self, app: ASGIApp, names: Collection[str]) -> None:
+    def __init__(self, app: ASGIApp, address: PageAddress) -> None:
         self._app = app
-        self._names = names
+        self._address = address
+        self._names = names_of(address)
         self._rates = Rates(REQUESTS_PER_S, REQUESTS_AT_ONCE)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -67,15 +68,9 @@ class Policy:
         changes = scope["type"] == "websocket" or scope["method"] not in SAFE
         if changes and not is_own_origin(headers):
             return error(403, "this request comes from a page of another site")
-        client = scope.get("client")
-        if not self._rates.allows(client[0] if client else ""):
+        if not self._rates.allows(caller_of(scope, self._address).address):
             return error(429, "too many requests; try again in a second", {"Retry-After": "1"})
         return None
-
-
-def error(status: int, what: str, headers: dict[str, str] | None = None) -> JSONResponse:
-    """Return the answer to a request that cannot be fulfilled."""
-    return JSONResponse({"error": what}, status, headers)
 
 
 def _with_headers(send: Send) -> Send:

@@ -10,14 +10,19 @@ from typing import Any
 
 import msgspec
 import uvicorn
+from starlette.applications import Starlette
 
+from trecsim.page.access import Access
 from trecsim.page.address import PageAddress
-from trecsim.page.app import page_app
+from trecsim.page.app import Parts, page_app
+from trecsim.page.asking import asking_over
 from trecsim.page.bundle import STATIC, Bundle
+from trecsim.page.journal import Journal
 from trecsim.page.link import TO_PAGE, PulsePart, Setup, framed
 from trecsim.page.live_state import LiveState
 from trecsim.page.page_data import PageData
 from trecsim.page.protocols import ImpatientHttp, ImpatientWebSocket
+from trecsim.page.users_audit import UsersAudit
 
 CONNECTIONS = 512  # at most, all together
 HEADER_BYTES = 16_384
@@ -48,9 +53,10 @@ def serve(setup: Setup, listening: socket.socket, link: socket.socket) -> None:
         To the tracking process.
     """
     address = msgspec.convert(setup.address, PageAddress, dec_hook=_decoded)
-    data = msgspec.convert(setup.data, PageData, dec_hook=_decoded)
-    state = LiveState()
-    app = page_app(state, address, Bundle(data.static or STATIC))
+    asyncio.run(_run(setup, address, listening, link))
+
+
+def _server(app: Starlette, address: PageAddress) -> "_Server":
     config = uvicorn.Config(
         app, http=ImpatientHttp, ws=ImpatientWebSocket, loop="asyncio", lifespan="off",
         interface="asgi3", log_level="error", access_log=False, server_header=False,
@@ -59,13 +65,23 @@ def serve(setup: Setup, listening: socket.socket, link: socket.socket) -> None:
         h11_max_incomplete_event_size=HEADER_BYTES, timeout_graceful_shutdown=1,
         ssl_certfile=address.tls_cert, ssl_keyfile=address.tls_key,
     )  # fmt: skip
-    asyncio.run(_run(_Server(config), state, listening, link))
+    return _Server(config)
+
+
+def _parts(setup: Setup, address: PageAddress, port: int, writer: asyncio.StreamWriter) -> Parts:
+    data = msgspec.convert(setup.data, PageData, dec_hook=_decoded)
+    state = LiveState()
+    journal = Journal(data.ledger, state.hub.events)
+    access = Access(address, port, UsersAudit(journal))
+    return Parts(state, access, journal, Bundle(data.static or STATIC), asking_over(writer))
 
 
 async def _run(
-    server: _Server, state: LiveState, listening: socket.socket, link: socket.socket
+    setup: Setup, address: PageAddress, listening: socket.socket, link: socket.socket
 ) -> None:
     reader, writer = await asyncio.open_connection(sock=link)
+    parts = _parts(setup, address, listening.getsockname()[1], writer)
+    state, server = parts.state, _server(page_app(parts), address)
     ready = asyncio.Event()
     tasks = [
         asyncio.create_task(_take(reader, state, server, ready)),

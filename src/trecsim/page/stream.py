@@ -1,18 +1,26 @@
 """`/api/stream`: the WebSocket on which viewers get snapshots, health and events."""
 
 import asyncio
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from time import time
+from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from trecsim.page.hub import Hub, Viewer
+from trecsim.page.messages import message
 
 SLOWEST_S = 20.0  # a viewer that takes no message for so long is disconnected
+SIGNED_IN_S = 2.0  # how often it is looked whether a viewer is still signed in
 EVENT_ID_LENGTH = 200
-_TRY_LATER, _POLICY = 1013, 1008
+_TRY_LATER, _POLICY, _SIGNED_OUT = 1013, 1008, 4401
 _GONE = (WebSocketDisconnect, TimeoutError)  # of a viewer that left or does not read
 
 
-async def stream(socket: WebSocket, hub: Hub) -> None:
+Missed = Callable[[str], Awaitable[Sequence[Mapping[str, Any]]]]
+
+
+async def stream(socket: WebSocket, hub: Hub, missed: Missed, may_see: Callable[[], bool]) -> None:
     """Serve one viewer until it leaves, sends something, or takes nothing for too long.
 
     Parameters
@@ -21,6 +29,10 @@ async def stream(socket: WebSocket, hub: Hub) -> None:
         The connection; its query may name the last event the viewer has: `last_event_id`.
     hub
         Where the messages come from.
+    missed
+        Finds events that follow one which the hub no longer has.
+    may_see
+        Tells whether the viewer is still signed in.
     """
     last_event_id = socket.query_params.get("last_event_id")
     await socket.accept()
@@ -30,18 +42,42 @@ async def stream(socket: WebSocket, hub: Hub) -> None:
     if last_event_id is not None and len(last_event_id) > EVENT_ID_LENGTH:
         await socket.close(_POLICY, f"last_event_id has more than {EVENT_ID_LENGTH} characters")
         return
+    if last_event_id is not None and not hub.events.knows(last_event_id):
+        last_event_id = await _catch_up(socket, last_event_id, hub, missed)
     viewer = hub.join(last_event_id)
-    leaving = asyncio.create_task(_until_it_speaks(socket))
-    sending = asyncio.create_task(_send(socket, viewer, hub))
+    tasks = {
+        asyncio.create_task(_until_it_speaks(socket)),
+        asyncio.create_task(_while_it_may_see(socket, may_see)),
+        asyncio.create_task(_send(socket, viewer, hub)),
+    }
     try:
-        await asyncio.wait({leaving, sending}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         hub.leave(viewer)
-        leaving.cancel()
-        sending.cancel()
-        for ended in await asyncio.gather(leaving, sending, return_exceptions=True):
+        for task in tasks:
+            task.cancel()
+        for ended in await asyncio.gather(*tasks, return_exceptions=True):
             if isinstance(ended, Exception) and not isinstance(ended, _GONE):
                 raise ended
+
+
+async def _catch_up(socket: WebSocket, last: str, hub: Hub, missed: Missed) -> str:
+    """Send events that the hub no longer has; return the last one the viewer has then."""
+    while not hub.events.knows(last):
+        events = await missed(last)
+        for event in events:
+            text = message("event", time(), {"event": event})
+            await asyncio.wait_for(socket.send_text(text), SLOWEST_S)
+            last = str(event["id"])
+        if not events:
+            break
+    return last
+
+
+async def _while_it_may_see(socket: WebSocket, may_see: Callable[[], bool]) -> None:
+    while may_see():
+        await asyncio.sleep(SIGNED_IN_S)
+    await socket.close(_SIGNED_OUT, "signed out")
 
 
 async def _until_it_speaks(socket: WebSocket) -> None:

@@ -1,0 +1,218 @@
+"""A client of the live page, for programs."""
+
+import ssl
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from time import sleep
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote, urlsplit
+
+import msgspec
+import numpy as np
+
+from trecsim.errors import Error, InputError, SetupError
+from trecsim.extras import has_extra, install_command
+from trecsim.redaction import redacted
+from trecsim.skeleton import COCO17
+from trecsim.values import Snapshot
+
+if TYPE_CHECKING:
+    from websockets.exceptions import InvalidStatus
+    from websockets.sync.client import ClientConnection
+
+PAUSES_S = (0.5, 1.0, 2.0, 4.0, 8.0)  # before each try after a break
+SILENT_S = 10.0  # a page that says nothing for so long is gone: it tells its health twice a second
+LARGEST_BYTES = 64_000_000
+_SCHEMES = {"http": "ws", "https": "wss", "ws": "ws", "wss": "wss"}
+_REFUSED = (400, 401, 403, 404, 421)  # trying again changes nothing
+_SIGNED_OUT = 4401
+_JOINTS = len(COCO17.joints)
+
+Message = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class LiveEvent:
+    """An event of a live site.
+
+    Attributes
+    ----------
+    id
+        Of this event; `connect` goes on after it.
+    kind
+        As "zone.enter".
+    data
+        Everything else: the episode (`event`), its `phase`, `severity`, `people` and so on.
+    sent_s
+        When the page sent it, Unix time [s].
+    """
+
+    id: str
+    kind: str
+    data: Mapping[str, Any]
+    sent_s: float
+
+    def __repr__(self) -> str:
+        return f"<LiveEvent {self.kind} {self.data.get('phase', '')}, id={self.id!r}>"
+
+
+def connect(
+    url: str,
+    token: str | None = None,
+    *,
+    last_event_id: str | None = None,
+    tls: ssl.SSLContext | None = None,
+) -> Iterator[Snapshot | LiveEvent]:
+    """Yield what happens at a live site: people and events, for as long as you ask.
+
+    After a break it connects again and goes on after the last event. A program that is slow gets
+    the newest snapshots and all events.
+
+    Parameters
+    ----------
+    url
+        Address of the page, as the line `page:` of `trecsim run` says.
+    token
+        The token of programs, if the page asks for one.
+    last_event_id
+        Go on after this event; None for new events only.
+    tls
+        What to trust at a page with `https`; None trusts what the system trusts.
+
+    Yields
+    ------
+    Snapshot | LiveEvent
+        The covariance of a snapshot is that of its `sigma_m`, the same in all directions; its
+        velocity is not known.
+
+    Raises
+    ------
+    InputError
+        The address is none, nobody answers there, or the token is wrong.
+    SetupError
+        Optional packages are missing.
+    """
+    if not has_extra("page"):
+        raise SetupError(
+            "connect needs packages that are not installed: " + install_command("page")
+        )
+    link = _Link(_address(url), token, tls, last_event_id)
+    tries = 0
+    while True:
+        try:
+            for message in link.messages():
+                tries = 0
+                if message["type"] == "snapshot":
+                    yield snapshot_of(message)
+                elif message["type"] == "event":
+                    yield _event_of(message)
+        except _BrokenError as broken:
+            if not link.was_open:
+                raise InputError(f"nothing answers at {redacted(url)}: {broken}") from None
+        sleep(PAUSES_S[min(tries, len(PAUSES_S) - 1)])
+        tries += 1
+
+
+class _BrokenError(Error):
+    """The connection broke; another try may help."""
+
+
+@dataclass(slots=True)
+class _Link:
+    """One connection after the other, and the last event that came over them."""
+
+    address: str
+    token: str | None
+    tls: ssl.SSLContext | None
+    last_event_id: str | None
+    was_open: bool = False
+
+    def messages(self) -> Iterator[Message]:
+        """Yield the messages of one connection."""
+        from websockets.exceptions import InvalidHandshake, InvalidStatus
+        from websockets.sync.client import connect
+
+        query = "" if self.last_event_id is None else f"?last_event_id={quote(self.last_event_id)}"
+        headers = {} if self.token is None else {"Authorization": f"Bearer {self.token}"}
+        try:
+            with connect(
+                self.address + query, additional_headers=headers, ssl=self.tls, compression=None,
+                max_size=LARGEST_BYTES, user_agent_header="trecsim",
+            ) as stream:  # fmt: skip
+                self.was_open = True
+                yield from self._received(stream)
+        except InvalidStatus as refused:
+            raise _refusal(refused) from None
+        except (OSError, InvalidHandshake, TimeoutError) as broken:
+            raise _BrokenError(str(broken) or type(broken).__name__) from None
+
+    def _received(self, stream: "ClientConnection") -> Iterator[Message]:
+        from websockets.exceptions import ConnectionClosed
+
+        while True:
+            try:
+                message: Message = msgspec.json.decode(stream.recv(SILENT_S))
+            except TimeoutError:
+                raise _BrokenError("the page says nothing") from None
+            except ConnectionClosed as closed:
+                if closed.rcvd is not None and closed.rcvd.code == _SIGNED_OUT:
+                    raise InputError("the page does not take this token any more") from None
+                raise _BrokenError(str(closed)) from None
+            yield message
+            if message["type"] == "event":  # the caller has it
+                self.last_event_id = str(message["event"]["id"])
+
+
+def snapshot_of(message: Message) -> Snapshot:
+    """Return the snapshot that a message of the stream tells.
+
+    Parameters
+    ----------
+    message
+        One of the type "snapshot".
+    """
+    people = message["people"]
+    shape = (len(people), _JOINTS)
+    xyz_m = _numbers([person["xyz_m"] for person in people], (*shape, 3))
+    sigma_m = _numbers([person["sigma_m"] for person in people], shape)
+    return Snapshot(
+        t_s=message["t_s"],
+        id=np.array([person["person"] for person in people], np.int64),
+        xyz_m=xyz_m,
+        cov_m2=np.square(sigma_m)[..., None, None] * np.eye(3),
+        support=np.array([person["support"] for person in people], np.int64).reshape(shape),
+        state=np.array([person["state"] for person in people], dtype="U16"),
+    )
+
+
+def _event_of(message: Message) -> LiveEvent:
+    event = message["event"]
+    kind = str(event["type"]).removeprefix("trecsim.").removesuffix(".v1")
+    return LiveEvent(str(event["id"]), kind, event.get("data", {}), message["sent_s"])
+
+
+def _numbers(values: list[Any], shape: tuple[int, ...]) -> np.ndarray:
+    """Return numbers, NaN in place of None."""
+    return np.array(values, dtype=np.float64).reshape(shape)
+
+
+def _address(url: str) -> str:
+    parts = urlsplit(url)
+    if parts.scheme not in _SCHEMES or not parts.hostname:
+        raise InputError(
+            f"expected the address of a page, as http://127.0.0.1:8765, found {redacted(url)!r}"
+        )
+    place = parts.netloc.rpartition("@")[2]
+    return f"{_SCHEMES[parts.scheme]}://{place}{parts.path.rstrip('/')}/api/stream"
+
+
+def _refusal(refused: "InvalidStatus") -> Error:
+    response = refused.response
+    try:
+        said = msgspec.json.decode(response.body or b"{}").get("error", "")
+    except (msgspec.MsgspecError, AttributeError):
+        said = ""
+    text = said or f"it answers {response.status_code}"
+    if response.status_code in _REFUSED:
+        return InputError(f"the page refuses the connection: {text}")
+    return _BrokenError(text)

@@ -1,0 +1,97 @@
+"""The client for programs, against a real page."""
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from time import time
+
+import numpy as np
+import pytest
+
+import trecsim
+from made_page import RunningPage, event, running_page, until
+from made_tracks import snapshot
+from page_processes import linux, process_of
+from trecsim.errors import InputError
+from trecsim.page.address import PageAddress
+
+TOKEN = "a-token-of-twenty-characters"
+
+
+def next_snapshot(live: Iterator[object], page: RunningPage, given: trecsim.Snapshot) -> object:
+    """Write a snapshot until the client is there to get it."""
+    for got in live:
+        if isinstance(got, trecsim.Snapshot) and got.t_s == given.t_s:
+            return got
+    return None
+
+
+def test_a_program_gets_the_people_as_they_were_written(page: RunningPage) -> None:
+    given = snapshot(time(), [4, 6])
+    given.xyz_m[1, 3] = np.nan
+    page.process.write(given)
+    got = next_snapshot(trecsim.connect(page.process.url), page, given)
+    assert isinstance(got, trecsim.Snapshot)
+    assert got.id.tolist() == [4, 6]
+    np.testing.assert_allclose(got.xyz_m, given.xyz_m, atol=0.0005)
+    np.testing.assert_allclose(got.sigma_m, given.sigma_m, atol=0.00005)
+    assert got.support.tolist() == given.support.tolist()
+    assert got.state.tolist() == ["confirmed", "confirmed"]
+
+
+def test_nobody_is_a_snapshot_too(page: RunningPage) -> None:
+    given = snapshot(time(), [])
+    page.process.write(given)
+    got = next_snapshot(trecsim.connect(page.process.url.rstrip("/")), page, given)
+    assert isinstance(got, trecsim.Snapshot)
+    assert got.xyz_m.shape == (0, 17, 3)
+
+
+@linux
+def test_after_a_crash_of_the_page_a_program_misses_no_event() -> None:
+    with running_page() as page:
+        page.process.event(event("first"))
+        until(lambda: page.client.get("/api/events").json()["events"] != [])
+        live = trecsim.connect(page.process.url, last_event_id="")
+        got = next(live)
+        while not isinstance(got, trecsim.LiveEvent):
+            got = next(live)
+        assert (got.id, got.kind, got.data["phase"]) == ("first", "zone.enter", "new")
+        os.kill(process_of(page), signal.SIGKILL)
+        page.process.event(event("second"))
+        while isinstance(got, trecsim.Snapshot) or got.id == "first":
+            got = next(live)
+        assert got.id == "second"
+
+
+def test_a_token_opens_a_page_that_asks_for_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("PAGE_TOKEN", TOKEN)
+    with running_page(PageAddress(port=0, token_env="PAGE_TOKEN")) as page:
+        given = snapshot(time(), [1])
+        page.process.write(given)
+        assert next_snapshot(trecsim.connect(page.process.url, TOKEN), page, given)
+        for token, said in ((None, "sign in first"), ("wrong", "the token is wrong")):
+            with pytest.raises(InputError, match=f"refuses the connection: {said}"):
+                next(trecsim.connect(page.process.url, token))
+
+
+@pytest.mark.parametrize(
+    ("url", "said"),
+    [
+        ("127.0.0.1:8765", "expected the address of a page"),
+        ("ftp://127.0.0.1", "expected the address of a page"),
+        ("http://", "expected the address of a page"),
+        ("http://user:secret@127.0.0.1:1", r"nothing answers at http://\*\*\*@127.0.0.1:1"),
+    ],
+)
+def test_an_address_without_a_page_is_told(url: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        next(trecsim.connect(url))
+
+
+def test_the_documentation_shows_the_call() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "reference" / "page.md").read_text()
+    assert 'trecsim.connect("http://127.0.0.1:8765")' in text
