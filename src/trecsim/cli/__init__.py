@@ -30,7 +30,7 @@ COMMANDS = {
     "report": "Write a report on a recording: one HTML page with quality checks.",
     "simulate": "Simulate a scene: synthetic 2D poses with ground truth.",
     "study": "Vary settings of the fusion on synthetic scenes; report which of them matter.",
-    "doctor": "Check the installation.",
+    "doctor": "Check the installation, and the cameras of a site.",
     "warmup": "Compile the kernels of the fusion now instead of at the first run.",
     "sample": "Download a real multi-camera recording to try.",
 }
