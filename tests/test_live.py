@@ -164,10 +164,10 @@ def test_a_fusion_that_fails_is_told_and_begins_anew_with_new_identities(monkeyp
             yield snapshot
 
     monkeypatch.setattr(Follower, "_steps", fails_once)
-    faults, snapshots, tally = [], Kept(), Tally()
+    faults, snapshots = [], Kept()
     feed = Feed([source(name) for name in SCENE.rig.names], fault=faults.append)
-    live(feed, SCENE.rig, Sinks([snapshots]), tally=tally)
+    live(feed, SCENE.rig, Sinks([snapshots]))
     assert [str(fault) for fault in faults] == ["a fault in the fusion"]
-    assert tally.restarts == 1
+    assert feed.restarts == 1
     assert {int(i) for s in snapshots.items[:19] for i in s.id} == {0}
     assert {int(i) for s in snapshots.items[-10:] for i in s.id} == {1}

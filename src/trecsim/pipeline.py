@@ -179,6 +179,11 @@ class Feed:
         Finds the 2D poses if the sources deliver images.
     fault
         Is told what ended a source or failed on an image, in another thread; logged if None.
+
+    Attributes
+    ----------
+    restarts
+        How often the fusion of these poses failed and began anew.
     """
 
     def __init__(
@@ -188,6 +193,7 @@ class Feed:
         fault: Fault | None = None,
     ) -> None:
         self.fault = fault or _log_fault
+        self.restarts = 0
         self._sources, self._estimator = sources, estimator
         self._boxes: list[Mailbox[Poses2D] | Mailbox[Frame]] = []
 
@@ -271,7 +277,7 @@ def live(
             raise
         except Exception as error:  # the boundary of the fusion: people are tracked anew
             logger.exception("the fusion failed, and begins anew")
-            tally.restarts += 1
+            feed.restarts += 1
             feed.fault(error)
         else:
             return

@@ -76,8 +76,8 @@ class RunWatch:
         self.stopped = self.stopped or self.stop()
         return self.stopped
 
-    def count(self) -> None:
-        """Count an image."""
+    def count(self, poses: Poses2D) -> None:
+        """Count an image that reaches the fusion."""
         self.done += 1
         if self.progress is not None:
             self.progress(self.done, self.image_count)
@@ -120,14 +120,3 @@ class RunWatch:
             remarks=tuple(self.tally.remarks),
             gaps_s=self.gaps_s,
         )
-
-
-@dataclass(frozen=True, slots=True)
-class Counted:
-    """Counts the images that reach the fusion."""
-
-    watch: RunWatch
-
-    def write(self, poses: Poses2D, /) -> None:
-        """Take the 2D poses of an image."""
-        self.watch.count()

@@ -14,10 +14,11 @@ from trecsim.errors import InputError
 from trecsim.pipeline import Feed, flow, live, recorded, tracks_info
 from trecsim.resuming import Later, stored_before
 from trecsim.run_summary import SUMMARY, RunSummary, gaps_before, write_summary
-from trecsim.run_watch import Counted, RunWatch
-from trecsim.sinks import NOBODY, Sink, Sinks
+from trecsim.run_watch import RunWatch
+from trecsim.sinks import NOBODY, Sink, Sinks, Taken
 from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
+from trecsim.sites.site_reading import SiteFile
 from trecsim.sources import prefetched, read_poses
 from trecsim.store.names import RIG
 from trecsim.store.recordings import (
@@ -141,7 +142,7 @@ def _sinks(
     """Open the files of the recording, beside those who watch."""
     tracks = files.enter_context(tracks_recorder(folder, tracks_info(checked.rig), resume=resume))
     steps = files.enter_context(timing_recorder(folder, resume=resume))
-    kept: list[Sink[Poses2D]] = [Counted(watch)]
+    kept: list[Sink[Poses2D]] = [Taken(watch.count)]
     if checked.file.site.output.poses:
         kept.append(files.enter_context(poses_recorder(folder, resume=resume)))
     return Sinks(
@@ -151,6 +152,8 @@ def _sinks(
 
 def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -> None:
     site = checked.file.site
+    if not _ready(warm_up_in_background(), watch):
+        return
     live(
         feed,
         checked.rig,
@@ -229,13 +232,17 @@ def _image_count(checked: CheckedSite) -> int | None:
     return sum(count or 0 for count in counts) if counts and None not in counts else None
 
 
+def recordings_folder(file: SiteFile) -> Path:
+    """Return the folder that gets one folder per run of a site."""
+    beside = file.path.parent / "recordings" / file.site.name
+    return file.site.output.directory or beside
+
+
 def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
-    site = checked.file.site
     if out is not None:
         return out
     started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
-    beside = checked.file.path.parent / "recordings" / site.name
-    return (site.output.directory or beside) / started
+    return recordings_folder(checked.file) / started
 
 
 def _interrupted(folder: Path, watch: RunWatch) -> str:

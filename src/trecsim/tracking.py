@@ -40,15 +40,12 @@ class Tally:
         Number of frame sets.
     remarks
         What was said about poses and rig that do not fit together.
-    restarts
-        How often the fusion failed and began anew.
     """
 
     fusion_s: deque[float] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
     people: set[int] = field(default_factory=set)
     frame_sets: int = 0
     remarks: list[str] = field(default_factory=list)
-    restarts: int = 0
 
     def remark(self, texts: Iterable[str]) -> None:
         """Log what does not fit, and keep it."""

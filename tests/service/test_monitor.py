@@ -8,6 +8,7 @@ import pytest
 
 from trecsim.service.monitor import Monitor
 from trecsim.service.rates import Recent
+from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Frame, Poses2D, Snapshot
 
@@ -29,6 +30,7 @@ class Stream:
     dropped: Counter = field(default_factory=lambda: Counter(late=2))
     fault: str | None = None
     ended: bool = False
+    last_image_s: float | None = None
 
 
 @pytest.fixture
@@ -55,9 +57,11 @@ def test_every_camera_is_there_and_down_before_its_first_image(hand):
 
 
 def test_rates_ages_and_times_are_those_of_the_last_seconds(hand):
-    watch = monitor(hand, Stream("north"))
+    north = Stream("north")
+    watch = monitor(hand, north)
     for _ in range(200):
         hand.now_s += 0.1
+        north.last_image_s = hand.now_s
         watch.take_poses(poses("north", 1e9 + hand.now_s - 0.04))
         watch.take_step(StepTiming(0.0, 1, 1, 2.0))
     hand.now_s += 0.5
@@ -99,14 +103,18 @@ def test_a_recording_that_has_ended_is_no_fault(hand):
     assert watch.health().is_well
 
 
-def test_the_time_of_the_estimator_is_taken(hand):
+def test_the_time_of_the_estimator_is_taken_and_nothing_else_changes(hand):
+    class Slow:
+        skeleton, workers, image_limit_px = "coco17", 3, (320, 320)
+
+        def __call__(self, frame):
+            hand.now_s += 0.03
+            return poses(frame.camera, frame.t_s)
+
     watch = monitor(hand)
-
-    def slow(frame):
-        hand.now_s += 0.03
-        return poses(frame.camera, frame.t_s)
-
-    watch.timed(slow)(Frame("north", 0, 0.0, np.zeros((2, 2, 3), np.uint8)))
+    timed = TimedEstimator(Slow(), watch.take_estimate, hand)
+    assert (timed.skeleton, timed.workers, timed.image_limit_px) == ("coco17", 3, (320, 320))
+    assert timed(Frame("north", 0, 0.5, np.zeros((2, 2, 3), np.uint8))).t_s == 0.5
     assert watch.health().stages["estimate"].median_ms == pytest.approx(30.0)
 
 

@@ -1,10 +1,12 @@
 """The command `trecsim demo`."""
 
+import sys
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from trecsim.cli.first_run import compile_first
+from trecsim.cli.stopping import stopping_in_order
 from trecsim.cli.terminal import finish, fusion_time, note, progress_bar
 from trecsim.extras import has_extra, install_command
 
@@ -13,50 +15,65 @@ if TYPE_CHECKING:
     from trecsim.lab.evaluation.ground_truth import Comparison
 
 
+SECONDS = 20.0  # without --seconds and without a terminal
+
+
 def demo(
+    scene: str | None = None,
+    /,
     *,
     out: Path = Path("trecsim-demo"),
-    seconds: float = 20.0,
+    seconds: float | None = None,
     people: int = 4,
     cameras: int = 4,
     seed: int = 0,
     json: bool = False,
 ) -> None:
-    """Run the full pipeline on a simulated room: no camera, no download.
+    """Run a simulated site, with its live page: no camera, no download.
 
-    People walk about in a room. Synthetic 2D poses of its cameras, with the errors of a real pose
-    estimator, go through the same code as those of a recording. Prints the error against the
-    ground truth and draws the people and their paths.
+    People walk about in a room, and one camera fails for a while. Synthetic 2D poses of the
+    cameras, with the errors of a real pose estimator, go through the same service as those of real
+    cameras. In a terminal it goes on until Ctrl-C and opens the page in a browser; without one it
+    takes 20 s. At the end it prints the error against the ground truth and draws the paths.
 
     Parameters
     ----------
+    scene
+        A built-in scene, see `trecsim simulate --names`, or a scene file. Without it: a room.
     out
         Directory to write to. Files of an earlier demo are replaced; other files are never
         touched.
     seconds
-        Length of the scene [s].
+        End after this time [s].
     people
-        Number of people.
+        Number of people in the room.
     cameras
-        Number of cameras (at least 2).
+        Number of cameras in the room (at least 2).
     seed
         Seed of the random numbers: each gives other people on other paths.
     json
         Print the summary as one JSON object.
     """
+    from trecsim.cli.page_line import demo_page
+    from trecsim.lab.demo import DemoScene
     from trecsim.lab.demo import demo as run_demo
 
-    compile_first(quiet=json)
-    with progress_bar("images", quiet=json) as bar:
-        result = run_demo(
-            out,
-            seconds=seconds,
-            people=people,
-            cameras=cameras,
-            seed=seed,
-            progress=bar,
-            remark=note,
-        )
+    if seconds is None and not sys.stdout.isatty():
+        seconds = SECONDS
+    with demo_page(out, json=json) as page, stopping_in_order() as stop:
+        compile_first(quiet=json)
+        if seconds is None:
+            note("the demo goes on until Ctrl-C")
+        with progress_bar("images", quiet=json or seconds is None) as bar:
+            result = run_demo(
+                out,
+                seconds=seconds,
+                shown=DemoScene(scene, people, cameras, seed),
+                page=page,
+                stop=stop,
+                progress=bar,
+                remark=note,
+            )
     finish(_facts(result), json, _told(result))
 
 

@@ -1,13 +1,15 @@
 """The command `trecsim run`."""
 
 import sys
+import time
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trecsim.cli.first_run import compile_first, tell_first_run
 from trecsim.cli.models_command import fetch_first
-from trecsim.cli.stopping import stopping_in_order
+from trecsim.cli.stopping import reloading_on_hangup, stopping_in_order
 from trecsim.cli.terminal import (
     ProgressBar,
     counted_people,
@@ -19,7 +21,6 @@ from trecsim.cli.terminal import (
 from trecsim.errors import InputError
 
 if TYPE_CHECKING:
-    from trecsim.pipeline import Feed
     from trecsim.run_summary import RunSummary
     from trecsim.sites.check import CheckedSite
     from trecsim.tracking import Tally
@@ -30,20 +31,22 @@ def run(
     /,
     *,
     out: Path | None = None,
-    resume: bool = False,
     as_live: bool = False,
+    seconds: float | None = None,
+    resume: bool = False,
     json: bool = False,
 ) -> None:
-    """Run the pipeline of a site file: cameras, videos or 2D poses in, people in 3D out.
-
-    Live cameras are read until the command is stopped: Ctrl-C ends it in order.
+    """Run the pipeline of a site file: cameras or recordings in, people in 3D out.
 
     Writes to one directory: the tracks (`tracks.parquet`), the cameras (`rig.toml`), the time of
     each frame set (`timing.csv`), a summary with all settings (`summary.json`), a picture of the
-    paths (`paths.png`) and, if the site file asks for them, the 2D poses (`poses.jsonl`).
-    `trecsim report` shows all of it. Results so far are kept if the run is interrupted; after a
-    crash or a power failure at most the last two seconds are lost. Without a terminal the command
-    writes a line of progress once a minute.
+    paths (`paths.png`, of recordings) and, if the site file asks for them, the 2D poses
+    (`poses.jsonl`). `trecsim report` shows all of it. Results so far are kept if the run is
+    interrupted; after a crash or a power failure at most the last two seconds are lost. Without a
+    terminal the command writes a line of progress once a minute.
+
+    With `[page]` in the site file it serves the live page; its address is the first line on
+    stdout. On live cameras it runs until it is told to end, by Ctrl-C or SIGTERM.
 
     Parameters
     ----------
@@ -52,55 +55,75 @@ def run(
     out
         Directory to write to. Without it: a directory named by the time, under `recordings`
         beside the site file or where the site file says.
+    as_live
+        Play recordings as if they were live cameras: at their own pace, dated from now on, images
+        left out where this machine cannot keep up.
+    seconds
+        End after this time [s].
     resume
         Go on with the recording in the directory `--out`, if there is one: after a crash, or where
         it ended. Images up to its end are left out; people get new identities.
-    as_live
-        Play recordings as if they were live: at their own pace, dated from now on, images left out
-        where this machine cannot keep up.
     json
         Print the summary as one JSON object.
     """
-    from trecsim.site_run import run as run_site
+    from trecsim.cli.page_line import site_page
+    from trecsim.service.live_inputs import live_inputs
+    from trecsim.service.site_service import SiteService
     from trecsim.sites.check import check_site
 
     if resume and out is None:
         raise InputError("--resume needs the directory of the recording: give --out DIRECTORY")
-    checked = check_site(site)
-    for remark in checked.remarks:
-        note(remark)
-    if checked.file.site.sources:
-        fetch_first(checked.file.site.estimator.name, quiet=json)
-    if checked.videos:  # the kernels are compiled while the first images are estimated
-        tell_first_run(quiet=json)
-    else:
-        compile_first(quiet=json)
-    feed = _live_feed(checked, as_live)
-    told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
-    with progress_bar("images", quiet=json) as bar, stopping_in_order() as stop:
-        lines = _Lines(bar)
-        summary = run_site(
-            checked, out, feed=feed, resume=resume, progress=lines.passed, stop=stop,
-            tell=_tell_nothing if told else lines.tell,
-            picture=partial(_draw_paths, checked),
-        )  # fmt: skip
-    if summary.ended == "stopped" and feed is None:
+    if seconds is not None and not seconds > 0.0:
+        raise InputError(f"--seconds: expected a time above 0, found {seconds:g}")
+    with site_page(site, json=json) as page, stopping_in_order() as stop:
+        checked = check_site(site)
+        for remark in checked.remarks:
+            note(remark)
+        if checked.file.site.sources:
+            fetch_first(checked.file.site.estimator.name, quiet=json)
+        inputs = live_inputs(checked, as_live=as_live)
+        if checked.file.site.poses is not None and inputs is None:
+            compile_first(quiet=json)
+        else:  # compiled while the first images are estimated, or the cameras looked for
+            tell_first_run(quiet=json)
+        told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
+        ending = _Ending(stop, seconds)
+        service = SiteService(page)
+        reloading_on_hangup(service.reload)
+        with progress_bar("images", quiet=json) as bar:
+            lines = _Lines(bar)
+            summary = service.run(
+                checked, out, inputs=inputs, resume=resume, progress=lines.passed, stop=ending,
+                tell=_tell_nothing if told else lines.tell,
+                picture=partial(_draw_paths, checked) if inputs is None else _draw_nothing,
+            )  # fmt: skip
+    if summary.ended == "stopped" and inputs is None and not ending.in_time:
         raise KeyboardInterrupt(f"stopped; {_told(summary)}")
     finish(_facts(summary), json, _told(summary))
 
 
-def _live_feed(checked: "CheckedSite", as_live: bool) -> "Feed | None":
-    """Return what a site delivers live; None where it is run from its recordings."""
-    from trecsim.pipeline import Feed
-    from trecsim.sites.check import load_estimator
-    from trecsim.sites.live_sources import image_sources, poses_source
+class _Ending:
+    """Tells whether a run is to end: it is told to, or its time is over.
 
-    if not (as_live or checked.file.site.is_live):
-        return None
-    if checked.file.site.poses is not None:
-        return Feed([poses_source(checked)])
-    estimator = load_estimator(checked.file)
-    return Feed(image_sources(checked, estimator), estimator)
+    The time begins when it is asked first, after the kernels are compiled.
+    """
+
+    def __init__(self, stop: Callable[[], bool], seconds: float | None) -> None:
+        self._stop, self._seconds = stop, seconds
+        self._began_s: float | None = None
+        self.in_time = False
+
+    def __call__(self) -> bool:
+        if self._seconds is None:
+            return self._stop()
+        now_s = time.monotonic()
+        self._began_s = self._began_s or now_s
+        self.in_time = now_s - self._began_s >= self._seconds
+        return self.in_time or self._stop()
+
+
+def _draw_nothing(summary: "RunSummary") -> None:
+    pass
 
 
 def _tell_nothing(tally: "Tally") -> None:

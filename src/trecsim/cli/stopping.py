@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: both end a command in order, a second one at once."""
+"""Signals: Ctrl-C and SIGTERM end a command in order, a second one at once; SIGHUP reloads."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -31,3 +31,9 @@ def stopping_in_order() -> Iterator[Callable[[], bool]]:
     finally:
         for one, handler in zip(SIGNALS, before, strict=True):
             signal.signal(one, handler)
+
+
+def reloading_on_hangup(reload: Callable[[], None]) -> None:
+    """Let SIGHUP reload the configuration instead of ending the process, where there is SIGHUP."""
+    if hasattr(signal, "SIGHUP"):
+        signal.signal(signal.SIGHUP, lambda number, frame: reload())

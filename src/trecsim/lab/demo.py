@@ -1,20 +1,24 @@
-"""The demo: a simulated room through the full pipeline, compared with its ground truth."""
+"""The demo: a simulated site through the whole service, compared with its ground truth."""
 
-import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError, SetupError
+from trecsim.extras import has_extra
+from trecsim.lab.demo_poses import CHAPTER_S, demo_scene, with_outage, without_end
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
-from trecsim.lab.evaluation.moments import Moments, read_moments, with_empty_moments
-from trecsim.lab.simulation.camera_tables import MOST_CAMERAS
-from trecsim.lab.simulation.scene import Scene, Simulation, room_scene, simulate
+from trecsim.lab.evaluation.moments import Recorded, read_moments, with_empty_moments
+from trecsim.lab.simulation.scene import Scene, Simulation, simulate
+from trecsim.lab.simulation.scene_file import read_scene
 from trecsim.lab.staging import write_simulation
+from trecsim.page.page_process import PageProcess
 from trecsim.run_summary import RunSummary
-from trecsim.site_run import run
+from trecsim.service.live_inputs import LiveInputs
+from trecsim.service.site_service import SiteService
 from trecsim.sites.check import check_site
+from trecsim.sources.streams.as_live import Pace, PosesStream
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.names import POSES, RIG
 from trecsim.store.recordings import discard_recording
@@ -28,11 +32,32 @@ name = "demo"
 rig = "{RIG}"
 poses = "{POSES}"
 """
+PAGE = """
+[page]
+port = 0      # takes a free port
+"""
 RUN = "run"
 RUN_FILES = ("tracks.parquet", RIG, "timing.csv", "summary.json", "paths.png")
-LONGEST_S, MOST_PEOPLE = 3600.0, 100
-SIDE_M = (8.0, 6.0)
-FLOOR_PER_PERSON_M2 = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class DemoScene:
+    """What the demo shows.
+
+    Attributes
+    ----------
+    scene
+        A scene file, or the name of a built-in scene; None takes a room with the next ones.
+    people, cameras
+        How many.
+    seed
+        Another one gives other people on other paths.
+    """
+
+    scene: str | None = None
+    people: int = 4
+    cameras: int = 4
+    seed: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +75,8 @@ class DemoSummary:
     run
         Summary of the run.
     comparison
-        Its tracks against the ground truth; None where that needs SciPy and it is missing.
+        Its tracks against the ground truth; None where that needs SciPy and it is missing, and
+        for a demo without an end.
     """
 
     folder: Path
@@ -64,14 +90,14 @@ class DemoSummary:
 def demo(
     folder: Path,
     *,
-    seconds: float = 20.0,
-    people: int = 4,
-    cameras: int = 4,
-    seed: int = 0,
+    seconds: float | None = 20.0,
+    shown: DemoScene = DemoScene(),
+    page: PageProcess | None = None,
+    stop: Callable[[], bool] = lambda: False,
     progress: Progress | None = None,
     remark: Callable[[str], None] = lambda text: None,
 ) -> DemoSummary:
-    """Simulate a room, run it as any other site, and compare the result with the ground truth.
+    """Simulate a site, run it live as any other, and compare the result with the ground truth.
 
     Parameters
     ----------
@@ -79,13 +105,15 @@ def demo(
         Directory of all files: ``rig.toml``, ``poses.jsonl``, ``truth.npz``, ``site.toml``,
         ``paths.png``, and those of the run, in ``run/``. Files of an earlier demo are replaced.
     seconds
-        Length of the scene [s].
-    people, cameras
-        How many.
-    seed
-        Another one gives other people on other paths.
+        Length [s]; None goes on until `stop` says so.
+    shown
+        The scene.
+    page
+        Shows it.
+    stop
+        Asked about 20 times a second.
     progress
-        Told the number of images done, and of all.
+        Told the number of images done, and of all if there is an end.
     remark
         Is called with what is worth knowing without being wrong.
 
@@ -96,50 +124,44 @@ def demo(
     SetupError
         The disk is full.
     """
-    scene = _scene(seconds, people, cameras, seed)
+    scene = _scene(shown, seconds)
     _make_room(folder)
-    made = simulate(scene, seed)
+    made = simulate(scene, shown.seed)
     _write(folder, made)
-
-    def told(done: int, _: int | None) -> None:
-        if progress is not None:
-            progress(done, len(made.poses))
-
-    summary = run(check_site(folder / "site.toml"), folder / RUN, progress=told)
-    truth = Truth(made.truth_t_s, made.truth_xyz_m)
-    first_s, last_s = float(truth.t_s[0]), float(truth.t_s[-1])
-    moments = with_empty_moments(read_moments(folder / RUN), first_s, last_s, truth.t_s)
-    comparison = _compared(moments, truth, remark)
+    total = len(made.poses) if seconds is not None else None
+    poses = made.poses if seconds is not None else without_end(made, scene, shown.seed)
+    pace = Pace(0.0)
+    stream = PosesStream(poses, made.rig.names, pace)
+    summary = SiteService(page).run(
+        check_site(folder / "site.toml"),
+        folder / RUN,
+        inputs=LiveInputs([stream], stream.readings, close=stream.close),
+        stop=stop,
+        progress=lambda done, _: progress(done, total) if progress is not None else None,
+    )
+    comparison = None
+    if seconds is not None and summary.frame_sets:
+        recorded = read_moments(folder / RUN).shifted(-pace.live_s(0.0))
+        comparison = _compared(recorded, Truth(made.truth_t_s, made.truth_xyz_m), remark)
     picture = _draw(folder, made, comparison)
-    return DemoSummary(folder, picture, people, cameras, summary, comparison)
+    return DemoSummary(folder, picture, len(made.truth_xyz_m), len(made.rig), summary, comparison)
 
 
-def _compared(moments: Moments, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:
+def _compared(recorded: Recorded, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:
+    first_s, last_s = float(truth.t_s[0]), float(truth.t_s[-1])
     try:
-        return compare_moments(moments, truth)
+        return compare_moments(with_empty_moments(recorded, first_s, last_s, truth.t_s), truth)
     except SetupError as error:
         remark(str(error))
         return None
 
 
-def _scene(seconds: float, people: int, cameras: int, seed: int) -> Scene:
-    faults = [
-        f"{name} must be between {low:g} and {high:g}, got {value:g}"
-        for name, value, low, high in (
-            ("seconds", seconds, 1.0, LONGEST_S),
-            ("people", people, 0, MOST_PEOPLE),
-            ("cameras", cameras, 2, MOST_CAMERAS),
-            ("seed", seed, 0, 2**32 - 1),
-        )
-        if not low <= value <= high
-    ]
-    if faults:
-        raise InputError("the demo cannot be made: " + "; ".join(faults))
-    larger = max(1.0, math.sqrt(people * FLOOR_PER_PERSON_M2 / (SIDE_M[0] * SIDE_M[1])))
-    width_m, depth_m = (larger * side_m for side_m in SIDE_M)
-    return room_scene(
-        people=people, cameras=cameras, seconds=seconds, width_m=width_m, depth_m=depth_m
-    )
+def _scene(shown: DemoScene, seconds: float | None) -> Scene:
+    if shown.scene is None:
+        length_s = CHAPTER_S if seconds is None else seconds
+        return demo_scene(length_s, shown.people, shown.cameras, shown.seed)
+    scene = read_scene(shown.scene)
+    return scene if seconds is None else with_outage(replace(scene, seconds=seconds))
 
 
 def _make_room(folder: Path) -> None:
@@ -174,7 +196,7 @@ def _is_ours(folder: Path) -> bool:
 def _write(folder: Path, made: Simulation) -> None:
     """Write what a site needs; the site file first, since it marks the folder as ours."""
     with atomic_write(folder / "site.toml") as file:
-        file.write(SITE)
+        file.write(SITE + (PAGE if has_extra("page") else ""))
     write_simulation(made, folder)
 
 

@@ -16,8 +16,9 @@ from trecsim.health import (
     fusion_state,
 )
 from trecsim.service.rates import Recent
+from trecsim.sinks import Sinks, Taken
 from trecsim.store.timing_csv import StepTiming
-from trecsim.values import Frame, Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 
 class StreamReadings(Protocol):
@@ -41,6 +42,11 @@ class StreamReadings(Protocol):
     @property
     def fault(self) -> str | None:
         """What is wrong with it now."""
+        ...
+
+    @property
+    def last_image_s(self) -> float | None:
+        """When its last image came, by the monitor's steady clock [s]; None before the first."""
         ...
 
     @property
@@ -86,6 +92,10 @@ class Monitor:
         self.queue_drops: Mapping[str, int] = {}
         self.ended = False
 
+    def sinks(self) -> Sinks:
+        """Return what the monitor takes of a pipeline."""
+        return Sinks([self], [Taken(self.take_step)], [Taken(self.take_poses)])
+
     def write(self, snapshot: Snapshot, /) -> None:
         """Take where everybody is."""
         self._people = len(snapshot.id)
@@ -102,16 +112,9 @@ class Monitor:
             self._images[poses.camera].add(now_s)
         self._note("image to poses", 1e3 * (self._wall_clock() - poses.t_s))
 
-    def timed(self, estimator: Callable[[Frame], Poses2D]) -> Callable[[Frame], Poses2D]:
-        """Return an estimator whose time is taken."""
-
-        def timed(frame: Frame) -> Poses2D:
-            began_s = self._clock()
-            poses = estimator(frame)
-            self._note("estimate", 1e3 * (self._clock() - began_s))
-            return poses
-
-        return timed
+    def take_estimate(self, seconds: float) -> None:
+        """Take how long the estimator looked at an image [s]."""
+        self._note("estimate", 1e3 * seconds)
 
     def health(self) -> Health:
         """Return how well everything works now."""
@@ -131,7 +134,8 @@ class Monitor:
 
     def _camera(self, name: str, now_s: float) -> CameraHealth:
         images, stream = self._images[name], self._streams.get(name)
-        age_s = None if images.last_s is None else now_s - images.last_s
+        last_s = stream.last_image_s if stream else images.last_s
+        age_s = None if last_s is None else now_s - last_s
         dropped = Counter(stream.dropped if stream else {})
         dropped.update({"queue": self.queue_drops.get(name, 0)} if self.queue_drops else {})
         return CameraHealth(

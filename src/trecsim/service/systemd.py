@@ -6,6 +6,8 @@ names. Without that variable nothing is sent.
 
 import os
 import socket
+import time
+from collections.abc import Callable
 from contextlib import suppress
 
 
@@ -29,3 +31,28 @@ def watchdog_every_s() -> float | None:
     if not given.isdecimal() or int(given) == 0 or process not in ("", str(os.getpid())):
         return None
     return 0.5e-6 * int(given)
+
+
+class Heartbeat:
+    """Says once that the service is ready and then, as often as it must, that it is alive.
+
+    Parameters
+    ----------
+    clock
+        A steady clock [s].
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._every_s = watchdog_every_s()
+        self._due_s: float | None = None
+
+    def beat(self) -> None:
+        """Tell that the work goes on; called by whoever does it, as often as it likes."""
+        now_s = self._clock()
+        if self._due_s is None:
+            notify("READY=1")
+            self._due_s = now_s
+        if self._every_s is not None and now_s >= self._due_s:
+            notify("WATCHDOG=1")
+            self._due_s = now_s + self._every_s

@@ -1,8 +1,8 @@
 """The seam behind the fusion: what takes snapshots, step timings or 2D poses."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Poses2D, Snapshot
@@ -27,6 +27,30 @@ class Sink(Protocol[Item_contra]):
         ...
 
 
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True, slots=True)
+class Taken(Generic[Item]):
+    """A function as a sink.
+
+    Attributes
+    ----------
+    by
+        Takes each item.
+    """
+
+    by: Callable[[Item], None]
+
+    def write(self, item: Item, /) -> None:
+        """Take one more."""
+        self.by(item)
+
+
+def _as_it_is(snapshot: Snapshot) -> Snapshot:
+    return snapshot
+
+
 @dataclass(frozen=True, slots=True)
 class Sinks:
     """Who takes what of a pipeline.
@@ -39,17 +63,21 @@ class Sinks:
         Take what each frame set cost.
     poses
         Take the 2D poses, as they enter the fusion.
+    rounding
+        Rounds each snapshot once, before anybody takes it.
     """
 
     snapshots: Sequence[Sink[Snapshot]] = ()
     steps: Sequence[Sink[StepTiming]] = ()
     poses: Sequence[Sink[Poses2D]] = ()
+    rounding: Callable[[Snapshot], Snapshot] = _as_it_is
 
     def take(self, snapshots: Iterable[Snapshot]) -> None:
         """Hand snapshots to all who take them."""
         for snapshot in snapshots:
+            same = self.rounding(snapshot)
             for sink in self.snapshots:
-                sink.write(snapshot)
+                sink.write(same)
 
     def take_step(self, step: StepTiming) -> None:
         """Hand what a frame set cost to all who take it."""

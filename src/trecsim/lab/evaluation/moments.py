@@ -80,6 +80,12 @@ class Recorded:
     frame_set_t_s: Float64[np.ndarray, " step"] | None
     other_timing: Path | None
 
+    def shifted(self, by_s: float) -> "Recorded":
+        """Return the tracks with `by_s` added to all times [s]."""
+        frames_s = None if self.frame_set_t_s is None else self.frame_set_t_s + by_s
+        moments = replace(self.moments, t_s=self.moments.t_s + by_s)
+        return replace(self, moments=moments, frame_set_t_s=frames_s)
+
 
 def gather(snapshots: Iterable[Snapshot], dtype: npt.DTypeLike = np.float64) -> Moments:
     """Convert snapshots to flat arrays.

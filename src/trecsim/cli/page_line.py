@@ -1,0 +1,73 @@
+"""The page of a command: it listens first, and its address is a line of its own."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trecsim.cli.terminal import note
+from trecsim.errors import InputError, SetupError
+
+if TYPE_CHECKING:
+    from trecsim.page.page_process import PageProcess
+
+
+def tell_page(url: str, *, json: bool) -> None:
+    """Print where the page is, at once; with --json on stderr, as stdout holds one object."""
+    print(f"page: {url}", file=sys.stderr if json else sys.stdout, flush=True)
+
+
+@contextmanager
+def site_page(site: Path, *, json: bool) -> Iterator["PageProcess | None"]:
+    """Open the page of a site file before anything else is done; None if it has none.
+
+    What is wrong with the file is left to those who check it all.
+
+    Parameters
+    ----------
+    site
+        The site file.
+    json
+        Whether stdout belongs to a JSON object.
+    """
+    from trecsim.service.viewing import page_of_site
+
+    page = page_of_site(site)
+    if page is None:
+        yield None
+        return
+    with page:
+        tell_page(page.url, json=json)
+        yield page
+
+
+@contextmanager
+def demo_page(folder: Path, *, json: bool) -> Iterator["PageProcess | None"]:
+    """Open a page for a demo at the usual port or a free one; None where it cannot be.
+
+    Parameters
+    ----------
+    folder
+        Of the demo.
+    json
+        Whether stdout belongs to a JSON object.
+    """
+    from trecsim.page.address import PageAddress
+    from trecsim.page.page_data import PageData
+    from trecsim.page.page_process import PageProcess
+    from trecsim.page.site_view import SiteView
+
+    data = PageData(recordings=folder)
+    try:
+        try:
+            page = PageProcess(PageAddress(), SiteView("demo"), data)
+        except InputError:  # the usual port is taken
+            page = PageProcess(PageAddress(port=0), SiteView("demo"), data)
+    except SetupError as error:
+        note(f"the demo runs without its page: {error}")
+        yield None
+        return
+    with page:
+        tell_page(page.url, json=json)
+        yield page

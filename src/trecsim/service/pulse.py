@@ -1,0 +1,103 @@
+"""Twice a second: tell the page and the service manager how well the site works."""
+
+import logging
+import math
+import time
+from collections.abc import Callable
+from threading import Event, Thread
+from types import TracebackType
+from typing import Self
+
+from trecsim.health import DOWN_S, Health
+from trecsim.service.systemd import notify
+
+logger = logging.getLogger(__name__)
+
+EVERY_S = 0.5
+_STATUS_EVERY_S = 10.0
+
+
+class Pulse:
+    """Judges the site in a thread of its own, so that a hanging stage is told as well.
+
+    Parameters
+    ----------
+    health
+        Returns how well the site works.
+    tell
+        Are told each time.
+    """
+
+    def __init__(
+        self, health: Callable[[], Health], tell: tuple[Callable[[Health], None], ...]
+    ) -> None:
+        self._health, self._tell = health, tell
+        self._ending = Event()
+        self._faults: tuple[str, ...] = ()
+        self._thread = Thread(target=self._run, name="pulse", daemon=True)
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._ending.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        status_s = -_STATUS_EVERY_S
+        while True:
+            try:
+                health = self._health()
+                for tell in self._tell:
+                    tell(health)
+                if time.monotonic() - status_s >= _STATUS_EVERY_S:
+                    status_s = time.monotonic()
+                    notify(f"STATUS={_in_a_line(health)}")
+            except Exception:  # the boundary: a fault here must not blind the operator for good
+                logger.exception("the state of the site could not be told; it is tried again")
+            if self._ending.wait(EVERY_S):
+                return
+
+
+def _in_a_line(health: Health) -> str:
+    """Return how well a site works in one line.
+
+    Examples
+    --------
+    >>> _in_a_line(Health(0.0, {}))
+    'the fusion has not begun'
+    """
+    if health.faults:
+        return "; ".join(health.faults)
+    return f"{len(health.cameras)} cameras, {health.fusion.people} people"
+
+
+class FaultLog:
+    """Writes a line when something fails, and when it works again.
+
+    What has not worked yet is told `DOWN_S` after the start.
+    """
+
+    def __init__(self) -> None:
+        self._faults: frozenset[str] = frozenset()
+        self._began_s: float | None = None
+
+    def __call__(self, health: Health) -> None:
+        """Compare with the state before."""
+        if self._began_s is None:
+            self._began_s = health.t_s
+        if not health.is_well and health.t_s - self._began_s < DOWN_S:
+            return
+        self._began_s = -math.inf
+        faults = frozenset(health.faults)
+        for fault in sorted(faults - self._faults):
+            logger.warning("%s", fault)
+        for fault in sorted(self._faults - faults):
+            logger.warning("no longer: %s", fault)
+        self._faults = faults

@@ -1,0 +1,79 @@
+"""What the page shows of a site."""
+
+from hashlib import sha256
+from pathlib import Path
+
+from trecsim.errors import Error
+from trecsim.geometry import Rig
+from trecsim.page.page_data import PageData
+from trecsim.page.page_process import PageProcess
+from trecsim.page.site_address import page_address
+from trecsim.page.site_view import SiteView, cameras_of, floor_of
+from trecsim.site_run import recordings_folder
+from trecsim.sites.site_reading import SiteFile, read_draft
+
+
+def site_view(file: SiteFile, rig: Rig) -> SiteView:
+    """Return what the page shows of a site.
+
+    Parameters
+    ----------
+    file
+        The site file.
+    rig
+        Its cameras.
+    """
+    site = file.site
+    outlines_m = [
+        *(zone.polygon_m for zone in site.zones.values()),
+        *(line.points_m for line in site.lines.values()),
+        *(edge.points_m for edge in site.edges.values()),
+    ]
+    return SiteView(
+        name=site.name,
+        timezone=site.timezone,
+        version=sha256(file.text.encode()).hexdigest(),
+        cameras=cameras_of(rig),
+        zones={name: zone.model_dump(mode="json") for name, zone in site.zones.items()},
+        lines={name: line.model_dump(mode="json") for name, line in site.lines.items()},
+        edges={name: edge.model_dump(mode="json") for name, edge in site.edges.items()},
+        floor_m=floor_of(rig, outlines_m=outlines_m),
+    )
+
+
+def page_of_site(path: Path) -> PageProcess | None:
+    """Return the page of a site, which listens at once, before anything else is looked at.
+
+    None where the file has no page, or is not right: whoever checks the file tells what is wrong.
+
+    Parameters
+    ----------
+    path
+        The site file.
+
+    Raises
+    ------
+    InputError
+        The page cannot listen there, or is not protected there.
+    SetupError
+        Optional packages are missing.
+    """
+    draft = read_draft(path)
+    table = draft.site.page if draft.site is not None else None
+    if draft.site is None or table is None:
+        return None
+    file = SiteFile(path, draft.text, draft.site)
+    try:
+        rig = file.site.rig.read(_checked_later)
+    except Error:
+        return None
+    return PageProcess(page_address(table), site_view(file, rig), page_data(file))
+
+
+def page_data(file: SiteFile) -> PageData:
+    """Return where the page finds the recordings of a site."""
+    return PageData(recordings=recordings_folder(file), site_file=file.path)
+
+
+def _checked_later(remark: str) -> None:
+    """Drop a remark that `check_site` returns."""
