@@ -1,5 +1,6 @@
 """The demo: a whole run on a synthetic scene, and what it does with directories."""
 
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -7,14 +8,16 @@ import pytest
 
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
-from trecsim.lab.demo import demo
+from trecsim.lab.demo import DemoScene, demo
+from trecsim.lab.demo_poses import demo_scene, without_end
+from trecsim.lab.simulation.scene import simulate
 from trecsim.sources import read_poses
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("demo") / "room"
-    demo(folder, seconds=4.0, people=2, cameras=3)
+    demo(folder, seconds=4.0, shown=DemoScene(people=2, cameras=3))
     return folder
 
 
@@ -28,7 +31,7 @@ def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(folder: Path) -> No
         "truth.npz",
     ]
     assert len(read_rig(folder / "rig.toml")) == 3
-    assert len(list(read_poses(folder / "poses.jsonl"))) == 300
+    assert len(list(read_poses(folder / "poses.jsonl"))) == 280  # one camera fails for 0.8 s
     with np.load(folder / "truth.npz") as truth:
         assert set(truth.files) == {"t_s", "xyz_m"}
         assert truth["xyz_m"].shape == (2, len(truth["t_s"]), 17, 3)
@@ -37,9 +40,12 @@ def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(folder: Path) -> No
 def test_the_error_against_the_truth_is_that_of_a_good_tracker(folder: Path) -> None:
     told: list[tuple[int, int | None]] = []
     result = demo(
-        folder, seconds=4.0, people=2, cameras=3, progress=lambda n, m: told.append((n, m))
+        folder,
+        seconds=4.0,
+        shown=DemoScene(people=2, cameras=3),
+        progress=lambda n, m: told.append((n, m)),
     )
-    assert told[-1] == (300, 300)
+    assert told[-1] == (280, 280)
     assert result.run.people == 2
     assert result.comparison is not None
     assert result.comparison.switches == 0
@@ -48,8 +54,8 @@ def test_the_error_against_the_truth_is_that_of_a_good_tracker(folder: Path) -> 
 
 
 def test_the_same_seed_gives_the_same_result(folder: Path, tmp_path: Path) -> None:
-    demo(tmp_path / "again", seconds=4.0, people=2, cameras=3)
-    demo(tmp_path / "other", seconds=4.0, people=2, cameras=3, seed=1)
+    demo(tmp_path / "again", seconds=4.0, shown=DemoScene(people=2, cameras=3))
+    demo(tmp_path / "other", seconds=4.0, shown=DemoScene(people=2, cameras=3, seed=1))
     first, again, other = (
         (path / "poses.jsonl").read_bytes()
         for path in (folder, tmp_path / "again", tmp_path / "other")
@@ -72,9 +78,9 @@ def test_what_others_put_beside_an_earlier_demo_stays(folder: Path) -> None:
     (folder / "notes.txt").write_text("mine")
     (folder / "run" / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match=r"run is not empty"):
-        demo(folder, seconds=2.0, people=1, cameras=2)
+        demo(folder, seconds=2.0, shown=DemoScene(people=1, cameras=2))
     (folder / "run" / "notes.txt").unlink()
-    demo(folder, seconds=2.0, people=1, cameras=2)
+    demo(folder, seconds=2.0, shown=DemoScene(people=1, cameras=2))
     assert (folder / "notes.txt").read_text() == "mine"
 
 
@@ -89,13 +95,14 @@ def test_what_others_put_beside_an_earlier_demo_stays(folder: Path) -> None:
 def test_numbers_that_cannot_be_are_told_at_once(
     tmp_path: Path, wrong: dict[str, float], named: str
 ) -> None:
+    shown = DemoScene(**{name: wrong[name] for name in wrong if name != "seconds"})  # type: ignore[arg-type]
     with pytest.raises(InputError, match=named):
-        demo(tmp_path / "room", **wrong)  # type: ignore[arg-type]
+        demo(tmp_path / "room", seconds=wrong.get("seconds", 20.0), shown=shown)
     assert not (tmp_path / "room").exists()
 
 
 def test_a_room_without_anybody_is_a_demo_too(tmp_path: Path) -> None:
-    result = demo(tmp_path / "empty", seconds=2.0, people=0, cameras=2)
+    result = demo(tmp_path / "empty", seconds=2.0, shown=DemoScene(people=0, cameras=2))
     assert result.comparison is not None
     assert (result.run.people, result.comparison.person_frames) == (0, 0)
     assert result.picture is not None
@@ -109,7 +116,41 @@ def test_without_scipy_the_demo_runs_and_says_what_the_scores_need(
 
     monkeypatch.setattr("trecsim.lab.demo.compare_moments", without)
     told: list[str] = []
-    result = demo(tmp_path / "room", seconds=2.0, people=1, cameras=2, remark=told.append)
+    result = demo(
+        tmp_path / "room", seconds=2.0, shown=DemoScene(people=1, cameras=2), remark=told.append
+    )
     assert result.comparison is None
     assert result.run.people == 1
     assert told == ["evaluation against ground truth needs SciPy"]
+
+
+def test_it_ends_early_when_it_is_told_to_and_keeps_what_there_was(tmp_path: Path) -> None:
+    asked = 0
+
+    def stop() -> bool:
+        nonlocal asked
+        asked += 1
+        return asked > 150
+
+    shown = DemoScene(people=1, cameras=2)
+    result = demo(tmp_path / "room", seconds=None, shown=shown, stop=stop)
+    assert result.run.ended == "stopped"
+    assert result.run.frame_sets > 20
+    assert result.comparison is None
+
+
+def test_without_an_end_other_people_follow_each_other() -> None:
+    scene = demo_scene(1.0, people=1, cameras=2, seed=0)
+    made = simulate(scene, 0)
+    poses = list(islice(without_end(made, scene, 0), 3 * len(made.poses)))
+    times = [one.t_s for one in poses]
+    assert times == sorted(times)
+    assert 2.9 < times[-1] < 3.2
+    first, second = (poses[n * len(made.poses)].xy_px for n in (0, 1))
+    assert first.shape != second.shape or not np.array_equal(first, second, equal_nan=True)
+
+
+def test_one_camera_of_three_fails_for_a_while_and_comes_back() -> None:
+    outage = demo_scene(20.0, people=1, cameras=3, seed=0).outages[0]
+    assert outage.to_s - outage.from_s == pytest.approx(4.0)
+    assert demo_scene(20.0, people=1, cameras=2, seed=0).outages == ()
