@@ -21,8 +21,8 @@ from trecsim.errors import Error
 from trecsim.redaction import redacted
 
 COMMANDS = {
-    "demo": "Run the full pipeline on a simulated room: no camera, no download.",
-    "run": "Run the pipeline of a site file: cameras, videos or 2D poses in, people in 3D out.",
+    "demo": "Run a simulated site, with its live page: no camera, no download.",
+    "run": "Run the pipeline of a site file: cameras or recordings in, people in 3D out.",
     "estimate": "Estimate 2D poses in videos.",
     "track": "Track people in 3D from 2D poses.",
     "evaluate": "Evaluate tracks with or without ground truth.",

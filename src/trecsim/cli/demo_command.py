@@ -1,5 +1,6 @@
 """The command `trecsim demo`."""
 
+import os
 import sys
 from pathlib import Path
 from shlex import quote
@@ -13,6 +14,7 @@ from trecsim.extras import has_extra, install_command
 if TYPE_CHECKING:
     from trecsim.lab.demo import DemoSummary
     from trecsim.lab.evaluation.ground_truth import Comparison
+    from trecsim.page.page_process import PageProcess
 
 
 SECONDS = 20.0  # without --seconds and without a terminal
@@ -64,6 +66,7 @@ def demo(
         compile_first(quiet=json)
         if seconds is None:
             note("the demo goes on until Ctrl-C")
+            _open_browser(page)
         with progress_bar("images", quiet=json or seconds is None) as bar:
             result = run_demo(
                 out,
@@ -75,6 +78,15 @@ def demo(
                 remark=note,
             )
     finish(_facts(result), json, _told(result))
+
+
+def _open_browser(page: "PageProcess | None") -> None:
+    """Open the page where there is a display; a browser that does not open is no fault."""
+    shown = sys.platform in ("darwin", "win32") or {"DISPLAY", "WAYLAND_DISPLAY"} & set(os.environ)
+    if page is not None and shown:
+        import webbrowser
+
+        webbrowser.open(page.url)
 
 
 def _facts(result: "DemoSummary") -> dict[str, Any]:
