@@ -5,6 +5,7 @@ path, else from PyPI. Where the page cannot be built, one line says why and the 
 the server then shows how to build it.
 """
 
+import json
 import os
 import shutil
 import subprocess
@@ -59,9 +60,17 @@ def build() -> None:
 
 
 def _is_installed() -> bool:
-    installed = WEB / "node_modules" / ".package-lock.json"
-    wanted = WEB / "package-lock.json"
-    return installed.is_file() and installed.stat().st_mtime >= wanted.stat().st_mtime
+    """Tell whether all that the build needs is there in the version that the lock file names."""
+    try:
+        wanted = json.loads((WEB / "package-lock.json").read_text())["packages"]
+        found = json.loads((WEB / "node_modules" / ".package-lock.json").read_text())["packages"]
+    except (OSError, ValueError, KeyError):
+        return False
+    return all(
+        found.get(name, {}).get("version") == package.get("version")
+        for name, package in wanted.items()
+        if name and not package.get("dev") and not package.get("optional")
+    )
 
 
 def _node() -> tuple[Path, list[str]]:
@@ -101,8 +110,9 @@ def _run(command: list[str], environment: dict[str, str], what: str = "the page"
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NotBuiltError(f"{what} could not be made: {error}") from error
     if done.returncode != 0:
-        lines = (done.stderr or done.stdout).strip().splitlines() or ["no reason given"]
-        raise NotBuiltError(f"{what} could not be made: {lines[0].strip()}")
+        lines = [line.removeprefix("npm error").strip() for line in done.stderr.splitlines()]
+        why = next((line for line in lines if line and not line.startswith("code ")), "no reason")
+        raise NotBuiltError(f"{what} could not be made: {why}")
 
 
 def _say(error: NotBuiltError) -> None:

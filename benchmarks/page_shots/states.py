@@ -27,8 +27,8 @@ def event(
 
 
 ALARM = event(
-    "edge-1", "new", AT_S - 7, severity="alarm", edge="platform-edge", people=[{"person": 6}],
-    probability=0.98, measures={"past_the_edge_m": 1.2},
+    "edge-1", "new", AT_S - 7, kind="zone.restricted", severity="alarm", zone="edge-strip",
+    people=[{"person": 4}], probability=0.98, measures={"past_the_line_m": 0.4},
     evidence={"cameras": ["north", "stairs", "south"]},
 )  # fmt: skip
 SILENT = event(
@@ -69,14 +69,14 @@ def _cut(page: Page) -> None:
 ALL_SIZES = ("wide", "tablet", "phone")
 
 STATES = [
-    State("live", Situation(AT_S, events=PAST), "/live?p=6", ALL_SIZES),
+    State("live", Situation(AT_S, events=PAST), "/live?p=4", ALL_SIZES),
     State("stale", Situation(AT_S, cameras=STALE, events=[*PAST, SILENT]), sizes=ALL_SIZES),
     State("down", Situation(AT_S, cameras=DOWN, events=PAST)),
     State(
         "alarm",
         Situation(AT_S, cameras={"canopy": ("stale", 6.4)}, events=[
             *PAST, SILENT, event("camera-1", "ack", AT_S - 5, by="k.meier"), ALARM]),
-        "/live?view=alarm&p=6", ALL_SIZES,
+        "/live?view=alarm&p=4", ALL_SIZES,
     ),
     State(
         "acknowledged",
@@ -91,11 +91,11 @@ STATES = [
     State("replay", Situation(AT_S, events=PAST), "/live",
           act=lambda page: (page.keyboard.press(" "), page.keyboard.press("ArrowLeft"),
                             page.keyboard.press("ArrowLeft"))),
-    State("people", Situation(AT_S, states={4: "coasting", 5: "provisional"}), "/live"),
+    State("people", Situation(AT_S, states={3: "coasting", 1: "provisional"}), "/live"),
     State("camera-view", Situation(AT_S), "/live?view=camera:north", themes=("light",)),
     State("edge-view", Situation(AT_S), "/live?view=edge", themes=("light",)),
     State("top-view", Situation(AT_S), "/live?view=top", themes=("light",)),
-    State("plan", Situation(AT_S), "/live?view=plan&p=6", ("wide", "tablet")),
+    State("plan", Situation(AT_S), "/live?view=plan&p=4", ("wide", "tablet")),
     State("review", Situation(AT_S, events=PAST), "/review", ("wide", "tablet")),
     State("zones", Situation(AT_S, rules=(0, 0)), "/zones/waiting-area", ("wide", "tablet")),
     State("system", Situation(AT_S, cameras=DOWN, events=[*PAST, SILENT]), "/system",

@@ -3,7 +3,8 @@
 import type { Person, Snapshot } from "../state/people.ts";
 import type { Point, Site } from "../state/site.ts";
 import type { Severity } from "../state/messages.ts";
-import { ellipse, P90 } from "./body.ts";
+import { ellipse, P90, showsForecast } from "./body.ts";
+import { halves } from "./halves.ts";
 import { drawGlyph, drawMark, drawUnsure, font, type Pen } from "./mark.ts";
 import { alpha, type Palette } from "./palette.ts";
 
@@ -86,7 +87,12 @@ function drawFloor(pen: Pen, c: Palette, view: PlanView, { site, names }: PlanIn
   trace(pen, view, [low, [high[0], low[1]], high, [low[0], high[1]]], true);
   pen.fillStyle = c.floor;
   pen.fill();
-  pen.strokeStyle = c.grid5;
+  const { below } = halves(site);
+  if (below) {
+    trace(pen, view, below, true);
+    pen.fillStyle = c.track;
+    pen.fill();
+  }
   pen.lineWidth = 1;
   const each = names ? 1 : 5;
   for (const axis of [0, 1] as const) {
@@ -212,7 +218,7 @@ function drawTrace(pen: Pen, c: Palette, view: PlanView, input: PlanInput, perso
     pen.stroke();
   }
   pen.globalAlpha = 1;
-  if (!input.layers.forecasts || person.state === "provisional") return;
+  if (!input.layers.forecasts || !showsForecast(person, person.id === input.selected)) return;
   for (const f of person.forecast.filter((_, i) => i % 2 === 1)) {
     const { a, b, turn } = ellipse(f.cov, P90);
     const [x, y] = view.to(f.at);
@@ -222,8 +228,6 @@ function drawTrace(pen: Pen, c: Palette, view: PlanView, input: PlanInput, perso
     pen.fillStyle = alpha(ink, 0.06);
     pen.fill();
   }
-  const far = person.forecast[person.forecast.length - 1];
-  if (!far) return;
   trace(pen, view, [person.floor, ...person.forecast.map((f) => f.at)], false);
   pen.setLineDash([3, 3]);
   pen.lineWidth = 1.2;

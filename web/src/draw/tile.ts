@@ -4,6 +4,7 @@ import type { Severity } from "../state/messages.ts";
 import type { Person, Snapshot } from "../state/people.ts";
 import type { Camera, Point, Point3, Site } from "../state/site.ts";
 import { HEAD, HEAD_M, isDashed, joint, LIMBS, topOf, TORSO } from "./body.ts";
+import { DROP_M, ground, halves, rim } from "./halves.ts";
 import { toCamera, toPixel, type Lens } from "./lens.ts";
 import { box, font, type Pen } from "./mark.ts";
 import { alpha, type Palette } from "./palette.ts";
@@ -94,9 +95,23 @@ function drawSite(
   pen.fillStyle = c.sky;
   pen.fillRect(0, 0, width, height);
   const { low, high } = site.floor;
-  trace(flat([low, [high[0], low[1]], high, [low[0], high[1]]]), true);
+  const parts = halves(site);
+  if (parts.below) {
+    trace(flat(parts.below, -DROP_M), true);
+    pen.fillStyle = c.track;
+    pen.fill();
+    const top = rim(parts);
+    if (top) {
+      trace([...flat(top), ...flat([top[1], top[0]], -DROP_M)], true);
+      pen.fillStyle = c.wall;
+      pen.fill();
+    }
+  }
+  trace(flat(parts.floor), true);
   pen.fillStyle = c.floor;
   pen.fill();
+  pen.save();
+  pen.clip();
   pen.lineWidth = 1;
   const long = Math.max(high[0] - low[0], high[1] - low[1]);
   const each = long > 40 ? 5 : 1;
@@ -107,8 +122,9 @@ function drawSite(
       pen.stroke();
     }
   }
+  pen.restore();
   for (const zone of site.zones) {
-    trace(flat(zone.polygon), true);
+    trace(flat(zone.polygon, ground(parts, zone)), true);
     pen.fillStyle = alpha(c.zone, 0.1);
     pen.fill();
     pen.strokeStyle = c.zone;

@@ -1,20 +1,18 @@
 // What does not move: the floor with its grid, zones, and the walls below edges.
 
 import {
-  BufferAttribute, BufferGeometry, Color, Mesh, PlaneGeometry, ShaderMaterial, ShapeUtils, Vector2,
-  Vector3,
+  BufferAttribute, BufferGeometry, Color, Mesh, ShaderMaterial, ShapeUtils, Vector2, Vector3,
 } from "three";
+import { DROP_M, ground, halves, rim } from "../draw/halves.ts";
 import { rgb, type Palette } from "../draw/palette.ts";
 import type { Severity } from "../state/messages.ts";
 import type { Point, Site } from "../state/site.ts";
 
-const DROP_M = 1.1; // how deep the wall below an edge is drawn
-
 const FLOOR_VERTEX = /* glsl */ `
   varying vec2 at;
   void main() {
-    at = (modelMatrix * vec4(position, 1.0)).xy;
-    gl_Position = projectionMatrix * viewMatrix * vec4(at, 0.0, 1.0);
+    at = position.xy;
+    gl_Position = projectionMatrix * viewMatrix * vec4(position, 1.0);
   }`;
 
 const FLOOR_FRAGMENT = /* glsl */ `
@@ -75,7 +73,7 @@ export class Ground {
         vertexShader: ZONE_VERTEX, fragmentShader: ZONE_FRAGMENT, transparent: true,
         depthWrite: false, side: 2, uniforms: { ratio: { value: window.devicePixelRatio } },
       });
-    this.#floor = new Mesh(new PlaneGeometry(1, 1), this.#floorMaterial);
+    this.#floor = new Mesh(new BufferGeometry(), this.#floorMaterial);
     this.#zones = new Mesh(new BufferGeometry(), flat());
     const wall = flat();
     wall.depthWrite = true;
@@ -94,9 +92,7 @@ export class Ground {
   build(
     site: Site, c: Palette, active: ReadonlyMap<string, Severity>, zones: boolean,
   ): void {
-    const { low, high } = site.floor;
-    this.#floor.position.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0);
-    this.#floor.scale.set(high[0] - low[0], high[1] - low[1], 1);
+    set(this.#floor, triangles(halves(site).floor).flatMap((p) => [p[0], p[1], 0]), []);
     const uniforms = this.#floorMaterial.uniforms as Record<string, { value: Color }>;
     uniforms.plane?.value.set(...rgb(c.floor));
     uniforms.fine?.value.set(...rgb(c.grid1));
@@ -108,30 +104,38 @@ export class Ground {
   #fill(site: Site, c: Palette, active: ReadonlyMap<string, Severity>, shown: boolean): void {
     const at: number[] = [];
     const tones: number[] = [];
+    const parts = halves(site);
     for (const zone of shown ? site.zones : []) {
       const severity = active.get(zone.name);
       const ink = rgb(severity ? severityInk(c, severity) : c.zone);
       const alpha = (severity ? 0.14 : 0.07) + (zone.restricted || severity ? 1 : 0);
       for (const p of triangles(zone.polygon)) {
-        at.push(p[0], p[1], 0.004);
+        at.push(p[0], p[1], ground(parts, zone) + 0.004);
         tones.push(...ink, alpha);
       }
     }
     set(this.#zones, at, tones);
   }
 
+  /** The wall below an edge, and the ground at its foot where the edge crosses the site. */
   #wall(site: Site, c: Palette): void {
     const at: number[] = [];
     const tones: number[] = [];
-    const ink = rgb(c.wall);
-    for (const edge of site.edges) {
-      for (let i = 0; i + 1 < edge.points.length; i++) {
-        const [a, b] = [edge.points[i] as Point, edge.points[i + 1] as Point];
-        const quad = [[...a, 0], [...b, 0], [...b, -DROP_M], [...a, 0], [...b, -DROP_M], [...a, -DROP_M]];
-        for (const p of quad) {
-          at.push(...(p as number[]));
-          tones.push(...ink, 0.999);
-        }
+    const put = (points: readonly (readonly number[])[], ink: string): void => {
+      for (const p of points) {
+        at.push(p[0] as number, p[1] as number, p[2] as number);
+        tones.push(...rgb(ink), 0.999);
+      }
+    };
+    const parts = halves(site);
+    if (parts.below) {
+      put(triangles(parts.below).map((p) => [p[0], p[1], -DROP_M]), c.track);
+      const top = rim(parts);
+      if (top) put(wall(...top), c.wall);
+    }
+    for (const { points } of parts.below ? site.edges.slice(1) : site.edges) {
+      for (let i = 0; i + 1 < points.length; i++) {
+        put(wall(points[i] as Point, points[i + 1] as Point), c.wall);
       }
     }
     set(this.#walls, at, tones);
@@ -148,6 +152,10 @@ export class Ground {
 export const severityInk = (c: Palette, severity: Severity): string =>
   ({ critical: c.critical, alarm: c.bodyAlarm, warning: c.warnFill, info: c.info })[severity];
 
+function wall(a: Point, b: Point): number[][] {
+  return [[...a, 0], [...b, 0], [...b, -DROP_M], [...a, 0], [...b, -DROP_M], [...a, -DROP_M]];
+}
+
 function triangles(polygon: readonly Point[]): Point[] {
   const points = polygon.map(([x, y]) => new Vector2(x, y));
   if (ShapeUtils.isClockWise(points)) points.reverse();
@@ -160,6 +168,8 @@ function set(mesh: Mesh, at: number[], tones: number[]): void {
   mesh.geometry.dispose();
   mesh.geometry = new BufferGeometry();
   mesh.geometry.setAttribute("position", new BufferAttribute(new Float32Array(at), 3));
-  mesh.geometry.setAttribute("tone", new BufferAttribute(new Float32Array(tones), 4));
+  if (tones.length > 0) {
+    mesh.geometry.setAttribute("tone", new BufferAttribute(new Float32Array(tones), 4));
+  }
   mesh.visible = at.length > 0;
 }

@@ -8,8 +8,10 @@ import { Ground, severityInk } from "./ground.ts";
 import { drawCallout, drawChips, drawMetres, drawName, type Chip } from "./labels.ts";
 import { Segments, type P3 } from "./segments.ts";
 import {
-  ellipse, HEAD, HEAD_M, isDashed, joint, LIMBS, P50, P90, topOf, TORSO,
+  ellipse, HEAD, HEAD_M, isDashed, joint, LIMBS, P50, P90, showsForecast, topOf,
+  TORSO,
 } from "../draw/body.ts";
+import { ground, halves } from "../draw/halves.ts";
 import { fit } from "../draw/mark.ts";
 import { mix, palette, rgb, type Palette, type Rgb } from "../draw/palette.ts";
 import type { Severity } from "../state/messages.ts";
@@ -44,7 +46,6 @@ export interface Hands {
 
 const FRUSTUM_M = 0.95;
 const NEAR_CAMERA_M = 4;
-const SLOW_MPS = 0.2;
 
 export class Scene {
   #box: HTMLElement;
@@ -257,10 +258,7 @@ export class Scene {
 
   #forecast(person: Person, tone: Rgb, selected: boolean): void {
     const forecast = person.forecast;
-    const last = forecast[forecast.length - 1];
-    if (!last || person.state === "provisional") return;
-    const speed = Math.hypot(last.at[0] - person.floor[0], last.at[1] - person.floor[1]) / last.ahead;
-    if (speed < SLOW_MPS && !selected) return;
+    if (!showsForecast(person, selected)) return;
     const outlines = [1, 2, 4].map((s) =>
       forecast.reduce((a, b) => (Math.abs(b.ahead - s) < Math.abs(a.ahead - s) ? b : a)));
     for (const f of forecast) {
@@ -431,15 +429,18 @@ function toward(p: P3, eye: Vector3): P3 {
 function zoneLines(
   lines: Segments, site: Site, c: Palette, active: ReadonlyMap<string, Severity>,
 ): void {
+  const parts = halves(site);
   for (const zone of site.zones) {
     const severity = active.get(zone.name);
     const tone = rgb(severity ? severityInk(c, severity) : c.zone);
+    const foot = ground(parts, zone);
     const at = (z: number) => zone.polygon.map((p): P3 => [p[0], p[1], z]);
-    lines.chain(at(0.008), tone, { width: 1.3 }, true);
+    lines.chain(at(foot + 0.008), tone, { width: 1.3 }, true);
     if (!severity) continue;
     const top = zone.z[1];
-    lines.chain(at(top), tone, { width: 1, alpha: 0.6 }, true);
-    for (const p of zone.polygon) lines.add([p[0], p[1], 0], [p[0], p[1], top], tone, { width: 1, alpha: 0.6 });
+    const faint = { width: 1, alpha: 0.6 };
+    lines.chain(at(top), tone, faint, true);
+    for (const p of zone.polygon) lines.add([p[0], p[1], foot], [p[0], p[1], top], tone, faint);
   }
   for (const line of site.lines) {
     lines.chain(line.points.map((p): P3 => [p[0], p[1], 0.008]), rgb(c.zone), { width: 1.6, dash: [8, 4] });

@@ -80,7 +80,7 @@ export function readSite(body: unknown): Site {
     armed: number(rules.armed, 0),
     rules: number(rules.total, 0),
     pictures: site.pictures === true,
-    recording: site.recording === true,
+    recording: site.kind === "recording",
   };
 }
 

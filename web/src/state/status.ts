@@ -86,7 +86,7 @@ function alarmed(s: Situation): Status | null {
   if (!first) return null;
   const look = { ...base, row: 3, look: "filled", severity: first.severity } as const;
   if (alarms.length === 1) return { ...look, title: title(first), line: sentence(first, s.now) };
-  const kind = first.severity === "critical" ? "critical alarms" : "alarms";
+  const kind = alarms.every((a) => a.severity === "critical") ? "critical alarms" : "alarms";
   return { ...look, title: `${alarms.length} ${kind}`, line: `First: ${lower(title(first))}.` };
 }
 

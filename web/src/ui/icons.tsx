@@ -45,7 +45,7 @@ const LINES = {
 
 export type IconName = keyof typeof LINES;
 
-export function Icon({ name, size = 18 }: { name: IconName; size?: number }) {
+export function Icon({ name, size = 20 }: { name: IconName; size?: number }) {
   const solid = name === "play";
   return (
     <svg

@@ -49,7 +49,7 @@ export function Selection() {
   const unseen = person && person.state === "coasting" && shop.shown && Number.isFinite(person.seen)
     ? ` for ${duration(shop.shown.t - person.seen)}` : "";
   return (
-    <section class="selection" aria-label={`Person ${id}`}>
+    <section class={`selection ${person ? "" : "gone"}`} aria-label={`Person ${id}`}>
       <div class="head">
         <span class="name">{slot && <MarkIcon slot={slot} size={16} />}<b>{id}</b></span>
         <span class="note">{person ? STATES[person.state] + unseen : "Left"}</span>
