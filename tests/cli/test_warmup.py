@@ -21,3 +21,9 @@ def test_it_fails_where_nothing_can_be_kept(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("trecsim.compiler.cache_folder", lambda sources: None)
     with pytest.raises(SetupError, match="set NUMBA_CACHE_DIR"):
         warmup_command.warmup()
+
+
+def test_it_says_that_the_compiler_is_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("numba.core.config.DISABLE_JIT", 1)
+    with pytest.raises(SetupError, match="NUMBA_DISABLE_JIT is set"):
+        warmup_command.warmup()

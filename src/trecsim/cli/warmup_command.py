@@ -17,10 +17,16 @@ def warmup(*, json: bool = False) -> None:
     """
     from pathlib import Path
 
+    from numba.core import config
+
     from trecsim.compiler import cache_folder
     from trecsim.errors import SetupError
     from trecsim.fusion import kernels, warmup
 
+    if config.DISABLE_JIT:
+        raise SetupError(
+            "the compiler is off: NUMBA_DISABLE_JIT is set; unset it to compile the kernels"
+        )
     with progress_bar("kernels", quiet=json) as bar:
         warmup.warm_up(bar)
     folder = cache_folder(Path(kernels.__path__[0]))
