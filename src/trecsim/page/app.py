@@ -24,8 +24,12 @@ from trecsim.page.live_state import LiveState
 from trecsim.page.login import login_routes
 from trecsim.page.messages import json_bytes
 from trecsim.page.metrics import metrics_text
+from trecsim.page.page_data import PageData
 from trecsim.page.policy import Policy
+from trecsim.page.recording_routes import recording_routes
 from trecsim.page.schema import stream_schema
+from trecsim.page.site_draft import DraftDesk
+from trecsim.page.site_routes import SiteDesk, site_routes
 from trecsim.page.stream import stream
 
 LARGEST_BODY = 1_000_000  # bytes of a request
@@ -48,6 +52,8 @@ class Parts:
         The built page.
     ask
         Asks the tracking process for something.
+    data
+        Files that are shown.
     """
 
     state: LiveState
@@ -55,6 +61,7 @@ class Parts:
     journal: Journal
     bundle: Bundle
     ask: Ask
+    data: PageData
 
 
 def page_app(parts: Parts) -> Starlette:
@@ -63,11 +70,13 @@ def page_app(parts: Parts) -> Starlette:
     routes: list[BaseRoute] = [
         Route("/api/health", _health(state, access)),
         Route("/api/schema", _schema),
-        Route("/api/site", access.needs("viewer", _site(state))),
         Route("/metrics", access.needs("viewer", _metrics(state))),
         WebSocketRoute("/api/stream", _stream(parts)),
         *login_routes(access, parts.journal),
         *event_routes(access, parts.journal, state.hub, parts.ask),
+        *recording_routes(access, parts.data.recordings),
+        *site_routes(access, SiteDesk(state, parts.journal, parts.ask, _desk(parts.data))),
+        Route("/api/cameras/{name:str}/picture", access.needs("viewer", _no_picture)),
         Route("/{path:path}", _files(parts.bundle)),
     ]
     return Starlette(
@@ -94,11 +103,12 @@ async def _schema(request: Request) -> Response:
     return Response(json_bytes(stream_schema()), media_type="application/schema+json")
 
 
-def _site(state: LiveState) -> Answer:
-    async def site(request: Request) -> Response:
-        return json_answer(state.site)
+async def _no_picture(request: Request) -> Response:
+    raise HTTPException(404, "this site shows no pictures of its cameras")
 
-    return site
+
+def _desk(data: PageData) -> DraftDesk | None:
+    return None if data.site_file is None else DraftDesk(data.site_file, data.ledger)
 
 
 def _metrics(state: LiveState) -> Answer:

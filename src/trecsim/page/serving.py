@@ -73,7 +73,8 @@ def _parts(setup: Setup, address: PageAddress, port: int, writer: asyncio.Stream
     state = LiveState()
     journal = Journal(data.ledger, state.hub.events)
     access = Access(address, port, UsersAudit(journal))
-    return Parts(state, access, journal, Bundle(data.static or STATIC), asking_over(writer))
+    bundle = Bundle(data.static or STATIC)
+    return Parts(state, access, journal, bundle, asking_over(writer), data)
 
 
 async def _run(

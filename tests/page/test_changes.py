@@ -1,0 +1,246 @@
+"""What people do at the page: acts on events, drafts of the site, replay of recordings."""
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from made_page import SITE, RunningPage, event, next_of, running_page, until
+from made_tracks import walk
+from trecsim.errors import InputError
+from trecsim.page.page_data import PageData
+from trecsim.page.site_text import with_places
+from trecsim.store.ledger import Ledger
+from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.recordings import tracks_recorder
+
+ZONE = {"polygon_m": [[0.0, 0.0], [4.0, 0.0], [4.0, 2.0]], "z_m": [0.0, 2.5]}
+TEXT = """\
+# The hall.
+format = "trecsim.site/1"
+name = "hall"
+rig = "rig.toml"          # measured in May
+poses = "a.poses.jsonl"
+
+[zones.old]
+polygon_m = [[0, 0], [1, 0], [1, 1]]
+
+# How people are followed.
+[fusion]
+death_s = 2.0
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("changes")
+    (folder / "site.toml").write_text(TEXT)
+    recording = folder / "recordings" / "2026-11-30"
+    recording.mkdir(parents=True)
+    with tracks_recorder(recording, TracksInfo(rig_sha256="")) as tracks:
+        for snapshot in walk(200, people=3):  # 8 s
+            tracks.write(snapshot)
+    (folder / "recordings" / "empty").mkdir()
+    return folder
+
+
+@pytest.fixture(scope="module", params=["ledger", "memory"])
+def changing(folder: Path, request: pytest.FixtureRequest) -> Iterator[RunningPage]:
+    """Run a page with and without a ledger."""
+    ledger = folder / "ledger" if request.param == "ledger" else None
+    data = PageData(folder / "recordings", ledger, folder / "site.toml")
+    with running_page(data=data, site=replace(SITE, version=version(folder))) as page:
+        yield page
+
+
+def version(folder: Path) -> str:
+    return hashlib.sha256((folder / "site.toml").read_bytes()).hexdigest()
+
+
+def happened(page: RunningPage, folder: Path, identity: str) -> None:
+    """Let an event happen, as the tracking process does."""
+    if page.process._setup.data["ledger"]:
+        with Ledger(folder / "ledger") as ledger:
+            ledger.append_event(event(identity))
+    page.process.event(event(identity))
+    until(lambda: identity in [one["id"] for one in listed(page)])
+
+
+def listed(page: RunningPage, **query: object) -> list[dict]:
+    answer = page.client.get("/api/events", params=query)
+    assert answer.status_code == 200
+    return answer.json()["events"]
+
+
+def test_an_act_reaches_the_list_every_viewer_and_the_tracking_process(
+    changing: RunningPage, folder: Path
+) -> None:
+    happened(changing, folder, "alarm")
+    changing.process.requests()
+    with changing.stream() as stream:
+        next_of(stream, "health")
+        answer = changing.client.post("/api/events/alarm", json={"phase": "ack"})
+        assert answer.status_code == 200
+        made = answer.json()["event"]
+        assert (made["data"]["phase"], made["data"]["by"]) == ("ack", "local")
+        assert made["data"]["seq"] == 1
+        assert next_of(stream, "event")["event"] == made
+    assert listed(changing, event="alarm")[-1] == made
+    requests: list = []
+    until(lambda: bool(requests.extend(changing.process.requests()) or requests))
+    assert (requests[0].kind, requests[0].by, requests[0].body["event"]) == ("event", "local", made)
+
+
+@pytest.mark.parametrize(
+    ("body", "status"),
+    [
+        ({"phase": "close", "reason": "false", "note": "a bag"}, 200),
+        ({"phase": "reopen"}, 200),
+        ({"phase": "shelve", "until_s": 2e9}, 200),
+        ({"phase": "close"}, 409),
+        ({"phase": "close", "reason": "bored"}, 400),
+        ({"phase": "shelve"}, 409),
+        ({"phase": "end"}, 400),
+        ({"phase": "ack", "note": "x" * 3000}, 400),
+        ({}, 400),
+        ([], 400),
+        ("ack", 400),
+    ],
+)
+def test_only_complete_acts_are_taken(
+    changing: RunningPage, folder: Path, body: object, status: int
+) -> None:
+    happened(changing, folder, "acts")
+    before = len(listed(changing, event="acts"))
+    answer = changing.client.post("/api/events/acts", json=body)
+    assert answer.status_code == status, answer.text
+    assert len(listed(changing, event="acts")) == before + (status == 200)
+
+
+def test_an_act_on_an_event_that_is_not_there_is_told(changing: RunningPage) -> None:
+    answer = changing.client.post("/api/events", json={"phase": "ack", "event": "never"})
+    assert (answer.status_code, answer.json()["error"]) == (409, "there is no event 'never'")
+
+
+def test_events_are_listed_after_one_and_at_most_so_many(
+    changing: RunningPage, folder: Path
+) -> None:
+    for number in range(5):
+        happened(changing, folder, f"listed{number}")
+    assert [one["id"] for one in listed(changing, limit=2)] == ["listed3", "listed4"]
+    assert [one["id"] for one in listed(changing, after="listed1", limit=2)] == [
+        "listed2", "listed3",
+    ]  # fmt: skip
+    for query in ({"limit": "x"}, {"limit": 0}, {"from_s": "nan"}, {"after": "a" * 500}):
+        assert changing.client.get("/api/events", params=query).status_code == 400
+
+
+def test_what_a_user_has_reviewed_is_kept(changing: RunningPage) -> None:
+    path = "/api/users/me/reviewed"
+    assert changing.client.post(path, json={"events": ["a", "b"]}).json() == {"events": ["a", "b"]}
+    undone = changing.client.post(path, json={"events": ["a"], "reviewed": False})
+    assert undone.json() == changing.client.get(path).json() == {"events": ["b"]}
+
+
+def test_recordings_are_listed_and_replayed_in_part(changing: RunningPage) -> None:
+    assert changing.client.get("/api/recordings").json() == [
+        {"id": "2026-11-30", "from_s": 0.0, "to_s": 7.96, "people": 3}
+    ]
+    answer = changing.client.get(
+        "/api/recordings/2026-11-30/snapshots", params={"from_s": 2.0, "to_s": 4.0}
+    )
+    assert answer.status_code == 200
+    lines = [json.loads(line) for line in answer.text.splitlines()]
+    assert len(lines) == 51
+    assert (lines[0]["t_s"], lines[-1]["t_s"]) == (2.0, 4.0)
+    assert [person["person"] for person in lines[0]["people"]] == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("2026-11-30/snapshots", 400),
+        ("2026-11-30/snapshots?from_s=4&to_s=2", 400),
+        ("2026-11-30/snapshots?from_s=0&to_s=9999", 400),
+        ("empty/snapshots?from_s=0&to_s=1", 404),
+        ("none/snapshots?from_s=0&to_s=1", 404),
+        ("..%2fledger/snapshots?from_s=0&to_s=1", 404),
+        ("%2e%2e/snapshots?from_s=0&to_s=1", 404),
+        (".%00/snapshots?from_s=0&to_s=1", 404),
+    ],
+)
+def test_what_is_no_part_of_a_recording_is_refused(
+    changing: RunningPage, path: str, status: int
+) -> None:
+    assert changing.client.get(f"/api/recordings/{path}").status_code == status
+
+
+def test_a_draft_is_checked_kept_and_made_live_once(changing: RunningPage, folder: Path) -> None:
+    client, live = changing.client, version(folder)
+    (folder / "site.toml").write_text(TEXT)
+    live = version(folder)
+    draft = {"based_on": live, "zones": {"strip": ZONE}}
+    crossed = {"polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]}
+    wrong = client.put("/api/site/draft", json={**draft, "zones": {"strip": crossed}})
+    assert wrong.status_code == 422
+    assert "sides 1 and 3 cross" in wrong.json()["error"]
+    assert client.put("/api/site/draft", json={**draft, "based_on": "old"}).status_code == 409
+    first = client.put("/api/site/draft", json=draft)
+    assert (first.status_code, first.json()["revision"]) == (200, 1)
+    again = client.put("/api/site/draft", json=draft)
+    assert again.status_code == 409
+    assert "changed by local meanwhile" in again.json()["error"]
+    assert client.get("/api/site/draft").json()["zones"] == {"strip": ZONE}
+    tried = client.post("/api/site/draft/try", json={"based_on": live})
+    assert tried.status_code == 409
+    assert "no rules yet" in tried.json()["error"]
+    changing.process.requests()
+    made = client.post("/api/site/draft/live", json={"based_on": live, "revision": 1})
+    assert made.status_code == 200, made.text
+    assert made.json()["version"] == version(folder)
+    text = (folder / "site.toml").read_text()
+    assert tomllib.loads(text)["zones"] == {"strip": ZONE}
+    for comment in ("# The hall.", "# measured in May", "# How people are followed."):
+        assert comment in text
+    requests: list = []
+    until(lambda: bool(requests.extend(changing.process.requests()) or requests))
+    assert requests[0].kind == "reload"
+    assert client.get("/api/site/draft").json() is None
+    gone = client.post("/api/site/draft/live", json={"based_on": live, "revision": 1})
+    assert gone.status_code == 409
+
+
+def test_there_are_no_modes_and_no_pictures_yet(changing: RunningPage) -> None:
+    assert changing.client.get("/api/mode").json() == {"mode": None, "modes": []}
+    assert changing.client.post("/api/mode", json={"mode": "Night"}).status_code == 409
+    assert changing.client.get("/api/cameras/north/picture").status_code == 404
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        TEXT.replace("[zones.old]", "zones.old"),
+        "zones = { old = { polygon_m = [[0, 0], [1, 0], [1, 1]] } }\n"
+        + TEXT.replace("[zones", "[x"),
+        TEXT + '[output]\nnote = """\n[zones.x]\n"""\n',
+    ],
+)
+def test_a_site_file_that_cannot_be_changed_without_harm_is_left_alone(text: str) -> None:
+    with pytest.raises(InputError, match="change the file by hand"):
+        with_places(text, {"zones": {"strip": ZONE}})
+
+
+def test_places_can_be_added_replaced_and_removed() -> None:
+    added = with_places(
+        TEXT, {"zones": {"a": ZONE}, "lines": {"gate": {"points_m": [[0, 0], [1, 0]]}}}
+    )
+    found = tomllib.loads(added)
+    assert (set(found["zones"]), set(found["lines"])) == ({"a"}, {"gate"})
+    removed = with_places(added, {})
+    assert "zones" not in tomllib.loads(removed)
+    assert tomllib.loads(removed)["fusion"] == {"death_s": 2.0}
+    assert removed.startswith("# The hall.")
