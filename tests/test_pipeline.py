@@ -19,10 +19,10 @@ from trecsim.geometry import Rig
 from trecsim.pipeline import track
 from trecsim.site_run import run
 from trecsim.sites.check import CheckedSite, check_site
+from trecsim.store.parquet_reading import read_info
 from trecsim.store.rig_digest import rig_sha256
 from trecsim.store.timing_csv import read_timing
 from trecsim.store.tracks import kept_of, read_tracks
-from trecsim.store.tracks_parquet import read_info
 from trecsim.values import Poses2D
 
 

@@ -15,15 +15,10 @@ import pytest
 from made_tracks import assert_same, snapshot, walk
 from trecsim.errors import InputError, SetupError
 from trecsim.store import parquet_file
+from trecsim.store.parquet_reading import parts_of, read_parquet, recording_segments
 from trecsim.store.segments import CATALOGUE, files_in, segments_in
 from trecsim.store.tracks import export_tracks, read_tracks
-from trecsim.store.tracks_parquet import (
-    HOUR_S,
-    ParquetTracksWriter,
-    parts_of,
-    read_parquet,
-    recording_segments,
-)
+from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
 from trecsim.values import Snapshot
 
 # Records a moment every ten minutes and kills itself at the place named by the argument.

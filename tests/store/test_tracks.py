@@ -11,8 +11,8 @@ from hypothesis import given, settings
 
 from made_tracks import assert_same, recordings, snapshot, walk
 from trecsim.errors import InputError
+from trecsim.store.parquet_reading import read_info
 from trecsim.store.tracks import TracksInfo, export_tracks, read_tracks, tracks_writer
-from trecsim.store.tracks_parquet import read_info
 from trecsim.values import Snapshot
 
 

@@ -14,9 +14,10 @@ import pytest
 
 from made_tracks import assert_same, snapshot, walk
 from trecsim.errors import InputError, SetupError
+from trecsim.store.parquet_reading import parts_of, read_parquet
 from trecsim.store.rows import COLUMNS
 from trecsim.store.tracks import read_tracks, tracks_writer
-from trecsim.store.tracks_parquet import ParquetTracksWriter, parts_of, read_parquet
+from trecsim.store.tracks_parquet import ParquetTracksWriter
 
 # Writes a part per moment and kills itself, or is limited, at the place named by the argument.
 WRITER = """

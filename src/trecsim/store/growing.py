@@ -220,6 +220,12 @@ def lock(handle: int) -> bool:
     return True
 
 
+def lock_waiting(handle: int) -> None:
+    """Lock an open file until it is closed; wait while another program holds the lock."""
+    if _HAS_LOCKS:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+
+
 def is_file_at(handle: int, path: Path) -> bool:
     """Return whether an open file is still the one at `path`."""
     try:

@@ -29,7 +29,10 @@ from trecsim.store.rows import (
 )
 
 FORMAT = "trecsim.tracks/1"
+COMPACT_FORMAT = "trecsim.tracks/2"
 ROWS_OF_A_GROUP = 1 << 17
+
+_FORMAT_NAME = "trecsim.tracks/"
 
 _SPLIT = (*MAY_BE_MISSING, *VELOCITY, *COVARIANCE)
 _BATCH_ROWS = 1 << 16
@@ -47,11 +50,14 @@ class TracksInfo:
         Digest of the rig; None when unknown.
     details
         Whether it holds states, velocities and covariances beside the columns of the CSV file.
+    compact
+        Whether its numbers have the precision of a live site: see `trecsim.store.precision`.
     """
 
     skeleton: Skeleton = COCO17
     rig_sha256: str | None = None
     details: bool = True
+    compact: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,12 +72,17 @@ class Contents:
         Its first and last time [s]; NaN when it is empty.
     highest_person
         Its highest identity; -1 when it is empty.
+    people, new_people
+        Number of identities that were not only provisional, and of those among them that the
+        segment before does not hold; -1 where they were not counted.
     """
 
     rows: int = 0
     first_s: float = math.nan
     last_s: float = math.nan
     highest_person: int = -1
+    people: int = -1
+    new_people: int = -1
 
     def overlaps(self, from_s: float, until_s: float) -> bool:
         """Return whether it overlaps the time between two times, both included [s]."""
@@ -146,7 +157,7 @@ def read_file_info(path: Path) -> TracksInfo:
     InputError
         When it is not a Parquet file, or of a format that is not known.
     """
-    with _opened(path) as file:
+    with opened(path) as file:
         metadata = (file.schema_arrow.metadata or {}).get(b"trecsim", b"{}")
         details = set(file.schema_arrow.names).issuperset(DETAILS)
     try:
@@ -155,9 +166,13 @@ def read_file_info(path: Path) -> TracksInfo:
         skeleton = SKELETONS[facts.get("skeleton", COCO17.name)]
     except (ValueError, AttributeError, KeyError, TypeError, RecursionError):
         raise InputError(f"{path}: its note for trecsim is damaged: {metadata[:80]!r}") from None
-    if made != FORMAT:
-        raise InputError(f"{path}: expected the format {FORMAT!r}, found {made!r}")
-    return TracksInfo(skeleton, facts.get("rig_sha256"), details)
+    if made not in (FORMAT, COMPACT_FORMAT):
+        newer = str(made).startswith(_FORMAT_NAME) and str(made)[len(_FORMAT_NAME) :].isdecimal()
+        why = "; it was made by a newer trecsim: install that one" if newer else ""
+        raise InputError(
+            f"{path}: expected the format {FORMAT!r} or {COMPACT_FORMAT!r}, found {made!r}{why}"
+        )
+    return TracksInfo(skeleton, facts.get("rig_sha256"), details, compact=made == COMPACT_FORMAT)
 
 
 def read_contents(path: Path) -> Contents:
@@ -168,21 +183,25 @@ def read_contents(path: Path) -> Contents:
     InputError
         When it is not a Parquet file of tracks.
     """
-    with _opened(path) as file:
-        _check_columns(file, path)
+    with opened(path) as file:
+        check_columns(file, path)
         rows = file.metadata.num_rows
         if rows == 0:
             return Contents()
-        (first_s, last_s), (_, highest) = (_extent(file, name) for name in ("t_s", "person"))
-    return Contents(rows, float(first_s), float(last_s), int(highest))
+        first_s, last_s = _extent(file, "t_s")
+        _, highest = _extent(file, "person")
+    nobody = math.isnan(highest)
+    return Contents(rows, float(first_s), float(last_s), -1 if nobody else int(highest))
 
 
 def _extent(file: pq.ParquetFile, name: str) -> tuple[float, float]:
-    """Return the smallest and largest number in a column."""
+    """Return the smallest and largest number in a column; NaN where it is empty."""
     groups = [_statistics(file, name, group) for group in range(file.num_row_groups)]
     known = [one for one in groups if one is not None]
     if len(known) < len(groups):  # others write files without statistics
-        numbers = file.read(columns=[name])[name].to_numpy()
+        numbers = file.read(columns=[name])[name].drop_null().to_numpy()
+        if not len(numbers):
+            return math.nan, math.nan
         return numbers.min().item(), numbers.max().item()
     return min(low for low, _ in known), max(high for _, high in known)
 
@@ -209,18 +228,24 @@ def read_file(
     InputError
         When the file is not a Parquet file of tracks.
     """
-    with _opened(path) as file:
-        _check_columns(file, path)
+    with opened(path) as file:
+        check_columns(file, path)
         everything = from_s == -math.inf and until_s == math.inf
-        groups = [
-            group
-            for group in range(file.num_row_groups)
-            if everything or _may_overlap(_statistics(file, "t_s", group), from_s, until_s)
-        ]
+        groups = groups_between(file, from_s, until_s)
         columns = [name for name in file.schema_arrow.names if name in DETAIL_SCHEMA.names]
         for batch in file.iter_batches(_BATCH_ROWS, row_groups=groups, columns=columns):
             table = pa.Table.from_batches([batch])
             yield table if everything else _between(table, from_s, until_s)
+
+
+def groups_between(file: pq.ParquetFile, from_s: float, until_s: float) -> list[int]:
+    """Return the row groups that may hold something between two times, both included."""
+    everything = from_s == -math.inf and until_s == math.inf
+    return [
+        group
+        for group in range(file.num_row_groups)
+        if everything or _may_overlap(_statistics(file, "t_s", group), from_s, until_s)
+    ]
 
 
 def _may_overlap(extent: tuple[float, float] | None, from_s: float, until_s: float) -> bool:
@@ -249,7 +274,14 @@ def file_rows(
         yield rows
 
 
-def _check_columns(file: pq.ParquetFile, path: Path) -> None:
+def check_columns(file: pq.ParquetFile, path: Path) -> None:
+    """Refuse a file without the columns of tracks.
+
+    Raises
+    ------
+    InputError
+        When one is missing.
+    """
     missing = [name for name in COLUMNS if name not in file.schema_arrow.names]
     if missing:
         raise InputError(
@@ -258,7 +290,14 @@ def _check_columns(file: pq.ParquetFile, path: Path) -> None:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Any]:
+def opened(path: Path) -> Iterator[Any]:
+    """Open a Parquet file.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or is damaged.
+    """
     with opened_for_reading(path):  # it tells better than Arrow why a file cannot be opened
         pass
     with arrow_faults(path), native_file(path) as file:

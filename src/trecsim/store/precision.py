@@ -22,7 +22,7 @@ velocity is not kept.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int32, Int64, Shaped
+from jaxtyping import Bool, Float64, Int8, Int32, Int64, Shaped, UInt16
 
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.values import COASTING, CONFIRMED, Snapshot
@@ -45,16 +45,15 @@ UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 _VARIANCES, _COVARIANCES = [0, 3, 5], [1, 2, 4]
 _FULL = ("shoulder", "hip", "ankle")
 _MOST_CAMERAS = 2**16 - 1
+_CODES = {name: code for code, name in enumerate(STATES)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Steps:
-    """A snapshot as whole numbers of steps; people are in the order of their identities.
+    """People of one moment or several as whole numbers of steps.
 
     Attributes
     ----------
-    t_s
-        The moment [s].
     person
         Identities.
     state
@@ -67,14 +66,20 @@ class Steps:
         Upper triangles of the joints of :func:`full_joints`; `MISSING` where it is a sphere.
     """
 
-    t_s: float
     person: Int64[np.ndarray, " person"]
-    state: Shaped[np.ndarray, " person"]
+    state: Int8[np.ndarray, " person"]
     position: Int32[np.ndarray, "person joint 3"]
     velocity: Int32[np.ndarray, "person joint 3"]
     sigma: Int32[np.ndarray, "person joint"]
-    support: Shaped[np.ndarray, "person joint"]
+    support: UInt16[np.ndarray, "person joint"]
     covariance: Int32[np.ndarray, "person full 6"]
+
+    def of(self, which: slice) -> "Steps":
+        """Return a part of the people."""
+        return Steps(
+            self.person[which], self.state[which], self.position[which], self.velocity[which],
+            self.sigma[which], self.support[which], self.covariance[which],
+        )  # fmt: skip
 
 
 def full_joints(skeleton: Skeleton = COCO17) -> list[int]:
@@ -99,36 +104,40 @@ def rounded(snapshot: Snapshot, skeleton: Skeleton = COCO17) -> Snapshot:
     >>> snapshot.xyz_m[0, 0]
     array([1.235, 1.235, 1.235])
     """
-    return from_steps(to_steps(snapshot, skeleton), skeleton)
-
-
-def to_steps(snapshot: Snapshot, skeleton: Skeleton = COCO17) -> Steps:
-    """Convert a snapshot to whole numbers of steps."""
     order = np.argsort(snapshot.id, kind="stable")
-    position = _whole(snapshot.xyz_m[order], POSITION_STEPS)
+    ordered = Snapshot(
+        snapshot.t_s, snapshot.id[order], snapshot.xyz_m[order], snapshot.cov_m2[order],
+        snapshot.support[order],
+        velocity_mps=snapshot.velocity_mps[order],
+        state=snapshot.state[order],
+    )  # fmt: skip
+    return from_steps(float(snapshot.t_s), to_steps(ordered, skeleton), skeleton)
+
+
+def to_steps(people: Snapshot, skeleton: Skeleton = COCO17) -> Steps:
+    """Convert people, in their order, to whole numbers of steps."""
+    position = _whole(people.xyz_m, POSITION_STEPS)
     position[(position == MISSING).any(axis=-1)] = MISSING
-    velocity = _whole(snapshot.velocity_mps[order], VELOCITY_STEPS)
+    velocity = _whole(people.velocity_mps, VELOCITY_STEPS)
     velocity[(velocity == MISSING).any(axis=-1)] = MISSING
-    cov_m2 = snapshot.cov_m2[order]
     full = full_joints(skeleton)
-    sigma = _sigma(np.trace(cov_m2, axis1=-2, axis2=-1) / 3.0)
-    covariance = _covariance_steps(cov_m2[:, full])
+    sigma = _sigma(np.trace(people.cov_m2, axis1=-2, axis2=-1) / 3.0)
+    covariance = _covariance_steps(people.cov_m2[:, full])
     known = covariance[..., 0] != MISSING
     kept_m2 = covariance[..., _VARIANCES].sum(axis=-1, dtype=np.int64) / (3.0 * COVARIANCE_STEPS)
     sigma[:, full] = np.where(known, _sigma(kept_m2), sigma[:, full])
     return Steps(
-        t_s=float(snapshot.t_s),
-        person=snapshot.id[order].astype(np.int64),
-        state=_codes(snapshot.state[order]),
+        person=people.id.astype(np.int64),
+        state=_codes(people.state),
         position=position,
         velocity=velocity,
         sigma=sigma,
-        support=np.clip(snapshot.support[order], 0, _MOST_CAMERAS).astype(np.uint16),
+        support=np.clip(people.support, 0, _MOST_CAMERAS).astype(np.uint16),
         covariance=covariance,
     )
 
 
-def from_steps(steps: Steps, skeleton: Skeleton = COCO17) -> Snapshot:
+def from_steps(t_s: float, steps: Steps, skeleton: Skeleton = COCO17) -> Snapshot:
     """Convert whole numbers of steps to the snapshot they stand for."""
     sigma_m = _number(steps.sigma, SIGMA_STEPS)
     cov_m2 = np.square(sigma_m)[..., None, None] * np.eye(3)
@@ -139,7 +148,7 @@ def from_steps(steps: Steps, skeleton: Skeleton = COCO17) -> Snapshot:
     known = ~np.isnan(full[..., 0, 0])
     cov_m2[:, which] = np.where(known[..., None, None], full, cov_m2[:, which])
     return Snapshot(
-        steps.t_s,
+        t_s,
         steps.person,
         _number(steps.position, POSITION_STEPS),
         cov_m2,
@@ -200,6 +209,5 @@ _LEAST_SHARE = 1e-9
 """Smallest determinant relative to that of the uncorrelated matrix: above the error of rounding."""
 
 
-def _codes(state: Shaped[np.ndarray, " person"]) -> Shaped[np.ndarray, " person"]:
-    codes = {name: code for code, name in enumerate(STATES)}
-    return np.array([codes[name] for name in state.tolist()], np.int8)
+def _codes(state: Shaped[np.ndarray, " person"]) -> Int8[np.ndarray, " person"]:
+    return np.array([_CODES[name] for name in state.tolist()], np.int8)

@@ -12,15 +12,10 @@ from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
 from trecsim.store.frames import tidy_frame, wide_frame
 from trecsim.store.parquet_file import TracksInfo, write_file
+from trecsim.store.parquet_reading import parts_of, read_info, read_parquet
 from trecsim.store.rows import confirmed_only
 from trecsim.store.tracks_csv import CsvWriter, read_csv
-from trecsim.store.tracks_parquet import (
-    ParquetTracksWriter,
-    parts_of,
-    read_info,
-    read_parquet,
-    tables_of,
-)
+from trecsim.store.tracks_parquet import ParquetTracksWriter, tables_of
 from trecsim.values import Snapshot
 
 if TYPE_CHECKING:
@@ -163,7 +158,9 @@ class Tracks(Iterator[Snapshot]):
             everything = read_csv(self.path, COCO17)
             return (one for one in everything if self.from_s <= one.t_s <= self.until_s)
         snapshots = read_parquet(self.path, self.from_s, self.until_s)
-        return snapshots if self.provisional else confirmed_only(snapshots)
+        if self.provisional:
+            return (one for one in snapshots if len(one.id))
+        return confirmed_only(snapshots)
 
     def __next__(self) -> Snapshot:
         return next(self._snapshots)

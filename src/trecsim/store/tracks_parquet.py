@@ -18,9 +18,7 @@ covariance of each joint. Numbers are float32, encoded with BYTE_STREAM_SPLIT an
 Zstandard. See ``docs/decisions/``.
 """
 
-import errno
 import math
-import os
 import shutil
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -32,30 +30,27 @@ from typing import Self
 import numpy as np
 import pyarrow as pa
 
-from trecsim.errors import InputError, SetupError
-from trecsim.skeleton import Skeleton
+from trecsim.errors import SetupError
 from trecsim.store.atomic import disk_faults, sync_directory
-from trecsim.store.claiming import FolderClaim
 from trecsim.store.open_segment import OpenSegment
 from trecsim.store.parquet_file import (
     TracksInfo,
     file_rows,
-    read_file_info,
     write_file,
 )
-from trecsim.store.rows import ROW, Rows, rows_of, snapshots_of, table_of
+from trecsim.store.parquet_reading import parts_of
+from trecsim.store.rows import ROW, Rows, rows_of, table_of
 from trecsim.store.segments import (
     CATALOGUE,
     SUFFIX,
     Segment,
-    files_in,
     part_folders,
     segment_files,
     segment_name,
-    segment_of,
     segments_in,
     write_catalogue,
 )
+from trecsim.store.unfinished import claim_parts, with_kept
 from trecsim.values import Snapshot
 
 HOUR_S = 3600.0
@@ -110,7 +105,7 @@ class ParquetTracksWriter:
         self._part_s = part_s
         self._clock = clock
         self._parts = parts_of(self._path)
-        self._claim = _claimed(self._path, resume)
+        self._claim = claim_parts(self._path, resume=resume)
         try:
             self._segments = _recovered(self._parts, info) if resume else []
         except BaseException:
@@ -206,7 +201,7 @@ class ParquetTracksWriter:
             if isinstance(error, SetupError):
                 with suppress(SetupError):  # the disk is still full; report the first error
                     self.abandon()
-                raise self._with_kept(error) from error
+                raise with_kept(error, self._parts) from error
             self.abandon()
         elif not self._ended:
             self._finish()
@@ -221,7 +216,7 @@ class ParquetTracksWriter:
         except SetupError as fault:
             with suppress(SetupError):
                 self.abandon()
-            raise self._with_kept(fault) from fault
+            raise with_kept(fault, self._parts) from fault
         except BaseException:
             self.abandon()
             raise
@@ -246,51 +241,6 @@ class ParquetTracksWriter:
 
     def _duration_s(self) -> float:
         return self._segments[-1].contents.last_s - self._segments[0].contents.first_s
-
-    def _with_kept(self, error: SetupError) -> SetupError:
-        if not self._parts.is_dir() or not files_in(self._parts):
-            return error
-        return SetupError(f"{error}; what was recorded is kept in {self._parts}")
-
-
-def parts_of(path: Path) -> Path:
-    """Return the folder of the recording `path` until it is complete."""
-    return path.with_name(path.name + ".parts")
-
-
-def _claimed(path: Path, resume: bool) -> FolderClaim:
-    parts = parts_of(path)
-    with disk_faults(path):
-        if path.is_dir() and not resume:
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
-        if not path.parent.is_dir():
-            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
-        if parts.is_dir() and files_in(parts) and path.exists() and resume:
-            raise InputError(
-                f"{path} and {parts} are both there; move one of them away, then resume again"
-            )
-        if path.is_dir():
-            path.rename(parts)
-    claim = FolderClaim(parts, "recording")
-    try:
-        with disk_faults(path):
-            _prepare(path, parts, resume)
-    except BaseException:
-        claim.release()
-        raise
-    return claim
-
-
-def _prepare(path: Path, parts: Path, resume: bool) -> None:
-    if files_in(parts) and not resume:
-        raise InputError(
-            f"{parts} holds a recording that has not ended: keep it with "
-            f"`trecsim export {parts} OUT.parquet`, then delete the directory"
-        )
-    for temporary in parts.rglob(".*.tmp"):  # incomplete files of a crash
-        temporary.unlink()
-    if resume and path.is_file():
-        path.replace(parts / f"{segment_name(1)}{SUFFIX}")
 
 
 def _recovered(parts: Path, info: TracksInfo) -> list[Segment]:
@@ -323,79 +273,3 @@ def tables_of(snapshots: Iterable[Snapshot], info: TracksInfo) -> Iterator[pa.Ta
             rows.clear()
     if rows:
         yield table_of(np.concatenate(rows), info.skeleton, details=info.details)
-
-
-def read_parquet(
-    path: Path, from_s: float = -math.inf, until_s: float = math.inf
-) -> Iterator[Snapshot]:
-    """Read tracks, one snapshot per time; of an unfinished recording, read segments and parts.
-
-    Parameters
-    ----------
-    path
-        A Parquet file of tracks, or a folder of segments or parts.
-    from_s, until_s
-        Only snapshots between these times are read, both included [s]; other segments are not
-        opened.
-
-    Raises
-    ------
-    InputError
-        When the recording is missing or wrong.
-    """
-    skeleton = read_info(path).skeleton
-    blocks = _blocks(path, skeleton, from_s, until_s)
-    yield from snapshots_of(blocks, skeleton, path, unit="row", first=1)
-
-
-def _blocks(path: Path, skeleton: Skeleton, from_s: float, until_s: float) -> Iterator[Rows]:
-    next_s = from_s
-    for file in _files_between(path, from_s, until_s):
-        if file != path and not file.exists():  # parts have just become a segment
-            yield from _blocks(path, skeleton, next_s, until_s)
-            return
-        for rows in file_rows(file, skeleton, from_s, until_s):
-            yield rows
-            if len(rows):
-                next_s = math.nextafter(float(rows["t_s"][-1]), math.inf)
-
-
-def _files_between(path: Path, from_s: float, until_s: float) -> list[Path]:
-    folder = _folder_of(path)
-    if folder is None:
-        return [path]
-    if from_s == -math.inf and until_s == math.inf:
-        return files_in(folder)
-    return [one.file for one in segments_in(folder) if one.contents.overlaps(from_s, until_s)]
-
-
-def _folder_of(path: Path) -> Path | None:
-    """Return the folder of segments or parts of a recording; None for a file."""
-    if path.is_dir():
-        return path
-    return parts_of(path) if not path.exists() and parts_of(path).is_dir() else None
-
-
-def read_info(path: Path) -> TracksInfo:
-    """Read the metadata of a recording; files of other programs have none, and get the default.
-
-    Raises
-    ------
-    InputError
-        When it is not a Parquet file, or of a format that is not known.
-    """
-    folder = _folder_of(path)
-    files = files_in(folder) if folder is not None else [path]
-    return read_file_info(files[0]) if files else TracksInfo()
-
-
-def recording_segments(path: Path) -> list[Segment]:
-    """Return the files of a recording in order, with their extents.
-
-    Raises
-    ------
-    InputError
-        When the recording is missing or damaged.
-    """
-    folder = _folder_of(path)
-    return segments_in(folder) if folder is not None else [segment_of(path)]

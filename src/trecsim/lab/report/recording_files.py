@@ -7,8 +7,8 @@ from pathlib import Path
 from trecsim.errors import InputError
 from trecsim.store.atomic import partial_path
 from trecsim.store.names import POSES, RIG, TRUTH
+from trecsim.store.parquet_reading import parts_of
 from trecsim.store.timing_csv import NAME as TIMING
-from trecsim.store.tracks_parquet import parts_of
 
 PIECES = {
     "rig": RIG,
