@@ -133,6 +133,28 @@ def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_esti
     assert len(kept.items) > 3
 
 
+def test_an_estimator_that_ends_its_thread_is_told_and_the_next_images_are_estimated():
+    def images():
+        for n in range(5):
+            time.sleep(0.01)
+            yield Frame(FIRST, n, 0.04 * n, np.zeros((8, 8, 3), np.uint8))
+
+    class Leaving:
+        skeleton = "coco17"
+
+        def __call__(self, frame):
+            if frame.index == 0:
+                raise SystemExit("the licence has ended")
+            return Poses2D(
+                frame.camera, frame.t_s, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0)
+            )
+
+    faults, kept = [], Kept()
+    live(Feed([images()], Leaving(), faults.append), SCENE.rig, Sinks(poses=[kept]))
+    assert [str(one) for one in faults] == ["ended with SystemExit: the licence has ended"]
+    assert kept.items
+
+
 def test_poses_that_cannot_be_used_are_told_once_and_stop_no_other_camera():
     def strange():
         for n in range(5):

@@ -3,6 +3,7 @@
 from threading import Event
 
 import numpy as np
+import pytest
 
 from trecsim.errors import InputError
 from trecsim.sources.camera_mailbox import Mailbox, deliver
@@ -92,6 +93,27 @@ def test_a_source_that_fails_is_told_and_the_others_go_on():
     taken = [one.item for one in box.arrivals(tick_s=0.001) if one.item]
     assert sorted(one.camera for one in taken) == ["a", "b", "b", "b"]
     assert [str(one) for one in faults] == ["the cable is out"]
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (SystemExit(3), "ended with SystemExit: 3"),
+        (KeyboardInterrupt(), "ended with KeyboardInterrupt"),
+    ],
+)
+def test_a_source_that_ends_its_thread_is_told_and_the_others_go_on(error, text):
+    def ending():
+        yield image("a", 0.0)
+        raise error
+
+    faults = []
+    box = Mailbox(depth=9)
+    deliver([ending(), [image("b", float(n)) for n in range(3)]], box, faults.append)
+    taken = [one.item for one in box.arrivals(tick_s=0.001) if one.item]
+    assert sorted(one.camera for one in taken) == ["a", "b", "b", "b"]
+    assert [str(one) for one in faults] == [text]
+    assert faults[0].__cause__ is error
 
 
 def test_a_closed_mailbox_ends_its_sources():

@@ -20,7 +20,7 @@ from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
-from trecsim.sources.camera_mailbox import TICK_S, Mailbox
+from trecsim.sources.camera_mailbox import TICK_S, Mailbox, as_fault
 from trecsim.sources.image_sizes import original_px
 from trecsim.values import Frame, Poses2D
 
@@ -145,9 +145,17 @@ def estimate_live(
     """
     poses: Mailbox[Poses2D] = Mailbox(_LIVE_DEPTH)
     poses.begin()
-    Thread(
-        target=_estimate_live, args=(frames, estimator, fault, poses), name="estimate", daemon=True
-    ).start()
+
+    def run() -> None:
+        try:
+            _estimate_live(frames, estimator, fault, poses)
+        except BaseException as error:  # the boundary of the thread: whatever it is, it is told
+            fault(as_fault(error))
+        finally:
+            frames.close()
+            poses.end()
+
+    Thread(target=run, name="estimate", daemon=True).start()
     return poses
 
 
@@ -170,8 +178,8 @@ def _estimate_live(
                 error = done.exception()
                 if error is None:
                     _put(done.result(), poses, fault)
-                elif isinstance(error, Exception):
-                    fault(error)
+                else:
+                    fault(as_fault(error))
 
     with ThreadPoolExecutor(at_once, thread_name_prefix="estimate") as pool:
         while not frames.is_over and not poses.closed:
@@ -184,8 +192,6 @@ def _estimate_live(
             with in_order:
                 begun.setdefault(frame.camera, deque()).append(future)
             future.add_done_callback(partial(finished, frame.camera))
-    frames.close()
-    poses.end()
 
 
 def _estimated(estimator: Estimator2D, frame: Frame) -> object:

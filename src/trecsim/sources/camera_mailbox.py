@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Sequence
 from threading import Condition, Thread
 from typing import Generic
 
+from trecsim.errors import Error
 from trecsim.sources.base import Arrival, Item, Source
 
 TICK_S = 0.05
@@ -113,6 +114,24 @@ class Mailbox(Generic[Item]):
         return min(waiting, key=lambda queue: queue[0][0], default=None)
 
 
+def as_fault(error: BaseException) -> Exception:
+    """Return an error as the fault of a camera that is told.
+
+    A thread that raises SystemExit or KeyboardInterrupt ends without a word, so these are told as
+    an `Error` that names them.
+
+    Examples
+    --------
+    >>> as_fault(SystemExit(3))
+    Error('ended with SystemExit: 3')
+    """
+    if isinstance(error, Exception):
+        return error
+    fault = Error(f"ended with {type(error).__name__}: {error}".removesuffix(": "))
+    fault.__cause__ = error
+    return fault
+
+
 def deliver(sources: Sequence[Source[Item]], box: Mailbox[Item], fault: Fault) -> None:
     """Let each source deliver into `box`, in a thread of its own, until it ends.
 
@@ -132,8 +151,8 @@ def deliver(sources: Sequence[Source[Item]], box: Mailbox[Item], fault: Fault) -
                 if box.closed:
                     return
                 box.put(item)
-        except Exception as error:  # the boundary of a source: whatever it is, it is told
-            fault(error)
+        except BaseException as error:  # the boundary of a source: whatever it is, it is told
+            fault(as_fault(error))
         finally:
             box.end()
 

@@ -317,6 +317,7 @@ def _table(content: bytes, path: Path) -> pa.Table:
     try:
         table = pa_csv.read_csv(
             native_reader(content),
+            pa_csv.ReadOptions(use_threads=False),  # else a thread may outlive the reading
             convert_options=pa_csv.ConvertOptions(column_types=COLUMNS, null_values=[]),
         )
     except (pa.ArrowException, ValueError, OSError) as error:
