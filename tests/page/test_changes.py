@@ -148,7 +148,7 @@ def test_what_a_user_has_reviewed_is_kept(changing: RunningPage) -> None:
 
 def test_recordings_are_listed_and_replayed_in_part(changing: RunningPage) -> None:
     assert changing.client.get("/api/recordings").json() == [
-        {"id": "2026-11-30", "from_s": 0.0, "to_s": 7.96, "people": 3}
+        {"id": "2026-11-30", "from_s": 0.0, "to_s": 7.96, "people": 3, "gaps": []}
     ]
     answer = changing.client.get(
         "/api/recordings/2026-11-30/snapshots", params={"from_s": 2.0, "to_s": 4.0}

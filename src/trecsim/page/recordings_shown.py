@@ -2,10 +2,11 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import islice
 from pathlib import Path
 from time import time
+from typing import Any
 
 from trecsim.page.last_seen import LastSeen, snapshot_part
 from trecsim.page.messages import message, snapshot_body
@@ -24,15 +25,18 @@ class ShownRecording:
     id
         Name of its folder.
     from_s, to_s
-        Times of the first and last snapshot with people [s].
+        Its first and last time [s].
     people
-        Number of identities.
+        Number of identities that were not only provisional.
+    gaps
+        Times between, of which nothing is stored: from and to [s], and why.
     """
 
     id: str
     from_s: float
     to_s: float
     people: int
+    gaps: tuple[dict[str, Any], ...] = ()
 
 
 def shown_recordings(folder: Path) -> list[ShownRecording]:
@@ -40,19 +44,26 @@ def shown_recordings(folder: Path) -> list[ShownRecording]:
 
     Folders without tracks are left out, and so is what cannot be read.
     """
-    folders = [folder, *(path for path in folder.iterdir() if path.is_dir())]
-    found = [one for path in folders if (one := _shown(path)) is not None]
-    return sorted(found, key=lambda one: one.from_s)
+    from trecsim.store.playback import recordings
+
+    return [
+        ShownRecording(
+            one.id, one.from_s, one.to_s, one.people, tuple(asdict(gap) for gap in one.gaps)
+        )
+        for one in recordings(folder)
+        if _ID.fullmatch(one.id)
+    ]
 
 
 def recording_folder(folder: Path, identity: str) -> Path | None:
     """Return the folder of a recording; None where there is none of this name."""
+    from trecsim.store.playback import recording_folders
+
     if not _ID.fullmatch(identity):
         return None
-    if folder.name == identity and _tracks(folder) is not None:
-        return folder
-    found = folder / identity
-    return found if found.is_dir() and _tracks(found) is not None else None
+
+    found = {one.name: one for one in recording_folders(folder)}
+    return found.get(identity)
 
 
 def snapshot_lines(folder: Path, from_s: float, to_s: float) -> Iterator[str]:
@@ -76,39 +87,11 @@ def snapshot_lines(folder: Path, from_s: float, to_s: float) -> Iterator[str]:
 
 
 def _lines(folder: Path, from_s: float, to_s: float) -> Iterator[str]:
-    from trecsim.store.tracks import read_tracks
+    from trecsim.store.playback import snapshots
 
     seen = LastSeen()
-    for snapshot in read_tracks(folder, from_s=from_s - LOOK_BACK_S, until_s=to_s):
+    for snapshot in snapshots(folder, from_s - LOOK_BACK_S, to_s):
         seen_s = seen.ages_s(snapshot)
         if snapshot.t_s >= from_s:
             body = snapshot_body(snapshot_part(snapshot, seen_s))
             yield message("snapshot", time(), body) + "\n"
-
-
-def _tracks(folder: Path) -> Path | None:
-    """Return the tracks of a recording, complete or not."""
-    from trecsim.store.recordings import TRACKS
-
-    complete = folder / TRACKS
-    unfinished = folder / f"{TRACKS}.parts"
-    return complete if complete.exists() or unfinished.is_dir() else None
-
-
-def _shown(folder: Path) -> ShownRecording | None:
-    from trecsim.errors import Error
-    from trecsim.store.tracks_parquet import recording_segments
-
-    tracks = _tracks(folder)
-    if tracks is None or not _ID.fullmatch(folder.name):
-        return None
-    try:
-        contents = [one.contents for one in recording_segments(tracks) if one.contents.rows]
-    except (Error, OSError):
-        return None
-    if not contents:
-        return None
-    return ShownRecording(
-        folder.name, contents[0].first_s, contents[-1].last_s,
-        1 + max(one.highest_person for one in contents),
-    )  # fmt: skip

@@ -18,6 +18,7 @@ from trecsim.store.parquet_file import (
     TracksInfo,
     arrow_faults,
     check_columns,
+    file_groups,
     groups_between,
     opened,
 )
@@ -67,10 +68,7 @@ def compact_groups(path: Path) -> Iterator[pa.Table]:
     InputError
         When it is not a Parquet file of tracks.
     """
-    with opened(path) as file:
-        check_columns(file, path)
-        for group in range(file.num_row_groups):
-            yield file.read_row_group(group, columns=COMPACT_SCHEMA.names)
+    return file_groups(path, COMPACT_SCHEMA.names)
 
 
 def merged(paths: Iterable[Path]) -> pa.Table:

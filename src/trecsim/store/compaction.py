@@ -156,11 +156,13 @@ def _counted(files: Iterable[Path], people: set[int]) -> Iterator[pa.Table]:
 
 def people_of(table: pa.Table) -> set[int]:
     """Return the identities in a table that are not only provisional."""
-    state = table["state"].combine_chunks()
-    known = [n for n, name in enumerate(state.dictionary.to_pylist()) if name != PROVISIONAL]
-    chosen = np.isin(state.indices.fill_null(-1).to_numpy(), known)
-    person = table["person"].fill_null(-1).to_numpy()[chosen]
-    return set(np.unique(person).tolist())
+    person = table["person"].fill_null(-1).to_numpy()
+    if "state" in table.column_names:
+        coded = table["state"].combine_chunks()
+        coded = coded if pa.types.is_dictionary(coded.type) else coded.dictionary_encode()
+        known = [n for n, name in enumerate(coded.dictionary.to_pylist()) if name != PROVISIONAL]
+        person = person[np.isin(coded.indices.fill_null(-1).to_numpy(), known)]
+    return set(np.unique(person).tolist()) - {-1}
 
 
 def _with_people(

@@ -2,3 +2,4 @@
 
 POSES_FORMAT = "trecsim.poses2d/1"
 RIG, POSES, TRUTH = "rig.toml", "poses.jsonl", "truth.npz"
+TRACKS = "tracks.parquet"

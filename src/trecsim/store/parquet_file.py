@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -191,6 +191,7 @@ def read_contents(path: Path) -> Contents:
         first_s, last_s = _extent(file, "t_s")
         _, highest = _extent(file, "person")
     nobody = math.isnan(highest)
+    first_s, last_s = first_s + 0.0, last_s + 0.0  # the statistics of Parquet write 0 as -0
     return Contents(rows, float(first_s), float(last_s), -1 if nobody else int(highest))
 
 
@@ -236,6 +237,21 @@ def read_file(
         for batch in file.iter_batches(_BATCH_ROWS, row_groups=groups, columns=columns):
             table = pa.Table.from_batches([batch])
             yield table if everything else _between(table, from_s, until_s)
+
+
+def file_groups(path: Path, columns: Sequence[str]) -> Iterator[pa.Table]:
+    """Read the row groups of a file, with those of the columns that it has.
+
+    Raises
+    ------
+    InputError
+        When it is not a Parquet file of tracks.
+    """
+    with opened(path) as file:
+        check_columns(file, path)
+        there = [name for name in columns if name in file.schema_arrow.names]
+        for group in range(file.num_row_groups):
+            yield file.read_row_group(group, columns=there)
 
 
 def groups_between(file: pq.ParquetFile, from_s: float, until_s: float) -> list[int]:

@@ -16,15 +16,13 @@ from pathlib import Path
 from trecsim.errors import InputError
 from trecsim.store.atomic import partial_path
 from trecsim.store.claiming import FolderClaim
-from trecsim.store.names import POSES, RIG
+from trecsim.store.names import POSES, RIG, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.timing_csv import NAME as TIMING
 from trecsim.store.timing_csv import TimingWriter, last_time_s, read_timing, timing_in
 from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
-
-TRACKS = "tracks.parquet"
 
 
 @dataclass(frozen=True, slots=True)
