@@ -51,8 +51,7 @@ def fetch_sample(
 ) -> list[Path]:
     """Put the recording into `folder`, ready to run, and return its site files.
 
-    What is there already is kept: videos that are whole, and rig and site files even where
-    somebody has changed them.
+    Existing files are kept: complete videos, and rig and site files even if they were changed.
 
     Parameters
     ----------

@@ -47,9 +47,9 @@ def stage(
     seed
         The same one gives the same files; None takes that of the scene.
     simulating
-        Told the number of cameras done, and of all.
+        Called with the number of finished cameras, and of all.
     writing
-        Told the number of images written, and of all.
+        Called with the number of written images, and of all.
 
     Raises
     ------

@@ -188,7 +188,7 @@ def test_moving_everything_changes_nothing():
 
 
 def test_frames_and_annotation_must_be_equally_many():
-    with pytest.raises(InputError, match="expected who was found in 1 frames"):
+    with pytest.raises(InputError, match="expected tracks in 1 frames"):
         count_pcp([], UPRIGHT_M[None, None])
 
 

@@ -97,7 +97,7 @@ def test_a_missing_annotation_is_told(tmp_path):
     [
         (np.zeros((2, 10, 14, 3)), "2 people in 10 frames"),
         (np.zeros((0, 700, 14, 3)), "0 people in 700 frames"),
-        (np.full((1, 700, 14, 3), np.nan), "somebody annotated"),
+        (np.full((1, 700, 14, 3), np.nan), "an annotated person"),
         (np.full((1, 700, 14, 3), np.inf), "finite numbers or NaN"),
         (np.array([None]), "expected real numbers, found the type object"),
     ],

@@ -236,7 +236,7 @@ def _weighted(values: Sequence[float], rows: Sequence[LimbRow]) -> float:
 def true_lengths(people: Iterable[PersonTrack], truth: Truth) -> Given:
     """Return the true limb lengths of each identity that is the track of a true person.
 
-    A true length is the mean over the ground truth. An identity belongs to the person to whom it is
+    A true length is the mean over the ground truth. An identity belongs to the person that is
     nearest in most frames, within 0.5 m, mean over the joints.
     """
     of_person = np.array(

@@ -158,10 +158,10 @@ def _lag_s(moments: Moments, timing: Timing) -> float:
 
     Each frame set with people has a frame in the tracks; the lag is the time between the two.
     """
-    with_somebody_s = timing.t_s[timing.people > 0]
-    if not len(moments.t_s) or len(with_somebody_s) != len(moments.t_s):
+    occupied_s = timing.t_s[timing.people > 0]
+    if not len(moments.t_s) or len(occupied_s) != len(moments.t_s):
         return 0.0
-    return float(np.median(with_somebody_s - moments.t_s))
+    return float(np.median(occupied_s - moments.t_s))
 
 
 def with_empty_moments(

@@ -17,34 +17,34 @@ from trecsim.lab.evaluation.pcp_joints import (
 from trecsim.lab.evaluation.person_tracks import mean_of_known
 
 AVERAGED_ACTORS = 3  # the fourth of Shelf is left out of every published average
-FOUND_M = 0.5  # mean distance over the joints within which somebody counts as found
+FOUND_M = 0.5  # gate: largest distance of a match, mean over the joints
 
 
 @dataclass(frozen=True, slots=True)
 class ActorPcp:
-    """How one annotated person was found.
+    """PCP and identity figures of one annotated person.
 
     Attributes
     ----------
     actor
         Number, from 1 as in the literature.
     frames
-        In how many frames the person is annotated.
+        Number of frames in which the person is annotated.
     correct, total
-        Parts that are right, of all; ten a frame.
+        Number of correct parts, and of all parts; ten per frame.
     group_correct, group_total
         The same for each of :data:`GROUPS`.
     found
-        Frames in which somebody is within half a metre, mean over the joints.
+        Frames with a track within half a metre, mean over the joints.
     switches
-        How often another identity was found than the time before.
+        Number of identity switches: another identity than at the last match.
     claims
-        People found, in those frames, who are nearer to this person than to any other annotated
-        one, and within half a metre of it.
+        Tracks in those frames that are nearer to this person than to any other annotated one, and
+        within half a metre.
     claimed
-        Frames with at least one of them.
+        Frames with at least one of these tracks.
     limb_joints, error_m
-        How many of the 12 limb joints were found in those frames, and the sum of their errors [m].
+        Number of the 12 limb joints that are known in matched frames, and sum of their errors [m].
     """
 
     actor: int
@@ -62,22 +62,22 @@ class ActorPcp:
 
     @property
     def pcp(self) -> float:
-        """Correct parts of all [%]; NaN if never annotated."""
+        """Share of correct parts [%]; NaN if never annotated."""
         return _percent(self.correct, self.total)
 
     @property
     def missed(self) -> int:
-        """Frames in which nobody was found within half a metre."""
+        """Frames without a track within half a metre."""
         return self.frames - self.found
 
     @property
     def precision(self) -> float:
-        """Of those found at this person the share that is not one too many; NaN if none."""
+        """Share of the tracks at this person that are not duplicates; NaN without any."""
         return self.claimed / self.claims if self.claims else float("nan")
 
     @property
     def mpjpe_m(self) -> float:
-        """Mean error of the 12 limb joints where found [m]; NaN if never."""
+        """Mean error of the 12 limb joints where matched [m]; NaN without any."""
         return self.error_m / self.limb_joints if self.limb_joints else float("nan")
 
     def row(self) -> dict[str, float]:
@@ -105,7 +105,7 @@ class Pcp:
 
     @property
     def average(self) -> float:
-        """Mean PCP of the first three actors [%], each with the same weight; the figure quoted."""
+        """Mean PCP of the first three actors [%], equally weighted, as in the literature."""
         return _mean([actor.pcp for actor in self.actors[:AVERAGED_ACTORS]])
 
     @property
@@ -116,28 +116,28 @@ class Pcp:
 
     @property
     def recall(self) -> float:
-        """Share of all annotated person-frames in which somebody is within half a metre."""
+        """Share of the annotated person-frames with a track within half a metre."""
         frames = sum(actor.frames for actor in self.actors)
         return self.found / frames if frames else float("nan")
 
     @property
     def found(self) -> int:
-        """Person-frames in which somebody is within half a metre."""
+        """Person-frames with a track within half a metre."""
         return sum(actor.found for actor in self.actors)
 
     @property
     def missed(self) -> int:
-        """Person-frames in which nobody is."""
+        """Person-frames without one."""
         return sum(actor.missed for actor in self.actors)
 
     @property
     def switches(self) -> int:
-        """How often another identity was found than the time before, over all actors."""
+        """Number of identity switches, over all actors."""
         return sum(actor.switches for actor in self.actors)
 
     @property
     def mpjpe_m(self) -> float:
-        """Mean error of the 12 limb joints over all person-frames found [m]; NaN if none."""
+        """Mean error of the 12 limb joints over all matched person-frames [m]; NaN without any."""
         joints = sum(actor.limb_joints for actor in self.actors)
         return sum(actor.error_m for actor in self.actors) / joints if joints else float("nan")
 
@@ -179,14 +179,14 @@ def count_pcp(
     Parameters
     ----------
     frames
-        Who was found, one entry per frame of the annotation; nobody where nothing is known.
+        The tracks, one entry per frame of the annotation.
     truth_m
-        The annotation; a person of whom any joint is NaN in a frame is not annotated there [m].
+        The annotation; a person with a joint of NaN is not annotated in that frame [m].
 
     Raises
     ------
     InputError
-        The two have not equally many frames.
+        The numbers of frames differ.
 
     Notes
     -----
@@ -195,7 +195,7 @@ def count_pcp(
     """
     if len(frames) != truth_m.shape[1]:
         raise InputError(
-            f"expected who was found in {truth_m.shape[1]} frames, as many as are annotated, "
+            f"expected tracks in {truth_m.shape[1]} frames, as many as are annotated, "
             f"got {len(frames)}"
         )
     counts = [_Count() for _ in truth_m]
@@ -218,7 +218,7 @@ def count_pcp(
 def _apart(
     truth_m: Float64[np.ndarray, "actor 14 3"], found_m: Float64[np.ndarray, "found 14 3"]
 ) -> Float64[np.ndarray, "actor found"]:
-    """Return the mean distance over the joints both know; infinite where there is none."""
+    """Return the mean distance over the joints that both have; infinite without any."""
     distance_m = np.linalg.norm(truth_m[:, None] - found_m[None], axis=-1)
     return np.asarray(np.nan_to_num(mean_of_known(distance_m, axis=-1), nan=np.inf))
 

@@ -1,4 +1,4 @@
-"""The joints and parts that were annotated on Shelf and Campus, made of those of COCO-17."""
+"""Annotated joints and parts of Shelf and Campus, computed from the joints of COCO-17."""
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -11,7 +11,7 @@ JOINTS = (
     *("left_shoulder", "left_elbow", "left_wrist"),
     *("bottom_head", "top_head"),
 )
-"""The joints that were annotated, in the order of the annotation; the first 12 are of limbs."""
+"""The annotated joints in the order of the annotation; the first 12 are those of the limbs."""
 
 LIMB_JOINTS = 12
 
@@ -62,9 +62,9 @@ def annotated_joints(
 def parts_correct(
     found_m: Float64[np.ndarray, "*batch 14 3"], truth_m: Float64[np.ndarray, "*batch 14 3"]
 ) -> Bool[np.ndarray, "*batch 10"]:
-    """Tell which parts are right: both ends off by no more than half its length, on average.
+    """Return which parts are correct: the mean error of both ends is at most half its length.
 
-    A part of which an end is NaN is wrong.
+    A part with an end of NaN is wrong.
     """
     found_starts_m, found_ends_m = _ends(found_m)
     starts_m, ends_m = _ends(truth_m)

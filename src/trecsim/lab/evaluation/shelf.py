@@ -56,12 +56,12 @@ def read_annotation(folder: Path | str) -> Annotation:
     joints_m = arrays_in(path, {"joints": (None, None, len(JOINTS), 3)})["joints"]
     if joints_m.shape[1] < FRAMES.stop or not len(joints_m):
         raise InputError(
-            f"{path}: joints: expected somebody in frames up to {FRAMES[-1]}, "
+            f"{path}: joints: expected people in frames up to {FRAMES[-1]}, "
             f"found {len(joints_m)} people in {joints_m.shape[1]} frames"
         )
     joints_m = joints_m[:, FRAMES.start : FRAMES.stop]
     if np.isinf(joints_m).any() or not np.isfinite(joints_m).all(axis=(2, 3)).any():
-        raise InputError(f"{path}: joints: expected finite numbers or NaN, and somebody annotated")
+        raise InputError(f"{path}: joints: expected finite numbers or NaN, and an annotated person")
     return Annotation(np.array(FRAMES) / FPS, joints_m)
 
 
@@ -88,16 +88,16 @@ def score_shelf(
     Raises
     ------
     InputError
-        The tracks have another number of joints, or nothing at the time of the annotation; or the
-        lag leaves no frame.
+        The tracks have another number of joints or none at the time of the annotation, or the lag
+        leaves no frame.
     """
     annotation = _until_lag(annotation, lag_s)
     near = _nearest(snapshots, annotation.t_s)
     if all(snapshot is None for snapshot in near):
         raise InputError(
-            "the tracks have nobody at the times of the Shelf frames, "
+            "no track lies at the times of the Shelf frames, "
             f"{annotation.t_s[0]:g} s to {annotation.t_s[-1]:g} s: "
-            "were they made of that recording?"
+            "were the tracks computed from that recording?"
         )
     return count_pcp([_found(snapshot) for snapshot in near], annotation.joints_m)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 COLUMNS = 2
-MOST_DRAWN = 4  # people; the curves of more cannot be told apart
+MOST_DRAWN = 4  # people; more curves cannot be distinguished
 MOST_COMPARED = 3  # people in one table; each has three columns there
 MOST_POINTS = 260  # of one curve in one of the small pictures
 TITLE = "Limb lengths"

@@ -50,7 +50,7 @@ class Recording:
     stays
         First and last time and number of frames of each identity, longest first.
     every
-        Of so many frames two consecutive ones are in the sample; 1: all are.
+        Two consecutive frames of every `every` are in the sample; 1: all.
     period_s
         Median time between frames [s]; NaN for fewer than two.
     sample

@@ -34,7 +34,7 @@ class Sampler:
     most_rows
         Largest number of person-frames to keep.
     every
-        Of so many frames two consecutive ones are kept; 1: all are.
+        Two consecutive frames of every `every` are kept; 1 keeps all.
     moments, person_moments
         Number of all frames and person-frames.
     """

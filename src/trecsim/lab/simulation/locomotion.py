@@ -120,7 +120,7 @@ def _segment(
     lead = 0 if comes else round(LEAD_S / STEP_S)
     close = 0 if goes else round(CLOSE_S / STEP_S)
     reach = round(4 * CURVE_S / STEP_S)
-    # Somebody who is already or still moving goes on beyond the ends.
+    # A person who enters or leaves moving continues beyond the ends.
     before = np.arange(-reach - lead, 0)[:, None] * ((xy_m[1] - xy_m[0]) if comes else 0.0)
     after = np.arange(1, reach + close + 1)[:, None] * ((xy_m[-1] - xy_m[-2]) if goes else 0.0)
     ends = np.zeros((1, 2))

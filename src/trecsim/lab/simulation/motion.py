@@ -131,7 +131,7 @@ class _Script:
         return self.enter_s + self.steps * STEP_S
 
     def times_s(self, seconds: float) -> Float64[np.ndarray, " time"]:
-        """Return the times of the next so many seconds."""
+        """Return the times of the next steps over this duration."""
         steps = max(round(seconds / STEP_S), 1)
         if (self.steps + steps) * STEP_S > LONGEST_S:
             raise InputError(
@@ -145,7 +145,7 @@ class _Script:
         self.steps += len(pose.root_m)
 
     def settle(self) -> None:
-        """Put the poses since somebody last was on foot onto the floor."""
+        """Lift the poses since the last motion on foot above the floor."""
         if self.low:
             xyz_m = on_the_floor(joined(self.low), self.actor.body)
             self.parts.append(xyz_m.astype(np.float32))

@@ -109,7 +109,7 @@ def _crouching(body: Body, _: Posture) -> Pose:
     return keyposes.crouching(body)
 
 
-# From the posture nearer to standing to the one farther from it; also gone the other way.
+# From the posture nearer to standing to the one farther from it; transitions also run backwards.
 _CHANGES: dict[tuple[Name, Name], _Change] = {
     ("stand", "arms"): _Change(0.9),
     ("stand", "bend"): _Change(1.1),

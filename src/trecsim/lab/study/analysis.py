@@ -175,7 +175,7 @@ def findings(study: Study, runs: Sequence[Run], code: str) -> Findings:
 
 
 def _of_this_study(study: Study, runs: Sequence[Run], code: str) -> list[Run]:
-    """Return the runs that count; those of an older version can be told by their values only."""
+    """Return the runs that count; those of an older version are matched by their values only."""
     same = [run for run in runs if run.code == code]
     if code != code_digest():
         return same
