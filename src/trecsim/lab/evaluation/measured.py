@@ -1,7 +1,6 @@
 """Limb lengths of real people, measured with a tape, to compare with."""
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -10,11 +9,11 @@ from pydantic import Field
 
 from trecsim.lab.evaluation.limbs import LIMBS, Given, limb_named
 from trecsim.toml_models import Table, file_faults, read_text, validated
+from trecsim.toml_models.toml_reading import Fault, nearest
 
 KIND = "file of measured limb lengths"
 
 Identity = Annotated[int, Field(ge=0)]
-Fault = tuple[tuple[str | int, ...], str]
 LengthCm = Annotated[float, Field(gt=0, le=200)]
 
 
@@ -74,9 +73,10 @@ def _unknown_limbs(measured: MeasuredFile) -> Iterator[Fault]:
     for name, subject in measured.subjects.items():
         for limb in subject.lengths_cm:
             if limb_named(limb) is None:
-                near = get_close_matches(limb, LIMBS, n=1)
-                hint = f"did you mean {near[0]!r}?" if near else f"known: {', '.join(LIMBS)}"
-                yield ("subjects", name, "lengths_cm", limb), f"no such limb; {hint}"
+                yield (
+                    ("subjects", name, "lengths_cm", limb),
+                    f"no such limb; {nearest(limb, LIMBS)}",
+                )
 
 
 def _limbs_twice(measured: MeasuredFile) -> Iterator[Fault]:

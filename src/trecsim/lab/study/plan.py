@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from difflib import get_close_matches
 
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
@@ -18,6 +17,7 @@ from trecsim.lab.study.design import (
 )
 from trecsim.lab.study.scenes import SceneChoice, chosen
 from trecsim.lab.study.settings_file_table import SettingTable, StudyTable
+from trecsim.toml_models.toml_reading import nearest
 
 FIRST_REPORTING_SEED = 1000
 """Seeds below are for choosing settings, seeds from here on for reporting results."""
@@ -134,9 +134,7 @@ def _factors(table: StudyTable, origin: str) -> tuple[Factor, ...]:
     factors = []
     for name, setting in table.settings.items():
         if name not in _KINDS:
-            near = get_close_matches(name, _KINDS, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"there are: {', '.join(_KINDS)}"
-            faults.append(f"settings.{name[:60]}: unknown setting; {hint}")
+            faults.append(f"settings.{name[:60]}: unknown setting; {nearest(name, _KINDS)}")
             continue
         try:
             factors.append(_factor(name, setting, drawn=table.design == "random"))
