@@ -9,8 +9,8 @@ from made_rigs import ring
 from made_tracks import snapshot, walk
 from trecsim.errors import InputError
 from trecsim.lab.plots.colours import COLOURS
+from trecsim.lab.plots.path_recorder import PathRecorder
 from trecsim.lab.plots.paths_plot import paths_figure, plot_paths
-from trecsim.lab.plots.recorder import PathRecorder
 from trecsim.lab.plots.skeletons import VIEWS_DEG
 from trecsim.values import Snapshot
 

@@ -17,7 +17,7 @@ from trecsim.lab.plots.canvas import (
 from trecsim.lab.plots.colours import COLOURS
 from trecsim.lab.plots.elapsed_time import ElapsedTime, clock_of
 from trecsim.lab.plots.labels import Label, camera_labels, floor_label, write_labels
-from trecsim.lab.plots.recorder import PathRecorder, RecordedPath
+from trecsim.lab.plots.path_recorder import PathRecorder, RecordedPath
 from trecsim.lab.plots.rig_plot import draw_camera, floor_views
 from trecsim.lab.plots.skeletons import draw_skeletons
 from trecsim.values import Snapshot

@@ -11,7 +11,7 @@ from trecsim.geometry import Rig
 from trecsim.geometry.view import image_margin
 from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.evaluation.reprojection import Reprojection, reprojection
-from trecsim.lab.plots.recorder import floor_places
+from trecsim.lab.plots.path_recorder import floor_places
 from trecsim.lab.report.plan_section import Extent, extent_of
 from trecsim.lab.report.recording import Recording
 from trecsim.sources import read_poses

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from trecsim.lab.evaluation.person_tracks import mean_of_known
 from trecsim.lab.plots.labels import Label, write_labels
-from trecsim.lab.plots.recorder import floor_places
+from trecsim.lab.plots.path_recorder import floor_places
 from trecsim.lab.report.curves import curve
 from trecsim.lab.report.page import Block, Figure, Section, Text
 from trecsim.lab.report.paths_section import (

@@ -3,7 +3,7 @@
 import numpy as np
 
 from made_tracks import snapshot, walk
-from trecsim.lab.plots.recorder import MOST_POINTS, PathRecorder, floor_places
+from trecsim.lab.plots.path_recorder import MOST_POINTS, PathRecorder, floor_places
 
 
 def test_a_path_keeps_ten_points_a_second_and_both_ends() -> None:
