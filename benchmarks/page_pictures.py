@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page
 
 from harness.machine import ROOT
 from page_shots.browser import chromium, opened
-from page_shots.fixture import fixture
+from page_shots.fixture import LAG_S, fixture
 from page_shots.states import STATES, State
 
 FOLDER = ROOT / "docs" / "pictures" / "page"
@@ -37,6 +37,10 @@ def picture(browser: Browser, state: State, size: str, theme: str, folder: Path)
 def settle(page: Page, state: State) -> None:
     """Wait until the page shows what it was told."""
     page.wait_for_selector(".status h1, .login")
+    if state.situation.signed_in and state.situation.messages != "none":
+        last_s = state.situation.now_s - LAG_S - 0.05
+        while float(page.evaluate("document.documentElement.dataset.t") or 0) < last_s:
+            page.wait_for_timeout(100)
     page.wait_for_timeout(SETTLE_MS)
     if state.act is not None:
         state.act(page)

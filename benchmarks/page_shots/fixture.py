@@ -73,7 +73,7 @@ def _message(snapshot: trecsim.Snapshot) -> dict[str, Any]:
         xyz_m = snapshot.xyz_m[row].round(3)
         people.append(
             {
-                "person": person, "state": str(snapshot.state[row]), "seen_s": snapshot.t_s,
+                "person": person, "state": str(snapshot.state[row]), "seen_s": 0.0,
                 "posture": "unknown",
                 "xyz_m": [[None if np.isnan(x) else x for x in joint] for joint in xyz_m.tolist()],
                 "sigma_m": snapshot.sigma_m[row].round(3).tolist(),

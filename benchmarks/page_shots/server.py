@@ -108,7 +108,7 @@ def _snapshot(situation: Situation, snapshot: dict[str, Any], shift_s: float) ->
         {
             **person,
             "state": situation.states.get(person["person"], person["state"]),
-            "seen_s": t_s - (1.2 if situation.states.get(person["person"]) == "coasting" else 0),
+            "seen_s": 1.2 if situation.states.get(person["person"]) == "coasting" else 0.0,
             "support": [0] * 17 if situation.states.get(person["person"]) == "coasting"
             else person["support"],
             "forecast": [{**f, "t_s": START_S + f["t_s"]} for f in person["forecast"]],

@@ -173,6 +173,7 @@ export class Store {
     if (this.#drawing !== 0 || document.hidden) return;
     this.#drawing = requestAnimationFrame(() => {
       this.#drawing = 0;
+      document.documentElement.dataset.t = String(this.shown?.t ?? "");
       for (const tell of [...this.#fast]) tell();
     });
   }

@@ -7,7 +7,7 @@ export const T = 1_796_045_512;
 export const person = (id: number, more: Partial<PersonMessage> = {}): PersonMessage => ({
   person: id,
   state: "confirmed",
-  seen_s: T,
+  seen_s: 0,
   posture: "unknown",
   xyz_m: Array.from({ length: 17 }, (_, j): [number, number, number] => [id, j / 10, 1 + j / 100]),
   sigma_m: Array(17).fill(0.02) as number[],

@@ -11,7 +11,8 @@ const fold = (...events: CloudEvent[]): Alert[] => {
 };
 
 const well: Situation = {
-  link: "open", lastTime: T, waitFor: NaN, connectingFor: 10, now: T, health: health(), open: [],
+  link: "open", lastTime: T, waitFor: NaN, connectingFor: 10, now: T, health: health(), age: 0.2,
+  hasPeople: true, open: [],
   armed: 9, rules: 9, next: null, timezone: "UTC",
 };
 
@@ -112,4 +113,16 @@ test("a warning that is shelved no longer speaks in the sentence", () => {
   const said = status({ ...well, open: fold(warning, shelved) });
   assert.equal(said.row, 7);
   assert.match(said.line, /1 alert is shelved/);
+});
+
+test("row 2: old people are no people, whatever the health says", () => {
+  const said = status({ ...well, age: 4.2 });
+  assert.equal(said.row, 2);
+  assert.equal(said.line, "3D people: no result for 4 s.");
+  assert.equal(status({ ...well, age: NaN, hasPeople: false }).row, 0);
+});
+
+test("row 2: a recording that has ended is no longer watched", () => {
+  const ended = health({ fusion: { state: "ended", age_s: 60 } });
+  assert.equal(status({ ...well, health: ended }).title, "The recording has ended");
 });

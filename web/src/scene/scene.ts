@@ -354,7 +354,7 @@ export class Scene {
         person: person.id,
         slot: input.slots.get(person.id) ?? ((person.id - 1) % 12) + 1,
         state: person.state,
-        unseen: (input.snapshot?.t ?? NaN) - person.seen,
+        unseen: person.unseen,
         x: top.x, y: top.y - 4,
         tall: Math.hypot(foot.y - top.y, foot.x - top.x),
         far: top.far,

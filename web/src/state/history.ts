@@ -15,7 +15,7 @@ interface Packed {
   sent: number;
   ids: Int32Array;
   states: Uint8Array;
-  seen: Float64Array;
+  unseen: Float32Array;
   floor: Float32Array;
   joints: Int16Array;
   sigma: Uint8Array;
@@ -26,7 +26,7 @@ function pack(snapshot: Snapshot): Packed {
   const n = snapshot.people.length;
   const packed: Packed = {
     t: snapshot.t, sent: snapshot.sent,
-    ids: new Int32Array(n), states: new Uint8Array(n), seen: new Float64Array(n),
+    ids: new Int32Array(n), states: new Uint8Array(n), unseen: new Float32Array(n),
     floor: new Float32Array(2 * n), joints: new Int16Array(3 * JOINTS * n),
     sigma: new Uint8Array(JOINTS * n), support: new Uint8Array(JOINTS * n),
   };
@@ -34,7 +34,7 @@ function pack(snapshot: Snapshot): Packed {
     const [x, y] = person.floor;
     packed.ids[i] = person.id;
     packed.states[i] = STATES.indexOf(person.state);
-    packed.seen[i] = person.seen;
+    packed.unseen[i] = person.unseen;
     packed.floor.set([x, y], 2 * i);
     for (let k = 0; k < 3 * JOINTS; k++) {
       const from = k % 3 === 0 ? x : k % 3 === 1 ? y : 0;
@@ -69,7 +69,7 @@ function unpack(packed: Packed): Snapshot {
     return {
       id, xyz, sigma, support,
       state: STATES[packed.states[i] ?? 1] ?? "confirmed",
-      seen: packed.seen[i] ?? NaN,
+      unseen: packed.unseen[i] ?? NaN,
       posture: null, velocity: null, forecast: [],
       floor: [x, y],
     };
@@ -78,7 +78,7 @@ function unpack(packed: Packed): Snapshot {
 }
 
 const bytes = (packed: Packed): number =>
-  packed.ids.length * (4 + 1 + 8 + 8 + 6 * JOINTS + 2 * JOINTS) + 120;
+  packed.ids.length * (4 + 1 + 4 + 8 + 6 * JOINTS + 2 * JOINTS) + 120;
 
 /** Ten minutes of snapshots. The one large thing that changes in place. */
 export class History {

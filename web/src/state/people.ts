@@ -13,8 +13,8 @@ export const [L_SHOULDER, R_SHOULDER, L_HIP, R_HIP, L_ANKLE, R_ANKLE] = [5, 6, 1
 export interface Person {
   id: number;
   state: PersonState;
-  /** When a camera supported the person last [s]; NaN where it is not told. */
-  seen: number;
+  /** For how long no camera has seen the person [s]; NaN where it is not told. */
+  unseen: number;
   posture: string | null;
   /** Joints, x y z in turn [m]; NaN where missing. */
   xyz: Float32Array;
@@ -60,7 +60,7 @@ function readPerson(message: PersonMessage, t: number): Person {
   return {
     id: message.person,
     state: message.state,
-    seen: message.seen_s ?? NaN,
+    unseen: message.seen_s ?? NaN,
     posture: message.posture ?? null,
     xyz, sigma, support,
     floor: floorPoint(xyz, support),

@@ -6,6 +6,7 @@ import type { CloudEvent, Health, Me, StreamMessage } from "./messages.ts";
 import { readSnapshot, type Snapshot } from "./people.ts";
 import type { Site } from "./site.ts";
 import { status, type Status } from "./status.ts";
+import { UNIX_FROM_S } from "./words.ts";
 
 /** Without a message for longer, the page has no connection [s]. */
 export const SILENT_S = 3;
@@ -198,6 +199,10 @@ export function statusOf(state: State): Status {
     connectingFor: state.local - state.startedAt,
     now: dataTime(state),
     health: state.health,
+    age: state.snapshot && state.snapshot.t >= UNIX_FROM_S
+      ? serverTime(state) - state.snapshot.t
+      : NaN,
+    hasPeople: state.snapshot !== null,
     open: open(state),
     armed: state.health?.rules?.armed ?? site?.armed ?? 0,
     rules: state.health?.rules?.total ?? site?.rules ?? 0,

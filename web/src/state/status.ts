@@ -24,6 +24,9 @@ export interface Situation {
   connectingFor: number;
   now: number;
   health: Health | null;
+  /** Age of the newest people message [s]; NaN before the first, and of a recording. */
+  age: number;
+  hasPeople: boolean;
   /** Alerts that are not closed, the most urgent first. */
   open: readonly Alert[];
   armed: number;
@@ -31,6 +34,9 @@ export interface Situation {
   next: string | null;
   timezone: string;
 }
+
+/** Without a people message for longer, nobody is watched, whatever the health says [s]. */
+const STALLED_S = 3;
 
 const base = { severity: null, icon: "severity" } as const;
 
@@ -43,7 +49,8 @@ export function status(s: Situation): Status {
 }
 
 function disconnected(s: Situation): Status | null {
-  if (s.link === "connecting" || (s.link === "open" && !s.health)) {
+  const waits = !s.health || (!s.hasPeople && s.health.fusion.state === "running");
+  if (s.link === "connecting" || (s.link === "open" && waits)) {
     return {
       ...base, row: 0, look: "connecting", icon: "connecting", title: "Connecting…",
       line: s.connectingFor > 3 ? "Waiting for the first people message." : "",
@@ -62,14 +69,21 @@ function disconnected(s: Situation): Status | null {
 
 function stopped(s: Situation): Status | null {
   const fusion = s.health?.fusion;
-  if (!fusion || (fusion.state !== "stalled" && fusion.state !== "starting")) return null;
-  if (fusion.state === "starting") {
+  if (fusion?.state === "starting") {
     return {
       ...base, row: 2, look: "plain", severity: "warning", title: "Watching has not begun",
       line: "3D people: no result yet.",
     };
   }
-  const age = fusion.age_s ?? NaN;
+  if (fusion?.state === "ended") {
+    return {
+      ...base, row: 2, look: "dashed", icon: "unarmed", title: "The recording has ended",
+      line: "Nothing is watched now.",
+    };
+  }
+  const late = s.age > STALLED_S;
+  if (fusion?.state !== "stalled" && !late) return null;
+  const age = late ? s.age : (fusion?.age_s ?? NaN);
   const how = Number.isFinite(age) ? `no result for ${whole(age)}` : "no result";
   return {
     ...base, row: 2, look: "filled", severity: "alarm", title: "Watching has stopped",

@@ -46,8 +46,8 @@ export function Selection() {
   if (id === null) return null;
   const person = shop.shown?.people.find((one) => one.id === id);
   const slot = shop.state.marks.slots.get(id);
-  const unseen = person && person.state === "coasting" && shop.shown && Number.isFinite(person.seen)
-    ? ` for ${duration(shop.shown.t - person.seen)}` : "";
+  const unseen = person && person.state === "coasting" && Number.isFinite(person.unseen)
+    ? ` for ${duration(person.unseen)}` : "";
   return (
     <section class={`selection ${person ? "" : "gone"}`} aria-label={`Person ${id}`}>
       <div class="head">

@@ -1,3 +1,4 @@
+import { useEffect } from "preact/hooks";
 import { useStore } from "./use.ts";
 import { Glyph, Icon } from "./icons.tsx";
 import { isFault } from "../state/alerts.ts";
@@ -20,6 +21,10 @@ export function StatusIcon({ status, size }: { status: Status; size: number }) {
 
 export function StatusBlock() {
   const status = statusOf(useStore().state);
+  const site = store.state.site?.name;
+  useEffect(() => {
+    document.title = site ? `${status.title} - ${site}` : status.title;
+  }, [status.title, site]);
   const classes = `status ${status.look} ${status.severity ?? ""}`;
   return (
     <div class={classes} role="status" aria-live="polite" data-row={status.row}>

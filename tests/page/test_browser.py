@@ -1,0 +1,180 @@
+"""The operator page in a real Chromium, served by a real page process."""
+
+from contextlib import ExitStack, contextmanager
+from threading import Event, Thread
+from time import time
+
+import numpy as np
+import pytest
+
+from made_browser import PATIENCE_MS, chromium, opened
+from made_page import RunningPage, running_page
+from made_rigs import ring
+from made_tracks import snapshot
+from trecsim.health import CameraHealth, FusionHealth, Health
+from trecsim.page.address import PageAddress
+from trecsim.page.bundle import STATIC
+from trecsim.page.site_view import SiteView, cameras_of
+
+expect = pytest.importorskip("playwright.sync_api", reason="playwright is not installed").expect
+__all__ = ["chromium"]  # a fixture
+
+pytestmark = pytest.mark.skipif(
+    not (STATIC / "index.html").is_file(), reason="the page is not built; make page builds it"
+)
+
+SITE = SiteView(
+    "hall", "Europe/Zurich", "a" * 64, cameras_of(ring(3)),
+    zones={"exit-strip": {"polygon_m": [[0, 0], [2, 0], [2, 1]], "z_m": [0, 2]}},
+    edges={"platform": {"points_m": [[-3, -2], [3, -2]]}},
+    rules={"armed": 1, "total": 1},
+)  # fmt: skip
+BODY_M = np.column_stack((np.zeros(17), np.linspace(-0.2, 0.2, 17), np.linspace(1.7, 0.1, 17)))
+
+
+def at(person: int, t_s: float) -> np.ndarray:
+    return np.array([person / 4, t_s % 3 - 1, 0])
+
+
+class Tracking:
+    """What a tracking process tells its page, ten times a second."""
+
+    def __init__(self, page: RunningPage) -> None:
+        self.people = [3, 7]
+        self.silent: str | None = None
+        self._page = page
+        self._ended = Event()
+
+    @contextmanager
+    def running(self):
+        told = Thread(target=self._tell)
+        told.start()
+        try:
+            yield self
+        finally:
+            self._ended.set()
+            told.join()
+
+    def _tell(self) -> None:
+        while not self._ended.wait(0.1):
+            t_s = time()
+            xyz_m = np.stack([BODY_M + at(person, t_s) for person in self.people])
+            self._page.process.write(snapshot(t_s, self.people, xyz_m))
+            cameras = {name: CameraHealth("live", 25.0, 0.02) for name in SITE.cameras}
+            if self.silent is not None:
+                cameras[self.silent] = CameraHealth("stale", 0.0, 6.0)
+            fusion = FusionHealth("running", 25.0, 1.0, 0.02, len(self.people))
+            self._page.process.health(Health(t_s, cameras, fusion))
+
+
+@pytest.fixture(scope="module")
+def tracking():
+    with running_page(site=SITE) as page, Tracking(page).running() as told:
+        told.url = page.process.url
+        yield told
+
+
+def people_are(page, count: int) -> None:
+    expect(page.locator("#twin tbody tr")).to_have_count(count, timeout=PATIENCE_MS)
+
+
+def said(page) -> str:
+    return page.inner_text(".status h1")
+
+
+def test_the_page_shows_who_is_there_and_that_all_is_well(chromium, tracking) -> None:
+    with opened(chromium, tracking.url) as page:
+        page.wait_for_selector(".status[data-row='7']")
+        assert said(page) == "All clear"
+        people_are(page, 2)
+        assert page.inner_text("title") == "All clear - hall"
+        assert page.locator("#twin tbody th").all_text_contents() == ["3", "7"]
+        assert page.locator(".tile").count() == 3
+        page.wait_for_selector(".view[data-drawn='2']")
+        calls = int(page.get_attribute(".view", "data-calls"))
+        assert 5 <= calls <= 20
+
+
+def test_a_camera_that_goes_silent_is_said_at_once_and_again_when_it_is_back(
+    chromium, tracking
+) -> None:
+    with opened(chromium, f"{tracking.url}live?view=plan", dark=True) as page:
+        page.wait_for_selector(".status[data-row='7']")
+        assert page.get_attribute("html", "data-theme") == "dark"
+        tracking.silent = "cam1"
+        page.wait_for_selector(".status[data-row='5']")
+        assert said(page) == "Camera Cam1 is stale"
+        assert page.inner_text(".card h3") == "Camera Cam1 sends no picture"
+        assert page.inner_text(".tile[data-camera='cam1'] .caption .end") == "Stale"
+        tracking.silent = None
+        page.wait_for_selector(".status[data-row='7']")
+        assert page.locator(".card").count() == 0
+
+
+def test_the_address_holds_what_is_shown(chromium, tracking) -> None:
+    with opened(chromium, f"{tracking.url}live?view=plan") as page:
+        people_are(page, 2)
+        page.get_by_role("button", name="7", exact=True).evaluate("button => button.click()")
+        page.wait_for_url("**/live?p=7&view=plan")
+        assert "Confirmed" in page.inner_text(".selection .head")
+        page.keyboard.press("Escape")
+        page.wait_for_url("**/live?view=plan")
+        page.keyboard.press("Alt+4")
+        page.wait_for_url("**/system")
+        expect(page.locator(".grid tbody tr")).to_have_count(3, timeout=PATIENCE_MS)
+
+
+def test_a_phone_gets_the_page_without_three_dimensions(chromium, tracking) -> None:
+    with opened(chromium, tracking.url, width=390, height=844) as page:
+        scripts: list[str] = []
+        page.on("request", lambda request: scripts.append(request.url))
+        page.wait_for_selector(".status[data-row='7']")
+        assert page.locator(".phone .tile").count() == 1
+        assert "2 people here" in page.inner_text(".about")
+        page.reload()
+        page.wait_for_selector(".status[data-row='7']")
+        assert not [url for url in scripts if "scene" in url]
+
+
+def test_a_pause_replays_the_past_and_the_status_stays_live(chromium, tracking) -> None:
+    with opened(chromium, f"{tracking.url}live?view=plan", width=1200) as page:
+        page.wait_for_selector(".status[data-row='7']")
+        people_are(page, 2)
+        page.locator(".stage").click()
+        page.keyboard.press(" ")
+        page.wait_for_selector(".stage.replay .pill")
+        page.wait_for_url("**t=*")
+        assert said(page) == "All clear"
+        page.keyboard.press("l")
+        page.wait_for_selector(".stage:not(.replay)")
+
+
+def test_a_tracking_process_that_falls_silent_is_said_to_have_stopped(chromium) -> None:
+    with (
+        running_page(site=SITE) as process,
+        opened(chromium, f"{process.process.url}live?view=plan") as page,
+    ):
+        with Tracking(process).running():
+            page.wait_for_selector(".status[data-row='7']")
+        page.wait_for_selector(".status[data-row='2']")
+        assert said(page) == "Watching has stopped"
+
+
+def test_a_page_that_loses_its_server_says_so_and_comes_back(chromium) -> None:
+    lost = ("WebSocket connection to", "Failed to load resource")
+    with ExitStack() as stack:
+        server = stack.enter_context(running_page(site=SITE))
+        url = f"{server.process.url}live?view=plan"
+        with opened(chromium, url, expected=lost) as page:
+            with Tracking(server).running():
+                page.wait_for_selector(".status[data-row='7']")
+            stack.close()
+            page.wait_for_selector(".status[data-row='1']")
+            assert said(page) == "No connection"
+            assert page.inner_text(".alerts .none strong") == "Alerts unknown"
+            assert page.locator(".tile.old").count() == 3
+            page.wait_for_timeout(3100)
+            again = stack.enter_context(running_page(PageAddress(port=server.port), site=SITE))
+            with Tracking(again).running():
+                page.wait_for_selector(".status[data-row='7']")
+                assert "Connected again." in page.inner_text(".toast")
