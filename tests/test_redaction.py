@@ -29,6 +29,10 @@ from trecsim.redaction import redacted
         ("rtsp://admin:my pw@cam/1: refused", "rtsp://***@cam/1: refused"),
         ("'rtsp://admin:one@two/thr...: expected a file", "'rtsp://***: expected a file"),
         ("C:/rig.toml: line 3: name: expected a@b", "C:/rig.toml: line 3: name: expected a@b"),
+        (
+            "found rtsp://a:pw@cam/1; write url = 'rtsp://...'",
+            "found rtsp://***@cam/1; write url = 'rtsp://...'",
+        ),
         ("rtsp://cam:554/1", "rtsp://cam:554/1"),
         ("https://cam:8443: refused", "https://cam:8443: refused"),
         ("site.toml: line 3: name: expected a@b", "site.toml: line 3: name: expected a@b"),

@@ -5,8 +5,8 @@ import re
 _SCHEME = r"\b([A-Za-z][A-Za-z0-9+.-]+:/{1,3})"
 # A password may hold anything, even spaces and another @: only the last @ of the line ends it.
 _USER = re.compile(rf"{_SCHEME}.*@")
-# What was cut by dots may have been cut before its last @.
-_CUT = re.compile(rf"{_SCHEME}.*[:@].*\.\.\.")
+# What was cut by dots may have been cut before its last @. In "rtsp://..." nothing was.
+_CUT = re.compile(rf"{_SCHEME}.*[:@].*(?<!://)\.\.\.")
 _CUT_USER = re.compile(
     rf"{_SCHEME}[^\s'\"<>/:]*:(?![0-9]{{0,5}}(?:[^\w%]|$))[^\s'\"<>/]*"  # no port follows
 )

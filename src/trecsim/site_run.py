@@ -224,7 +224,9 @@ def _poses(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, No
 
     estimator = load_estimator(checked.file)
     videos = {camera: one.video for camera, one in site.sources.items() if one.video is not None}
-    yield from estimate_videos(open_videos(videos, estimator), estimator, wanted=wanted)
+    yield from estimate_videos(
+        open_videos(videos, estimator, remark=_checked_before), estimator, wanted=wanted
+    )
 
 
 def _image_count(checked: CheckedSite) -> int | None:

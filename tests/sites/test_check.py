@@ -7,7 +7,7 @@ import pytest
 
 from made_rigs import ring
 from made_site import make_site
-from made_videos import numbered, write_video
+from made_videos import numbered, write_tracks, write_video
 from trecsim.calibration import write_rig
 from trecsim.errors import ConfigError
 from trecsim.geometry import Rig
@@ -54,6 +54,12 @@ def test_a_video_of_another_size_than_calibrated_is_refused(site: Path) -> None:
     told = faults_of(site, "small", "tiny")
     assert "line 7: sources.cam1.video: expected images of 64 x 48 px" in told
     assert "found 32 x 24 px" in told
+
+
+def test_several_video_tracks_are_remarked(site: Path) -> None:
+    write_tracks(site.parent / "cam1.mp4", [(32, 24), (64, 48)])
+    remark, _ = check_site(site).remarks
+    assert "cam1.mp4 has several video tracks: the largest, 64 x 48 px, is read" in remark
 
 
 def test_a_video_that_lacks_a_few_columns_is_taken_as_cut(site: Path) -> None:

@@ -333,6 +333,14 @@ def test_of_several_video_tracks_the_largest_is_read_with_a_remark(tmp_path, siz
     assert "has several video tracks: the largest, 64 x 48 px, is read, not" in message
 
 
+def test_a_caller_that_takes_the_remark_on_a_file_finds_it_in_no_log(tmp_path, caplog):
+    told = []
+    path = write_tracks(tmp_path / "cam1.mp4", [(32, 24), (64, 48)])
+    VideoFile(path, "cam1", remark=told.append)
+    assert ["has several video tracks" in text for text in told] == [True]
+    assert not caplog.messages
+
+
 @pytest.mark.parametrize("suffix", [".mkv", ".ts"])
 @pytest.mark.parametrize("step_ms", [1000, 2000])
 def test_a_whole_recording_of_an_image_a_second_or_less_is_not_called_cut_off(

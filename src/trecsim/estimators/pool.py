@@ -22,6 +22,7 @@ from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.camera_mailbox import TICK_S, Mailbox, as_fault
 from trecsim.sources.image_sizes import original_px
+from trecsim.sources.video import log_remark
 from trecsim.values import Frame, Poses2D
 
 _LIVE_DEPTH = 16  # poses of a camera that may wait for the fusion
@@ -65,8 +66,22 @@ def estimate(
     return estimate_videos(open_videos(videos, model), model, progress=progress)
 
 
-def open_videos(videos: Mapping[str, Path], estimator: Estimator2D) -> list[VideoFile]:
+def open_videos(
+    videos: Mapping[str, Path],
+    estimator: Estimator2D,
+    *,
+    remark: Callable[[str], None] = log_remark,
+) -> list[VideoFile]:
     """Open the videos for `estimator`: images come no larger than it looks at them.
+
+    Parameters
+    ----------
+    videos
+        File by name of the camera.
+    estimator
+        Who looks at the images.
+    remark
+        Is told what is odd about a file as a whole; logged if not given.
 
     Raises
     ------
@@ -79,7 +94,9 @@ def open_videos(videos: Mapping[str, Path], estimator: Estimator2D) -> list[Vide
     faults: list[str] = []
     for camera, path in videos.items():
         try:
-            opened.append(VideoFile(path, camera, decode_size_px=limit_px, threads=threads))
+            opened.append(
+                VideoFile(path, camera, decode_size_px=limit_px, threads=threads, remark=remark)
+            )
         except InputError as error:
             faults.append(str(error))
     if faults:

@@ -182,6 +182,10 @@ def _remarks(site: Site, rig: Rig, videos: dict[str, VideoInfo]) -> Iterator[str
     if not site.sources:
         return
     for camera, video in videos.items():
+        file = site.sources[camera].video
+        text = None if file is None else video.remark(file)
+        if text is not None:
+            yield text
         if video.size_px != rig[camera].size_px:
             sizes = _sizes(video.size_px, rig[camera].size_px)
             yield f"{camera}: {sizes}; assuming the image was cropped at the right and bottom"

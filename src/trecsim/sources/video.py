@@ -1,7 +1,7 @@
 """Video files as streams of frames with the time stamps of the file."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -56,6 +56,17 @@ class VideoInfo:
     orientation: Orientation
     other_sizes_px: tuple[tuple[int, int], ...] = ()
 
+    def remark(self, path: Path) -> str | None:
+        """Return what to say about the file at `path` before it is read; None if nothing."""
+        if not self.other_sizes_px:
+            return None
+        others = ", ".join(f"{width} x {height}" for width, height in self.other_sizes_px)
+        width, height = self.size_px
+        return (
+            f"video {path} has several video tracks: the largest, {width} x {height} px, is read, "
+            f"not {others}"
+        )
+
     @property
     def expected_frames(self) -> int | None:
         """Number of images; estimated from duration and rate if the file does not have it."""
@@ -103,6 +114,11 @@ def _decoding() -> ModuleType:
     return decoding
 
 
+def log_remark(text: str) -> None:
+    """Log a remark on a file."""
+    logger.warning("%s", text)
+
+
 class VideoFile:
     """The frames of a video file, decoded while iterating.
 
@@ -123,6 +139,8 @@ class VideoFile:
         enlarged. None keeps their size. Cheaper than scaling them later.
     threads
         Decoding threads; None uses one per processor. Use 1 if several videos are read at once.
+    remark
+        Is told what is odd about the file as a whole; logged if not given.
 
     Attributes
     ----------
@@ -148,6 +166,7 @@ class VideoFile:
         *,
         decode_size_px: tuple[int, int] | None = None,
         threads: int | None = None,
+        remark: Callable[[str], None] = log_remark,
     ) -> None:
         self.path = path
         self.camera = camera
@@ -155,12 +174,9 @@ class VideoFile:
         self.size_px = self.info.size_px
         self.decoded_size_px = fitted(self.size_px, decode_size_px or self.size_px)
         self._threads = threads
-        if self.info.other_sizes_px:
-            others = ", ".join(f"{width} x {height}" for width, height in self.info.other_sizes_px)
-            logger.warning(
-                "video %s has several video tracks: the largest, %d x %d px, is read, not %s",
-                path, *self.size_px, others,
-            )  # fmt: skip
+        text = self.info.remark(path)
+        if text is not None:
+            remark(text)
 
     def original_px(
         self, xy_px: Float64[np.ndarray, "*batch 2"]
