@@ -17,7 +17,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.association import Association, associate
 from trecsim.fusion.images import Images, prepare
-from trecsim.fusion.kernels import FREE, TAKEN
+from trecsim.fusion.kernels import FREE, TAKEN, Bones
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
@@ -129,7 +129,7 @@ def _no_limbs(model: Model) -> Model:
 
 
 def _no_bones(model: Model) -> Model:
-    return replace(model, bones=model.bones[:0].copy(), bone_m=model.bone_m[:0].copy())
+    return replace(model, bones=Bones(*(values[:0].copy() for values in model.bones)))
 
 
 PARTS: dict[str, tuple[Part, ...]] = {
@@ -164,7 +164,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("tempered responsibilities", "17 key points are worth 17 independent ones",
              changes={"kernels.matching.TEMPER": 1.0}),
         Part("EM steps", "one step instead of three",
-             changes={"kernels.locating.STEPS": np.array([1])}),
+             changes={"kernels.locating.EM_STEPS": 1}),
     ),
     "motion": (
         Part("sharp turns", "what is known of a body that turns stays as sure as it was",
@@ -188,7 +188,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("lengths hold joints that few cameras see", "only those that two or more see",
              changes={"kernels.anatomy.relax_body": _nothing}),
         Part("the body's opinion is not news", "all that it says is new information each time",
-             changes={"kernels.anatomy._BODY_S": NEVER}),
+             changes={"kernels.anatomy.BODY_S": NEVER}),
         Part("the ground", "what one camera sees may float or sink",
              changes={"kernels.anatomy.ground_contact": _on_no_ground}),
         Part("lengths learnt per person", "everybody is of usual size",

@@ -173,8 +173,8 @@ def bias_information(model, j, x, last_s, now_s):
     """Information on a joint whose cameras' key points all err for good."""
     info = np.zeros((3, 3))
     for c in np.flatnonzero(last_s > now_s - 0.12):
-        sigma_px = model.noise.sigma_m[j] * model.focal_px[c] / depth(model.P[c], x)
-        J = exact_jacobian(model.P[c], x)
+        sigma_px = model.noise.sigma_m[j] * model.cameras.focal_px[c] / depth(model.cameras.P[c], x)
+        J = exact_jacobian(model.cameras.P[c], x)
         info += J.T @ J / (model.noise.bias_share * (sigma_px**2 + model.noise.floor_px**2))
     return info
 
@@ -245,6 +245,81 @@ def learnt(length_m, length_m2, measured_m, measured_m2, share):
     return mean, max(1.0 / precision, 0.005**2)
 
 
+def ground_rise(x, cov_m2, contact_m, level):
+    """Return the lowest joint, how far it must rise to rest, and the variance; None if it jumps."""
+    j = int(np.argmin(x[:, 2] - contact_m))
+    rise_m, var = level[0] + contact_m[j] - x[j, 2], level[1] + 0.03**2
+    return None if rise_m**2 > 9 * (var + cov_m2[j, 2, 2]) else (j, rise_m, var)
+
+
+def levelled(level, x, cov_m2, n_seen, contact_m, elapsed_s):
+    """Learn the height of the ground under one person from the lowest joint."""
+    mean, var = level[0], level[1] + 0.02**2 * elapsed_s
+    j = int(np.argmin(x[:, 2] - contact_m))
+    measured, noise = x[j, 2] - contact_m[j], cov_m2[j, 2, 2] + 0.03**2
+    if n_seen[j] < 2:
+        return mean, var
+    if (measured - mean) ** 2 > 9 * (var + noise):
+        return mean, var + 0.15**2 * elapsed_s
+    noise *= max(1.0, 0.5 / elapsed_s)
+    return (mean * noise + measured * var) / (var + noise), var * noise / (var + noise)
+
+
+def body_normal_equations(x, d, before_m2, weak, limbs, body):
+    """Return information matrix and vector of the shifts of all joints."""
+    n = len(x)
+    A, b = np.zeros((3 * n, 3 * n)), np.zeros(3 * n)
+    for j in range(n):
+        A[3 * j : 3 * j + 3, 3 * j : 3 * j + 3] = np.linalg.inv(before_m2[j]) + np.eye(3) / 0.3**2
+    for i, (j, k) in enumerate(limbs.joints):
+        if not (weak[j] or weak[k]):
+            continue
+        u = x[k] + d[k] - x[j] - d[j]
+        length = np.linalg.norm(u)
+        u = u / length
+        var = body.limb_m2[i] + limbs.slack_m2[i] + 0.01**2
+        var += sum(u @ before_m2[m] @ u for m in (j, k) if not weak[m])
+        row = np.zeros(3 * n)
+        row[3 * k : 3 * k + 3], row[3 * j : 3 * j + 3] = u, -u
+        A += np.outer(row, row) / var
+        b += row * (body.limb_m[i] - length + u @ (d[k] - d[j])) / var
+    return A, b
+
+
+def relaxed(person, body, n_seen, limbs, place, white_share, new_share):
+    """Hold one person's weak joints by limbs and ground, with dense matrices throughout.
+
+    `person` is trajectories and joints after the fit, `place` the rows (3, n) that pick the time of
+    the frame set out of a trajectory. Return information matrices, control points, joints and
+    covariances after that.
+    """
+    R, _, c, x, cov_m2 = person
+    information = R.swapaxes(1, 2) @ R
+    c, x, cov_m2 = c.copy(), x.copy(), cov_m2.copy()
+    before_m2 = cov_m2 / white_share
+    weak = (np.asarray(n_seen) < 2) | (np.trace(before_m2, axis1=1, axis2=2) > 0.2**2)
+    if not weak.any():
+        return information, c, x, cov_m2
+    resting = ground_rise(x, before_m2, limbs.contact_height_m, body.level)
+    d, free = np.zeros_like(x), np.repeat(weak, 3)
+    for _ in range(3):
+        A, b = body_normal_equations(x, d, before_m2, weak, limbs, body)
+        if resting is not None and weak[resting[0]]:
+            A[3 * resting[0] + 2, 3 * resting[0] + 2] += 1 / resting[2]
+            b[3 * resting[0] + 2] += resting[1] / resting[2]
+        A, b = A[np.ix_(free, free)], b[free]
+        d[weak] = np.linalg.solve(A, b).reshape(-1, 3)
+    held = np.linalg.inv(A)
+    for i, j in enumerate(np.flatnonzero(weak)):
+        told = np.linalg.inv(held[3 * i : 3 * i + 3, 3 * i : 3 * i + 3]) - np.eye(3) / 0.3**2
+        C = np.linalg.inv(information[j])
+        c[j] += C @ place.T @ np.linalg.solve(place @ C @ place.T, d[j])
+        x[j], cov_m2[j] = place @ c[j], np.linalg.inv(told)
+        new = new_share / white_share * (told - np.linalg.inv(before_m2[j]))
+        information[j] += place.T @ new @ place
+    return information, c, x, cov_m2
+
+
 def log_mixture(P, focal_px, seen, noise, prior_m2, shift_m):
     """Return the log density of a joint's key points under the mixture, and of its shift."""
     total = -0.5 * shift_m @ np.linalg.solve(prior_m2, shift_m)
@@ -280,12 +355,13 @@ def met(eyes, xy_px):
     return (point, np.nan) if near or 1 - (u @ v) ** 2 < 1e-3 else (point, gap)
 
 
-def pair_score(eyes, xy_px, trust, bones, bone_m, noise):
+def pair_readings(eyes, xy_px, trust, bones, bone_m, noise):
     """Compare two detections of two cameras with chance: rays that meet, limbs of human length.
 
-    `xy_px` (2, joint, 2) is undistorted. Both readings of left and right are tried; at least 0.
+    `xy_px` (2, joint, 2) is undistorted. Return the log ratio of both readings of left and right,
+    -inf where fewer than four joints meet.
     """
-    best = 0.0
+    found = []
     for flipped, other in enumerate((np.arange(len(noise.mirror)), noise.mirror)):
         total, points = flipped * noise.log_flip, np.full((len(other), 3), np.nan)
         for j, m in enumerate(other):
@@ -301,9 +377,13 @@ def pair_score(eyes, xy_px, trust, bones, bone_m, noise):
             length = np.linalg.norm(points[a] - points[b])
             if np.isfinite(length):
                 total += max(1.3 - 4 * np.log(length / usual) ** 2, -4.0)
-        if np.isfinite(points[:, 0]).sum() >= 4:
-            best = max(best, total)
-    return best
+        found.append(total if np.isfinite(points[:, 0]).sum() >= 4 else -np.inf)
+    return found
+
+
+def pair_score(eyes, xy_px, trust, bones, bone_m, noise):
+    """Return the better of both readings of two detections as one person, at least 0."""
+    return max(0.0, *pair_readings(eyes, xy_px, trust, bones, bone_m, noise))
 
 
 def exchange_gains(match, view_of, score, clear):

@@ -169,7 +169,7 @@ def doubled(x):  # type: ignore[no-untyped-def]  # the compiler infers it
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.stem)
 def test_kernels_import_only_what_the_digest_covers(source: Path) -> None:
     own = ".".join(("trecsim", *source.parent.relative_to(PACKAGE).parts))
-    covered = ("trecsim.compiler", "trecsim.geometry", own)
+    covered = ("trecsim.compiler", "trecsim.geometry", own, f"{own.rpartition('.')[0]}.tuning")
     for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
         names = []
         if isinstance(node, ast.ImportFrom):

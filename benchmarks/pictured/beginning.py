@@ -79,20 +79,11 @@ def search() -> Search:
     first = next(iter(frame_sets(view for view in run.poses if view.t_s > FROM_S)))
     images = prepare(first.views, model)
     found = images.detections(np.ones(len(images.xy_px), bool))
-    ray, origin_m = birth.rays(model, found), model.position_m[found.cam]
+    ray, origin_m = birth.rays(model, found), model.cameras.position_m[found.cam]
     score = np.full((len(found), len(found)), -np.inf)
     flip = np.zeros(score.shape, np.int64)
-    kernels.pair_scores(
-        found.cam,
-        origin_m,
-        ray,
-        found.sigma_scale,
-        model.bones,
-        model.bone_m,
-        model.noise,
-        score,
-        flip,
-    )
+    sight = kernels.Rays(found.cam, origin_m, ray, found.sigma_scale)
+    kernels.pair_scores(sight, model.bones, model.noise, score, flip)
     born = tuple(birth.candidates(model, found))
     return Search(run, model, first.t_s, found, ray, score, born)
 
@@ -137,12 +128,12 @@ def draw_floor(axes: "Axes", seen: Search) -> None:
     """Draw rays and people from above."""
     model = seen.model
     for d in range(len(seen.found)):
-        origin_m = model.position_m[seen.found.cam[d]]
+        origin_m = model.cameras.position_m[seen.found.cam[d]]
         along = np.nanmean(seen.ray[d][model.torso], axis=0)[:2]
         end_m = origin_m[:2] + REACH_M * along / np.linalg.norm(along)
         line = np.stack((origin_m[:2], end_m)).T
         axes.plot(*line, color=seen.colour(d), linewidth=0.8, alpha=0.7)
-    for name, at_m in zip(seen.run.rig.names, model.position_m, strict=True):
+    for name, at_m in zip(seen.run.rig.names, model.cameras.position_m, strict=True):
         axes.plot(*at_m[:2], "s", color="0.3", markersize=6)
         axes.annotate(name, at_m[:2], (0, -12), textcoords="offset points", ha="center")
     times = np.array([seen.t_s])
@@ -157,7 +148,7 @@ def draw_floor(axes: "Axes", seen: Search) -> None:
 
 def gaps_cm(seen: Search, i: int, k: int) -> Float64[np.ndarray, " joint"]:
     """Return how far the rays of each joint of two detections pass each other [cm]."""
-    at_m, point = seen.model.position_m[seen.found.cam], np.empty(3)
+    at_m, point = seen.model.cameras.position_m[seen.found.cam], np.empty(3)
     return 100 * np.array(
         [
             kernels.ray_midpoint(at_m[i], seen.ray[i, j], at_m[k], seen.ray[k, j], point)

@@ -82,7 +82,10 @@ def sight(run: Simulation, model: Model, view: Poses2D, people: Snapshot) -> Sig
     cam = model.rig.names.index(view.camera)
     ratio, _ = score(model, cam, image.xy_px, image.sigma_scale, people.xyz_m, people.cov_m2)
     joints_px = np.array(
-        [[kernels.project(model.P, cam, *joint)[1:3] for joint in one] for one in people.xyz_m]
+        [
+            [kernels.project(model.cameras.P, cam, *joint)[1:3] for joint in one]
+            for one in people.xyz_m
+        ]
     )
     whole, xy_px = np.full(len(COLOURS), np.nan), np.full(joints_px.shape, np.nan)
     for d, k in enumerate(shown):

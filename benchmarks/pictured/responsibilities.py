@@ -12,8 +12,8 @@ from pictured.sheet import BLUE, GREY, ORANGE, draw_body, letter, sheet
 from trecsim.fusion import FusionSettings, kernels
 from trecsim.fusion.association import score
 from trecsim.fusion.images import Images, prepare
-from trecsim.fusion.kernels.matching import TEMPER
 from trecsim.fusion.model import Model, build
+from trecsim.fusion.tuning import TEMPER
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
@@ -66,7 +66,9 @@ def projected(
     scene: Scene, xyz_m: Float64[np.ndarray, "joint 3"]
 ) -> Float64[np.ndarray, "joint 2"]:
     """Return joints in the image [px]."""
-    return np.array([kernels.project(scene.model.P, scene.cam, *point)[1:3] for point in xyz_m])
+    return np.array(
+        [kernels.project(scene.model.cameras.P, scene.cam, *point)[1:3] for point in xyz_m]
+    )
 
 
 def inlier(
@@ -77,8 +79,8 @@ def inlier(
     The latter is that of the M step, relative to a key point in the joint's projection.
     """
     m, noise = scene.model, scene.model.noise
-    w, u, v, du, dv = kernels.project(m.P, scene.cam, *people.xyz_m[k, JOINT])
-    m_per_px = w / m.focal_px[scene.cam]
+    w, u, v, du, dv = kernels.project(m.cameras.P, scene.cam, *people.xyz_m[k, JOINT])
+    m_per_px = w / m.cameras.focal_px[scene.cam]
     var = (noise.sigma_m[JOINT] / m_per_px) ** 2 + noise.floor_px**2
     uu, uv, vv = kernels.image_covariance(du, dv, people.cov_m2[k, JOINT])
     found = np.empty(xy_px.shape)

@@ -42,8 +42,8 @@ def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = Fals
     ----------
     function
         A function of numbers and arrays. It may call other kernels, and use constants of its own
-        folder and of `trecsim.geometry`; a test checks that kernels import nothing else of this
-        package.
+        folder, of a module `tuning` beside that and of `trecsim.geometry`; a test checks that
+        kernels import nothing else of this package.
     allocates
         Whether it makes arrays of its own. The others need no code that counts references to
         arrays, which takes a tenth of the compile time.
@@ -249,8 +249,9 @@ def digest_of(folder: Path) -> str:
 
 
 def sources_of(folder: Path) -> Iterator[Path]:
-    """Yield these sources: the folder's own, those of the geometry, and this one."""
+    """Yield these sources: the folder's own, its table of constants, the geometry, and this one."""
     yield from sorted(folder.glob("*.py"))
+    yield from folder.parent.glob("tuning.py")
     yield from sorted((Path(__file__).parent / "geometry").glob("*.py"))
     yield Path(__file__)
 

@@ -66,7 +66,10 @@ def test_a_function_is_replaced_everywhere_or_only_where_the_path_says() -> None
     with replaced("here", {"kernels.locating.project": lambda *_: 0.0}):
         assert locating.project is not usual
         assert matching.project is mixture.project is usual
-        assert locating.locate_joint is sys.modules["trecsim.fusion.kernels"].locate_joint
+        assert (
+            locating.locate_joint
+            is sys.modules["trecsim.fusion.kernels.fitting_kernels"].locate_joint
+        )
     with replaced("everywhere", {"kernels.mixture.project": lambda *_: 0.0}):
         assert locating.project is matching.project is mixture.project is not usual
 

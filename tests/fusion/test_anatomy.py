@@ -1,11 +1,13 @@
 """Limb lengths: learnt where two cameras look, used where they do not."""
 
 import numpy as np
+import pytest
 from scipy.optimize import least_squares
 
 import reference_fusion as reference
 from fusion.made import frame_sets, made, outcome, path, truth_at
-from trecsim.fusion import FusionSettings, Tracker, kernels
+from fusion.somebody import MODEL
+from trecsim.fusion import FusionSettings, Tracker, kernels, tuning
 from trecsim.fusion.body import stiffness, usual_body
 from trecsim.fusion.kernels import anatomy, body_equations, cholesky, lengths
 from trecsim.lab.simulation.detector import PERFECT
@@ -13,6 +15,21 @@ from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet, Poses2D
 
 KNOTS = 3.4
+
+
+def body_of(limb_m, limb_m2):
+    """Return what is known of one body, on a ground of known height."""
+    return kernels.Bodies(limb_m, limb_m2, np.array([0.0, 1.0]))
+
+
+def joint_of(R, z, c, x, cov_m2):
+    return kernels.Trajectories(R, z, c, x, cov_m2)
+
+
+def moment_of(span, weights, white_share=1.0, new_share=0.0):
+    return anatomy.Moment(span, weights, white_share, new_share)
+
+
 ACROSS = path((0, -2, 0), (6, 2, 0))
 
 
@@ -93,7 +110,8 @@ def test_weak_joints_land_where_least_squares_puts_them():
     d = np.zeros((4, 3))
     limbs = kernels.Limbs(pairs, np.full(4, 0.01**2), np.zeros(4))
     for _ in range(60):
-        body_equations.gather(A, b, x, d, cov, known, place, limbs, length, var)
+        shifts = body_equations.Shifts(x, d, cov, known, place)
+        body_equations.gather(A, b, shifts, limbs, body_of(length, var))
         cholesky.cholesky(A)
         cholesky.solve_cholesky(A, b)
         d[1:] = b.reshape(3, 3)
@@ -101,7 +119,7 @@ def test_weak_joints_land_where_least_squares_puts_them():
     def residuals(shift, d=d):
         moved = x + np.vstack([np.zeros(3), shift.reshape(3, 3)])
         parts = [np.linalg.cholesky(np.linalg.inv(cov[j])).T @ (moved - x)[j] for j in (1, 2, 3)]
-        parts.append(shift / np.sqrt(body_equations.REACH_M2))
+        parts.append(shift / np.sqrt(tuning.REACH_M2))
         for (j, k), m in zip(pairs, length, strict=True):
             u = moved[k] - moved[j]
             fixed = (x + d)[k] - (x + d)[j]
@@ -137,7 +155,8 @@ def test_a_trajectory_follows_a_moved_joint_as_the_conditional_mean_does():
     B, shift_m, x = reference.spread_over(span, weights, 24), rng.normal(size=3), np.empty(3)
     cov = np.linalg.inv(R.T @ R)
     expected = c + cov @ B.T @ np.linalg.solve(B @ cov @ B.T, shift_m)
-    anatomy.move_joint(R, c, x, shift_m, span, weights, anatomy.workspace(24))
+    joint = joint_of(R, np.empty(24), c, x, np.empty((3, 3)))
+    anatomy.move_joint(joint, shift_m, moment_of(span, weights), anatomy.workspace(24))
     np.testing.assert_allclose(c, expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(x, B @ expected, rtol=1e-9, atol=1e-9)
 
@@ -147,10 +166,10 @@ def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
     x = np.array([[0.0, 0, 0], [0.5, 0, 0]])
     cov = np.stack([np.eye(3) * 1e-4, np.eye(3) * 1e-2])
     limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
-    lengths.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
-    first = 1e-4 + 1e-2 + lengths.TIE_M2
+    lengths.tighten(x, cov, limbs, body_of(np.array([0.4]), np.zeros(1)))
+    first = 1e-4 + 1e-2 + tuning.TIE_M2
     after = cov[:, 0, 0].sum()  # the covariances shrink in the first of four sweeps only
-    moved = 0.1 - 0.1 * (1 - (1e-4 + 1e-2) / first) * (1 - after / (after + lengths.TIE_M2)) ** 3
+    moved = 0.1 - 0.1 * (1 - (1e-4 + 1e-2) / first) * (1 - after / (after + tuning.TIE_M2)) ** 3
     assert np.isclose(0.5 - (x[1, 0] - x[0, 0]), moved)
     assert x[0, 0] < 0.01 * moved * 1.5
     assert cov[1, 0, 0] < 1e-3  # along the limb
@@ -164,10 +183,10 @@ def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
     weights = np.empty(4)
     span = kernels.locate(3.4, 8, weights)
     before, x, known = R.copy(), np.ones(3), np.eye(3) / 0.3**2
-    cov_m2 = np.linalg.inv(known + np.eye(3) / 0.05**2 + np.eye(3) / body_equations.REACH_M2)
+    cov_m2 = np.linalg.inv(known + np.eye(3) / 0.05**2 + np.eye(3) / tuning.REACH_M2)
     there = np.array([1.3, 0.9, 1.1])
     anatomy.apply_body(
-        R[0], z[0], c[0], x, cov_m2, known, there - x, 1.0, 0.0, span, weights,
+        joint_of(R[0], z[0], c[0], x, cov_m2), known, there - x, moment_of(span, weights),
         anatomy.workspace(24),
     )  # fmt: skip
     np.testing.assert_allclose(x, there, atol=1e-9)
@@ -183,13 +202,104 @@ def test_what_is_new_of_a_body_is_information_about_its_joint():
     span = kernels.locate(3.4, 8, weights)
     B, x = reference.spread_over(span, weights, 24), np.zeros(3)
     known, said = np.eye(3), np.diag([900.0, 30.0, 2.0])
-    held_m2 = np.linalg.inv(known + said + np.eye(3) / body_equations.REACH_M2)
+    held_m2 = np.linalg.inv(known + said + np.eye(3) / tuning.REACH_M2)
     expected = R.T @ R + 0.2 / 0.5 * B.T @ said @ B
     anatomy.apply_body(
-        R, z, c, x, held_m2, known, np.zeros(3), 0.5, 0.2, span, weights, anatomy.workspace(24)
-    )
+        joint_of(R, z, c, x, held_m2), known, np.zeros(3), moment_of(span, weights, 0.5, 0.2),
+        anatomy.workspace(24),
+    )  # fmt: skip
     np.testing.assert_allclose(R.T @ R, expected, atol=1e-9)
     np.testing.assert_allclose(R @ c, z, atol=1e-9)
+
+
+def people_after_a_fit(rng, n=2):
+    """Draw people of usual size, joints of all degrees of certainty, and what is known of them."""
+    standing = made([path((0, 0, 0), (1, 0, 0))], detector=PERFECT, seconds=1.0).truth_xyz_m[0, 0]
+    weights = np.empty(4)
+    span = kernels.locate(KNOTS, 8, weights)
+    R, c = np.empty((n, 17, 24, 24)), np.empty((n, 17, 24))
+    cov_m2, x = np.empty((n, 17, 3, 3)), np.empty((n, 17, 3))
+    for k in range(n):
+        for j in range(17):
+            R[k, j] = rng.choice([3.0, 30.0, 100.0]) * reference.banded(rng)
+            c[k, j] = np.tile(standing[j] + rng.normal(0, 0.03, 3), 8) + rng.normal(0, 0.005, 24)
+    kernels.evaluate_all(c, np.array([KNOTS]), x[None])
+    kernels.covariance_all(R, KNOTS, cov_m2)
+    z = np.einsum("kjab,kjb->kja", R, c)
+    limb_m = np.tile(MODEL.body.length_m, (n, 1)) * rng.uniform(0.8, 1.2, (n, 24))
+    bodies = kernels.Bodies(
+        limb_m, rng.uniform(0.005, 0.05, (n, 24)) ** 2,
+        np.stack([rng.normal(0, 0.05, n), rng.uniform(0.02, 0.3, n) ** 2], axis=1),
+    )  # fmt: skip
+    place = reference.spread_over(span, weights, 24)
+    return kernels.Trajectories(R, z, c, x, cov_m2), bodies, rng.integers(0, 4, (n, 17)), place
+
+
+def part_of(group, k):
+    """Return a copy of the part of one track."""
+    return type(group)(*(values[k].copy() for values in group))
+
+
+def assert_is_relaxed(person, expected, new_share):
+    information, c, x, cov_m2 = expected
+    np.testing.assert_allclose(person.x_m, x, atol=1e-6)
+    np.testing.assert_allclose(person.c, c, atol=1e-6)
+    scale = np.abs(cov_m2).max(axis=(1, 2))[:, None, None]
+    np.testing.assert_allclose(person.cov_m2 / scale, cov_m2 / scale, atol=1e-6)
+    # A direction of which the body says less than a millionth of what is known of the joint is no
+    # row of its own, so that mixed elements may miss a thousandth.
+    known = np.trace(np.linalg.inv(cov_m2), axis1=1, axis2=2) + 3 / tuning.REACH_M2
+    missed = 1e-3 * new_share / np.sqrt(0.3) * known + 1e-9 * np.abs(information).max()
+    off = np.abs(person.R.swapaxes(1, 2) @ person.R - information).max(axis=(1, 2))
+    np.testing.assert_array_less(off, missed)
+    right = np.einsum("jab,jb->ja", person.R, person.c)
+    np.testing.assert_allclose(right, person.z, atol=1e-9 * np.abs(right).max())
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_body_is_held_together_as_by_the_reference(seed):
+    tracks, bodies, n_seen, place = people_after_a_fit(np.random.default_rng(seed), 1)
+    person, body = part_of(tracks, 0), part_of(bodies, 0)
+    expected = reference.relaxed(person, body, n_seen[0], MODEL.limbs, place, 0.3, 0.05)
+    weights = np.empty(4)
+    moment = moment_of(kernels.locate(KNOTS, 8, weights), weights, 0.3, 0.05)
+    anatomy.relax_body(person, body, n_seen[0], MODEL.limbs, moment, anatomy.workspace(24))
+    assert_is_relaxed(person, expected, 0.05)
+    assert (np.abs(person.x_m - tracks.x_m[0]).max(axis=1) > 1e-4).sum() >= 4
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_lengths_ground_and_joints_of_all_people_change_as_by_the_reference(seed):
+    elapsed_s = 0.04
+    tracks, bodies, n_seen, place = people_after_a_fit(np.random.default_rng(seed))
+    learnt, expected = [], []
+    for k in range(2):
+        person, body = part_of(tracks, k), part_of(bodies, k)
+        for i, (a, b) in enumerate(MODEL.limbs.joints):
+            if min(n_seen[k, a], n_seen[k, b]) < 2:
+                continue
+            u = person.x_m[b] - person.x_m[a]
+            length = np.linalg.norm(u)
+            var = u @ (person.cov_m2[a] + person.cov_m2[b]) @ u / length**2
+            var += 0.02**2 + MODEL.limbs.slack_m2[i]
+            body.limb_m[i], body.limb_m2[i] = reference.learnt(
+                body.limb_m[i], body.limb_m2[i], length, var, elapsed_s / 0.5
+            )
+        body.level[:] = reference.levelled(
+            body.level, person.x_m, person.cov_m2, n_seen[k], MODEL.limbs.contact_height_m,
+            elapsed_s,
+        )  # fmt: skip
+        learnt.append(body)
+        expected.append(
+            reference.relaxed(
+                person, body, n_seen[k], MODEL.limbs, place, 0.3, elapsed_s / tuning.BODY_S
+            )
+        )
+    kernels.constrain_all(tracks, bodies, n_seen, MODEL.limbs, 0.3, KNOTS, elapsed_s)
+    for k in range(2):
+        for values, those in zip(part_of(bodies, k), learnt[k], strict=True):
+            np.testing.assert_allclose(values, those, rtol=1e-9, atol=1e-12)
+        assert_is_relaxed(part_of(tracks, k), expected[k], elapsed_s / tuning.BODY_S)
 
 
 def arm_seen_by_one_camera(rng):
@@ -215,9 +325,11 @@ def test_limbs_across_the_line_of_sight_do_not_throw_their_joint_away():
         cov_m2, after = np.empty((1, 3, 3, 3)), x[None].copy()
         kernels.covariance_all(R[None], KNOTS, cov_m2)
         kernels.constrain_all(
-            R[None], z[None], c[None], after, cov_m2, np.array([[2, 1, 2]]), limbs,
-            np.array([[0.28, 0.25]]), np.array([[0.042, 0.0375]]) ** 2, np.array([[0.0, 1.0]]),
-            0.3, KNOTS, 0.05,
+            kernels.Trajectories(R[None], z[None], c[None], after, cov_m2),
+            kernels.Bodies(
+                np.array([[0.28, 0.25]]), np.array([[0.042, 0.0375]]) ** 2, np.array([[0.0, 1.0]])
+            ),
+            np.array([[2, 1, 2]]), limbs, 0.3, KNOTS, 0.05,
         )  # fmt: skip
         assert np.linalg.norm(after[0, 1] - x[1]) < 0.2
         assert np.sqrt(ray @ cov_m2[0, 1] @ ray) > 0.1  # the depth is still said to be uncertain
@@ -227,7 +339,7 @@ def test_a_limb_that_is_far_off_has_no_say():
     x = np.array([[0.0, 0, 0], [1.5, 0, 0]])
     cov = np.tile(np.eye(3) * 1e-4, (2, 1, 1))
     limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
-    lengths.tighten(x, cov, limbs, np.array([0.4]), np.zeros(1))
+    lengths.tighten(x, cov, limbs, body_of(np.array([0.4]), np.zeros(1)))
     np.testing.assert_array_equal(x, [[0.0, 0, 0], [1.5, 0, 0]])
 
 

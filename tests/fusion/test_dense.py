@@ -7,11 +7,12 @@ from hypothesis import strategies as st
 
 import reference_fusion as reference
 from fusion.somebody import MODEL
-from trecsim.fusion import kernels
-from trecsim.fusion.kernels import information, lengths, locating
+from trecsim.fusion import kernels, tuning
+from trecsim.fusion.kernels import information, lengths, locating, motion, small_matrices
 from trecsim.fusion.kernels.fitting_kernels import fold_moments
 from trecsim.fusion.kernels.locating import newton_step
 
+CAMERAS = MODEL.cameras
 SEEDS = st.integers(0, 2**32 - 1)
 N, LIVE = 24, 8
 
@@ -69,7 +70,7 @@ def test_moving_on_takes_out_the_oldest_point_and_ties_the_newest(seed, memory, 
     rows, right = reference.motion_rows(N, stiffness, memory, drift_m)
     expected = np.pad(past, (0, 3)) + rows.T @ rows
     expected_vector = np.pad(vector, (0, 3)) + rows.T @ right
-    information.extend(R, z, c, stiffness, memory, drift_m, np.empty(N))
+    motion.extend(R, z, c, stiffness, memory, drift_m, np.empty(N))
     scale = np.abs(expected).max()
     np.testing.assert_allclose(R.T @ R, expected, atol=1e-9 * scale)
     np.testing.assert_allclose(R.T @ z, expected_vector, atol=1e-8 * scale * (1 + np.abs(c).max()))
@@ -80,7 +81,7 @@ def test_moving_on_takes_out_the_oldest_point_and_ties_the_newest(seed, memory, 
 def test_a_step_to_the_best_shift_is_that_of_least_squares(seed):
     rng = np.random.default_rng(seed)
     prior, before = positive(rng, 0.1), rng.normal(0, 0.1, 3)
-    total = kernels.sums(2, 3)
+    total = kernels.located(2, 3, 0)
     locating.clear(total, 1)
     A, b = [np.linalg.cholesky(np.linalg.inv(prior)).T], [np.zeros(3)]
     for m in range(3):
@@ -88,10 +89,11 @@ def test_a_step_to_the_best_shift_is_that_of_least_squares(seed):
         total.info[1, m], total.rhs[1, m] = rows.T @ rows, rows.T @ right
         A.append(rows)
         b.append(right)
-    shift, cov = before.copy(), np.empty((3, 3))
+    shift, cov = total.shift_m[1], total.cov_m2[1]
+    shift[:] = before
     tmp = kernels.scratch(N)
-    information.invert3(prior, tmp.known)
-    moved = newton_step(total, 1, shift, cov, tmp)
+    small_matrices.invert3(prior, tmp.known)
+    moved = newton_step(total, 1, tmp)
     stacked = np.vstack(A)
     expected = np.linalg.lstsq(stacked, np.concatenate(b), rcond=None)[0]
     np.testing.assert_allclose(shift, expected, atol=1e-8)
@@ -105,7 +107,7 @@ def test_every_moment_enters_the_curve_at_its_mean_time(seed, moments):
     R, z, c = reference.banded(rng), rng.normal(size=N), np.empty(N)
     kernels.control_points(R, z, c)
     expected, vector = R.T @ R, R.T @ z
-    total = kernels.sums(1, moments + 1)  # the last one is empty
+    total = kernels.located(1, moments + 1, 0)  # the last one is empty
     locating.clear(total, 0)
     for m in range(moments):
         knot_time, weight = rng.uniform(0, 5), rng.uniform(0.5, 9.0)
@@ -130,7 +132,7 @@ def test_a_trajectory_stays_sound_through_thousands_of_frames():
     cov = np.empty((1, 1, 3, 3))
     for step in range(3000):
         if step % 3 == 0:
-            information.extend(R[0, 0], z[0, 0], c[0, 0], 15.0, 0.85, np.zeros(3), np.empty(N))
+            motion.extend(R[0, 0], z[0, 0], c[0, 0], 15.0, 0.85, np.zeros(3), np.empty(N))
         direction = rng.normal(size=(rng.integers(0, 4), 3)) * 10 ** rng.uniform(-3, 6)
         info = direction.T @ direction
         span, weights = placed(rng.uniform(0, 5))
@@ -150,7 +152,7 @@ def test_a_trajectory_stays_sound_through_thousands_of_frames():
 
 def key_points(rng, cameras=4, spread_px=4.0):
     joint = rng.normal([0, 0, 1.1], 0.4)
-    xy = np.array([reference.project(P, joint) for P in MODEL.P[:cameras]])
+    xy = np.array([reference.project(P, joint) for P in CAMERAS.P[:cameras]])
     xy += rng.normal(0, spread_px, (cameras, 2))
     if rng.random() < 0.5:  # one shows something else
         xy[rng.integers(cameras)] += rng.normal(0, 100, 2)
@@ -166,15 +168,14 @@ def test_em_climbs_the_mixtures_log_density(seed):
     """It may lose a little on the way, as its E step reckons with what is uncertain yet."""
     rng = np.random.default_rng(seed)
     seen, prior, n = key_points(rng), positive(rng, 0.06) + 1e-3 * np.eye(3), 4
-    shift, cov, inlier = np.zeros(3), np.empty((3, 3)), np.empty(n)
-    climbed = [reference.log_mixture(MODEL.P, MODEL.focal_px, seen, MODEL.noise, prior, shift)]
-    for steps in range(1, 7):
-        kernels.locate_joint(
-            MODEL.P, MODEL.focal_px, seen, n, prior, MODEL.noise, steps, kernels.sums(1, 1), 0,
-            shift, cov, inlier, kernels.scratch(N),
-        )  # fmt: skip
+    found, tmp = kernels.located(1, 1, n), kernels.scratch(N)
+    locating.begin_em(prior, found, 0, tmp)
+    shift = found.shift_m[0]
+    climbed = [reference.log_mixture(CAMERAS.P, CAMERAS.focal_px, seen, MODEL.noise, prior, shift)]
+    for _ in range(6):
+        locating.em_step(MODEL.cameras, MODEL.noise, seen, n, found, 0, tmp)
         climbed.append(
-            reference.log_mixture(MODEL.P, MODEL.focal_px, seen, MODEL.noise, prior, shift)
+            reference.log_mixture(CAMERAS.P, CAMERAS.focal_px, seen, MODEL.noise, prior, shift)
         )
     assert np.diff(climbed).min() > -0.2
     assert climbed[-1] >= max(climbed) - 0.2
@@ -186,19 +187,26 @@ def test_an_images_equations_have_the_gradient_of_its_squared_residual(seed):
     """Central differences of ``weight / 2 |residual|^2`` over the shift."""
     rng = np.random.default_rng(seed)
     cam, x, shift = int(rng.integers(4)), rng.normal([0, 0, 1], 0.4), rng.normal(0, 0.05, 3)
-    xy, weight = reference.project(MODEL.P[cam], x) + rng.normal(0, 20, 2), rng.uniform(0.1, 2)
+    xy, weight = (
+        reference.project(CAMERAS.P[cam], x) + rng.normal(0, 20, 2),
+        rng.uniform(0.1, 2),
+    )
 
     def cost(d):
-        e = xy - reference.project(MODEL.P[cam], x + d)
+        e = xy - reference.project(CAMERAS.P[cam], x + d)
         return 0.5 * weight * e @ e
 
-    _, u, v, du, dv = kernels.project(MODEL.P, cam, *(x + shift))
+    _, u, v, du, dv = kernels.project(CAMERAS.P, cam, *(x + shift))
     info, rhs = np.zeros((3, 3)), np.zeros(3)
     size = locating.add_image(info, rhs, weight, du, dv, xy[0] - u, xy[1] - v, shift)
     step = 1e-6 * np.eye(3)
     gradient = [(cost(shift + d) - cost(shift - d)) / 2e-6 for d in step]
     np.testing.assert_allclose(info @ shift - rhs, gradient, rtol=1e-4, atol=1e-2)
     assert size == pytest.approx(np.trace(info))
+
+
+def body_of(limb_m, limb_m2):
+    return kernels.Bodies(limb_m, limb_m2, np.array([0.0, 1.0]))
 
 
 LIMBS = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2), np.zeros(3))
@@ -210,7 +218,7 @@ def test_a_length_is_learnt_as_two_gaussians_are_combined(seed, elapsed_s):
     x, cov = rng.normal(0, 0.5, (3, 3)), np.stack([positive(rng, 0.02) for _ in range(3)])
     limb_m, limb_m2 = rng.uniform(0.2, 0.6, 2), rng.uniform(0.01, 0.1, 2) ** 2
     before_m, before_m2 = limb_m.copy(), limb_m2.copy()
-    lengths.learn(x, cov, np.array([3, 2, 1]), LIMBS, limb_m, limb_m2, elapsed_s)
+    lengths.learn(x, cov, np.array([3, 2, 1]), LIMBS, body_of(limb_m, limb_m2), elapsed_s)
     d = x[1] - x[0]
     length = np.linalg.norm(d)
     var = (d / length) @ (cov[0] + cov[1]) @ (d / length) + 0.02**2 + LIMBS.slack_m2[0]
@@ -227,7 +235,7 @@ def test_lengths_converge_and_are_never_surer_than_they_can_be():
     for _ in range(4000):
         noisy = ends + rng.normal(0, 0.01, (3, 3))
         cov = np.tile(np.eye(3) * 0.01**2, (3, 1, 1))
-        lengths.learn(noisy, cov, np.full(3, 2), LIMBS, limb_m, limb_m2, 0.04)
+        lengths.learn(noisy, cov, np.full(3, 2), LIMBS, body_of(limb_m, limb_m2), 0.04)
         assert (limb_m2 >= 0.005**2 - 1e-12).all()
     np.testing.assert_allclose(limb_m, true_m, atol=0.005)
     np.testing.assert_allclose(limb_m2, 0.005**2, rtol=0.05)
@@ -236,28 +244,28 @@ def test_lengths_converge_and_are_never_surer_than_they_can_be():
 def test_time_that_stands_still_teaches_no_length():
     limb_m, limb_m2 = np.full(2, 0.45), np.full(2, 0.07**2)
     x, cov = np.eye(3), np.tile(np.eye(3) * 1e-4, (3, 1, 1))
-    lengths.learn(x, cov, np.full(3, 4), LIMBS, limb_m, limb_m2, 0.0)
+    lengths.learn(x, cov, np.full(3, 4), LIMBS, body_of(limb_m, limb_m2), 0.0)
     assert (limb_m.tolist(), limb_m2.tolist()) == ([0.45, 0.45], [0.07**2] * 2)
 
 
 @given(SEEDS)
 def test_the_inverse_of_three_by_three_is_the_inverse(seed):
     A, out = positive(np.random.default_rng(seed)), np.empty((3, 3))
-    information.invert3(A, out)
+    small_matrices.invert3(A, out)
     np.testing.assert_allclose(out @ A, np.eye(3), atol=1e-7)
 
 
 def tightened(x, cov, limbs, limb_m, limb_m2):
     """Take one limb after the other for a measurement of two joints' distance, the obvious way."""
     x, cov = x.copy(), cov.copy()
-    for sweep in range(lengths._SWEEPS):
+    for sweep in range(tuning.LIMB_SWEEPS):
         for (a, b), slack_m2, length_m, length_m2 in zip(
             limbs.joints, limbs.slack_m2, limb_m, limb_m2, strict=True
         ):
             u = (x[b] - x[a]) / np.linalg.norm(x[b] - x[a])
             rest = length_m - np.linalg.norm(x[b] - x[a])
-            var = u @ (cov[a] + cov[b]) @ u + length_m2 + slack_m2 + lengths.TIE_M2
-            if rest**2 > lengths.GATE**2 * var:
+            var = u @ (cov[a] + cov[b]) @ u + length_m2 + slack_m2 + tuning.TIE_M2
+            if rest**2 > tuning.LIMB_GATE**2 * var:
                 continue
             for j, sign in ((a, -1.0), (b, 1.0)):
                 gain = cov[j] @ u / var
@@ -278,7 +286,7 @@ def test_limbs_tighten_a_body_as_the_twin_says(seed):
     limb_m, limb_m2 = apart_m * rng.uniform(0.7, 1.3, 4), rng.uniform(0.005, 0.05, 4) ** 2
     expected, expected_m2 = tightened(x, cov, limbs, limb_m, limb_m2)
     before_m2 = cov.copy()
-    lengths.tighten(x, cov, limbs, limb_m, limb_m2)
+    lengths.tighten(x, cov, limbs, body_of(limb_m, limb_m2))
     np.testing.assert_allclose(x, expected, atol=1e-9)
     np.testing.assert_allclose(cov, expected_m2, atol=1e-12)
     # A length never makes a joint less sure, nor surer than anything can be.
@@ -293,7 +301,7 @@ def test_limbs_tighten_a_turned_body_as_they_do_the_body(seed):
     limb_m, limb_m2 = rng.uniform(0.2, 0.6, 2), rng.uniform(0.01, 0.1, 2) ** 2
     Q = np.linalg.qr(rng.normal(size=(3, 3)))[0]  # a turn, or a turn and a mirror
     turned, turned_m2 = x @ Q.T + 5.0, Q @ cov @ Q.T
-    lengths.tighten(x, cov, LIMBS, limb_m, limb_m2)
-    lengths.tighten(turned, turned_m2, LIMBS, limb_m, limb_m2)
+    lengths.tighten(x, cov, LIMBS, body_of(limb_m, limb_m2))
+    lengths.tighten(turned, turned_m2, LIMBS, body_of(limb_m, limb_m2))
     np.testing.assert_allclose(turned, x @ Q.T + 5.0, atol=1e-9)
     np.testing.assert_allclose(turned_m2, Q @ cov @ Q.T, atol=1e-12)

@@ -9,8 +9,10 @@ import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels.fitting_kernels import nis_ratio
-from trecsim.fusion.kernels.locating import moments
+from trecsim.fusion.kernels.locating import begin_em, em_step, moments
+from trecsim.fusion.tuning import STILL_M2
 
+CAMERAS = MODEL.cameras
 OFF_M = np.array([0.03, -0.02, 0.04])
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -18,21 +20,32 @@ SEEDS = st.integers(0, 2**32 - 1)
 def observed(rng, joint_m, spread_px=0.0, cameras=(0, 1, 2)):
     """Draw key points of a joint that was predicted `OFF_M` beside its place."""
     n = len(cameras)
-    xy = np.array([reference.project(MODEL.P[c], joint_m) for c in cameras])
+    xy = np.array([reference.project(CAMERAS.P[c], joint_m) for c in cameras])
     return kernels.Observed(
         np.array(cameras), np.full(n, 1.5), np.zeros(n, np.int64), np.tile(joint_m + OFF_M, (n, 1)),
         xy + rng.normal(0, 1, (n, 2)) * spread_px, np.full(n, 0.03), np.ones(n),
     )  # fmt: skip
 
 
+def images(cam, xy_px):
+    """Return one detection in each image, all of good key points."""
+    return kernels.Measurements(cam, np.arange(len(cam) + 1), xy_px, np.ones(xy_px.shape[:2]))
+
+
+def one_each(n, weight=1.0):
+    """Return matches of one track with the only detection of each of `n` images."""
+    shape = (1, n)
+    return kernels.Matches(np.arange(n)[None], np.zeros(shape, np.int64), np.full(shape, weight))
+
+
 def located(seen, prior_m2, steps):
-    n = len(seen.cam)
-    shift, cov, inlier = np.empty(3), np.empty((3, 3)), np.empty(n)
-    kernels.locate_joint(
-        MODEL.P, MODEL.focal_px, seen, n, prior_m2, MODEL.noise, steps,
-        kernels.sums(1, 1), 0, shift, cov, inlier, kernels.scratch(24),
-    )  # fmt: skip
-    return shift, cov, inlier
+    n, tmp = len(seen.cam), kernels.scratch(24)
+    found = kernels.located(1, 1, n)
+    begin_em(prior_m2, found, 0, tmp)
+    for _ in range(steps):
+        if em_step(MODEL.cameras, MODEL.noise, seen, n, found, 0, tmp) < STILL_M2:
+            break
+    return found.shift_m[0], found.cov_m2[0], found.inlier
 
 
 def test_em_finds_a_joint_and_leaves_out_the_image_that_disagrees():
@@ -56,10 +69,10 @@ def test_em_converges_to_the_weighted_least_squares_of_its_own_responsibilities(
     prior = np.diag([0.02, 0.03, 0.01])
     shift, _, inlier = located(seen, prior, 30)
 
-    P = MODEL.P[seen.cam]
+    P = CAMERAS.P[seen.cam]
     sigma = [
         np.hypot(s * f / reference.depth(p, x + shift), MODEL.noise.floor_px)
-        for p, f, s, x in zip(P, MODEL.focal_px, seen.sigma_m, seen.xyz_m, strict=False)
+        for p, f, s, x in zip(P, CAMERAS.focal_px, seen.sigma_m, seen.xyz_m, strict=False)
     ]
 
     def whitened(v, d):
@@ -89,13 +102,18 @@ def test_the_nis_ratio_of_shifts_as_predicted_is_one():
     after = 0.3 * prior
     found = np.ones(17, bool)
     found[3] = False
-    drawn = [
-        nis_ratio(rng.multivariate_normal(np.zeros(3), 0.7 * prior[0], 17), after, prior, found)
-        for _ in range(400)
-    ]
+    located = kernels.located(17, 1, 0)
+    located.cov_m2[:], located.is_known[:] = after, found
+
+    def ratio(shift_m):
+        located.shift_m[:] = shift_m
+        return nis_ratio(located, prior)
+
+    drawn = [ratio(rng.multivariate_normal(np.zeros(3), 0.7 * prior[0], 17)) for _ in range(400)]
     assert abs(np.mean(drawn) - 1.0) < 0.05
-    assert nis_ratio(np.zeros((17, 3)), after, prior, found) == 0.0
-    assert nis_ratio(np.ones((17, 3)), after, prior, np.zeros(17, bool)) == 0.0
+    assert ratio(np.zeros((17, 3))) == 0.0
+    located.is_known[:] = False
+    assert ratio(np.ones((17, 3))) == 0.0
 
 
 @pytest.mark.parametrize("jumps", ["the body", "a joint"])
@@ -111,15 +129,15 @@ def test_a_jump_of_the_body_is_followed_and_one_of_a_joint_is_not(jumps):
     kernels.covariance_all(R, place, prior)
     there = rest + ([0.25, 0.0, 0.0] if jumps == "the body" else 0.0)
     cam = np.array([0, 1, 2])
-    xy = np.array([[reference.project(MODEL.P[k], x) for x in there] for k in cam])
+    xy = np.array([[reference.project(CAMERAS.P[k], x) for x in there] for k in cam])
     if jumps == "a joint":
-        xy[2, 0] = reference.project(MODEL.P[2], rest[0] + [0.25, 0.0, 0.0])
+        xy[2, 0] = reference.project(CAMERAS.P[2], rest[0] + [0.25, 0.0, 0.0])
     x, after, inlier = np.empty((1, 17, 3)), np.empty((1, 17, 3, 3)), np.empty((1, 3, 17))
     before = R.copy()
     kernels.fit_all(
-        R, z, c, np.tile(rest, (3, 1, 1, 1)), prior, cam, MODEL.P, MODEL.focal_px,
-        np.full(3, place), xy, np.ones((3, 17)), np.arange(3)[None], np.zeros((1, 3), np.int64),
-        np.ones((1, 3)), MODEL.noise, place, inlier, x, after,
+        MODEL.cameras, MODEL.noise, images(cam, xy),
+        kernels.Prediction(np.full(3, place), place, np.tile(rest, (3, 1, 1, 1)), prior),
+        one_each(3), kernels.Trajectories(R, z, c, x, after), inlier,
     )  # fmt: skip
     off = np.linalg.norm(x[0] - there, axis=1)
     assert off.max() < 0.03
@@ -155,7 +173,7 @@ def test_what_is_folded_is_what_was_located(seed):
     prior = np.empty((1, 1, 3, 3))
     kernels.covariance_all(R, place, prior)
     cam = np.array([0, 1, 2])
-    xy = np.array([reference.project(MODEL.P[k], joint) for k in cam]) + rng.normal(0, 2, (3, 2))
+    xy = np.array([reference.project(CAMERAS.P[k], joint) for k in cam]) + rng.normal(0, 2, (3, 2))
     seen = kernels.Observed(
         cam, np.full(3, place), np.zeros(3, np.int64), np.tile(joint + OFF_M, (3, 1)), xy,
         np.full(3, MODEL.noise.sigma_m[0]), np.full(3, 0.7),
@@ -163,10 +181,9 @@ def test_what_is_folded_is_what_was_located(seed):
     shift, cov, inlier = located(seen, prior[0, 0], 3)
     x, after, got = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.empty((1, 3, 1))
     kernels.fit_all(
-        R, z, c, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior, cam, MODEL.P, MODEL.focal_px,
-        np.full(3, place), xy[:, None], np.ones((3, 1)), np.arange(3)[None],
-        np.zeros((1, 3), np.int64), np.full((1, 3), 0.7),
-        MODEL.noise._replace(mirror=np.zeros(1, np.int64)), place, got, x, after,
+        MODEL.cameras, MODEL.noise._replace(mirror=np.zeros(1, np.int64)), images(cam, xy[:, None]),
+        kernels.Prediction(np.full(3, place), place, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior),
+        one_each(3, 0.7), kernels.Trajectories(R, z, c, x, after), got,
     )  # fmt: skip
     np.testing.assert_allclose(got[0, :, 0], inlier, rtol=1e-9)
     np.testing.assert_allclose(x[0, 0], joint + OFF_M + shift, atol=1e-9)
@@ -182,10 +199,13 @@ def test_somebody_whom_nobody_sees_stays_as_predicted():
     before = R.copy()
     x, cov, inlier = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.ones((1, 1, 1))
     kernels.fit_all(
-        R, z, c, np.ones((1, 1, 1, 3)), np.eye(3)[None, None], np.array([0]), MODEL.P,
-        MODEL.focal_px, np.array([2.0]), np.empty((0, 1, 2)), np.empty((0, 1)),
-        np.full((1, 1), -1), np.zeros((1, 1), np.int64), np.ones((1, 1)), MODEL.noise, 2.0,
-        inlier, x, cov,
+        MODEL.cameras, MODEL.noise,
+        kernels.Measurements(
+            np.array([0]), np.array([0, 0]), np.empty((0, 1, 2)), np.empty((0, 1))
+        ),
+        kernels.Prediction(np.array([2.0]), 2.0, np.ones((1, 1, 1, 3)), np.eye(3)[None, None]),
+        kernels.Matches(np.full((1, 1), -1), np.zeros((1, 1), np.int64), np.ones((1, 1))),
+        kernels.Trajectories(R, z, c, x, cov), inlier,
     )  # fmt: skip
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(x[0, 0], 1.0)

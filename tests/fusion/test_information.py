@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 
 import reference_fusion as reference
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.information import KEPT, UNSEEN_WEIGHT, extend
+from trecsim.fusion.kernels.motion import extend
 from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.tuning import KEPT, UNSEEN_WEIGHT
 
 LIVE, KNOT_S, STIFF, STEP_M, START_M = 8, 0.1, 15.0, 0.2, 0.5
 
@@ -101,6 +102,11 @@ def test_a_filter_with_marginalised_past_equals_the_fit_of_everything(memory):
         np.testing.assert_allclose(xyz[0, 0, 0], B @ expected[-24:], atol=1e-7)
 
 
+def tracks(R, z, c):
+    x_m = np.empty((*c.shape[:2], 3))
+    return kernels.Trajectories(R, z, c, x_m, np.empty((*x_m.shape, 3)))
+
+
 def located(grid, t_s):
     weights = np.empty(4)
     return kernels.locate(grid.knot_time(t_s), grid.live, weights), weights
@@ -113,7 +119,7 @@ def test_everybody_moves_on_with_the_body_the_sooner_the_less_is_seen_of_them(se
     R, z = np.tile(np.eye(24), (1, 3, 1, 1)), c.copy()
     before = c.copy()
     seen, torso = np.array([[seeing, 0, 0]]), np.array([0, 1])
-    kernels.extend_all(R, z, c, seen, torso, np.full(3, STIFF), 0.8, 0.3)
+    kernels.extend_all(tracks(R, z, c), seen, torso, np.full(3, STIFF), 0.8, 0.3)
     step = before[0, :, -3:] - before[0, :, -6:-3]
     body = kept * (step[0] + UNSEEN_WEIGHT * step[1]) / (1 + UNSEEN_WEIGHT)
     np.testing.assert_allclose(c[0, :, :-3], before[0, :, 3:])

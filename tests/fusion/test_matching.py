@@ -15,7 +15,7 @@ SEEDS = st.integers(0, 2**32 - 1)
 def score(cam, xyz, cov, xy, factor, reach_m=np.inf):
     out, flip = np.empty((len(xyz), len(xy))), np.empty((len(xyz), len(xy)), np.int64)
     kernels.score_view(
-        MODEL.P, MODEL.focal_px, cam, xyz, cov, xy, factor, MODEL.noise, reach_m, out, flip
+        MODEL.cameras, MODEL.noise, cam, (xyz, cov), (xy, factor), reach_m, (out, flip)
     )
     return out, flip
 
@@ -23,7 +23,7 @@ def score(cam, xyz, cov, xy, factor, reach_m=np.inf):
 @given(SEEDS)
 def test_scores_of_a_view_equal_the_sum_over_joints(seed):
     rng = np.random.default_rng(seed)
-    P, focal = MODEL.P[1], MODEL.focal_px[1]
+    P, focal = MODEL.cameras.P[1], MODEL.cameras.focal_px[1]
     xyz, cov = map(np.stack, zip(*[somebody(rng) for _ in range(2)], strict=True))
     xy, factor = map(np.stack, zip(*[seen(rng, P, x) for x in xyz], strict=True))
     out, flip = score(1, xyz, cov, xy, factor)
@@ -44,11 +44,11 @@ def test_scores_of_a_view_equal_the_sum_over_joints(seed):
 def test_only_detections_within_reach_are_scored(seed, reach_m):
     rng = np.random.default_rng(seed)
     xyz, cov = somebody(rng)
-    xy, factor = seen(rng, MODEL.P[2], xyz + rng.normal(0, 0.5, 3))
+    xy, factor = seen(rng, MODEL.cameras.P[2], xyz + rng.normal(0, 0.5, 3))
     known = np.isfinite(xy[:, 0])
-    uv = np.array([reference.project(MODEL.P[2], x) for x in xyz])
-    depth = np.array([reference.depth(MODEL.P[2], x) for x in xyz])
-    apart_m = (np.linalg.norm(xy - uv, axis=1) * depth / MODEL.focal_px[2])[known].mean()
+    uv = np.array([reference.project(MODEL.cameras.P[2], x) for x in xyz])
+    depth = np.array([reference.depth(MODEL.cameras.P[2], x) for x in xyz])
+    apart_m = (np.linalg.norm(xy - uv, axis=1) * depth / MODEL.cameras.focal_px[2])[known].mean()
     if abs(apart_m - reach_m) < 1e-6:
         return
     out, _ = score(2, xyz[None], cov[None], xy[None], factor[None], reach_m)
@@ -58,7 +58,7 @@ def test_only_detections_within_reach_are_scored(seed, reach_m):
 def test_a_mirrored_detection_is_read_mirrored():
     rng = np.random.default_rng(1)
     xyz, cov = somebody(rng)
-    xy = np.array([reference.project(MODEL.P[0], x) for x in xyz])[MODEL.noise.mirror]
+    xy = np.array([reference.project(MODEL.cameras.P[0], x) for x in xyz])[MODEL.noise.mirror]
     _, flip = score(0, xyz[None], cov[None] * 0.1, xy[None], np.ones((1, 17)))
     assert flip[0, 0] == 1
 
@@ -113,13 +113,14 @@ def test_a_frame_set_is_associated_image_by_image(seed):
     xyz, cov = map(np.stack, zip(*[somebody(rng) for _ in range(3)], strict=True))
     cam, offset = np.array([2, 0]), np.array([0, 2, 2])
     xy, factor = map(
-        np.stack, zip(*[seen(rng, MODEL.P[2], x) for x in (xyz[1], xyz[0])], strict=True)
+        np.stack, zip(*[seen(rng, MODEL.cameras.P[2], x) for x in (xyz[1], xyz[0])], strict=True)
     )
     match, flip = np.empty((3, 2), np.int64), np.empty((3, 2), np.int64)
     sure = np.empty((3, 2))
     kernels.associate_all(
-        MODEL.P, MODEL.focal_px, cam, offset, np.stack([xyz, xyz]), cov, xy, factor, MODEL.noise,
-        np.inf, match, flip, sure,
+        MODEL.cameras, MODEL.noise, kernels.Measurements(cam, offset, xy, factor),
+        kernels.Prediction(np.zeros(2), 0.0, np.stack([xyz, xyz]), cov), np.inf,
+        kernels.Matches(match, flip, sure),
     )  # fmt: skip
     ratio, mirrored = score(2, xyz, cov, xy, factor)
     best = np.empty(3, np.int64)

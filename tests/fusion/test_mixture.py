@@ -34,17 +34,17 @@ def test_a_residual_beyond_any_number_has_no_odds_and_no_nan():
 def test_projection_and_jacobian_equal_their_twins(seed):
     rng = np.random.default_rng(seed)
     x, cam = rng.normal([0, 0, 1], 0.8), int(rng.integers(4))
-    w, u, v, du, dv = kernels.project(MODEL.P, cam, *x)
-    assert w == pytest.approx(reference.depth(MODEL.P[cam], x))
-    np.testing.assert_allclose([u, v], reference.project(MODEL.P[cam], x), rtol=1e-10)
-    J = reference.jacobian(MODEL.P[cam], x)
+    w, u, v, du, dv = kernels.project(MODEL.cameras.P, cam, *x)
+    assert w == pytest.approx(reference.depth(MODEL.cameras.P[cam], x))
+    np.testing.assert_allclose([u, v], reference.project(MODEL.cameras.P[cam], x), rtol=1e-10)
+    J = reference.jacobian(MODEL.cameras.P[cam], x)
     np.testing.assert_allclose([du, dv], J, rtol=1e-5, atol=1e-3)
 
 
 def test_a_point_behind_a_camera_has_no_pixel():
     camera = MODEL.rig.cameras[0]
     behind = camera.position_m - camera.T_cam_world[2, :3]
-    w, u, v, _, _ = kernels.project(MODEL.P, 0, *behind)
+    w, u, v, _, _ = kernels.project(MODEL.cameras.P, 0, *behind)
     assert w < 0
     assert np.isnan([u, v]).all()
 

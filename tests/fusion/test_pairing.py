@@ -11,6 +11,7 @@ from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 from trecsim.lab.simulation.detector import PERFECT
 
+CAMERAS = MODEL.cameras
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -51,6 +52,34 @@ def drawn(rng):
     return eyes, xy_px, rng.uniform(1, 4, xy_px.shape[:2]), match
 
 
+def two_images(xy_px, factor):
+    """Return the detections of two images, three in each."""
+    return kernels.Measurements(np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor)
+
+
+@settings(max_examples=10, deadline=None)
+@given(SEEDS)
+def test_pairs_of_detections_are_scored_as_by_the_reference(seed):
+    eyes, xy_px, factor, _ = drawn(np.random.default_rng(seed))
+    cam = np.repeat([0, 1], 3)
+    direction = np.array(
+        [[reference.ray(eyes[c], xy) for xy in xy_px[d]] for d, c in enumerate(cam)]
+    )
+    rays = kernels.Rays(cam, CAMERAS.position_m[cam], direction, factor)
+    score, flip = np.full((6, 6), np.nan), np.full((6, 6), -1)
+    kernels.pair_scores(rays, MODEL.bones, MODEL.noise, score, flip)
+    for i in range(6):
+        for k in range(i + 1, 6):
+            readings = [-np.inf, -np.inf]
+            if cam[i] != cam[k]:
+                readings = reference.pair_readings(
+                    eyes, xy_px[[i, k]], factor[[i, k]], *MODEL.bones, MODEL.noise
+                )
+            assert score[i, k] == pytest.approx(max(readings), abs=1e-6)
+            assert flip[i, k] == np.argmax(readings)
+    assert np.isfinite(score[:3, 3:]).any()
+
+
 @settings(max_examples=10, deadline=None)
 @given(SEEDS)
 def test_evidence_for_other_pairs_grows_as_the_twin_says(seed):
@@ -59,14 +88,11 @@ def test_evidence_for_other_pairs_grows_as_the_twin_says(seed):
     before = rng.uniform(0, 30, 3)
     evidence = before.copy()
     kernels.note_swaps(
-        np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor, match, MODEL.ray_of,
-        MODEL.position_m, MODEL.bones, MODEL.bone_m, MODEL.noise, 25.0, 20.0, evidence,
-    )  # fmt: skip
+        MODEL.cameras, MODEL.bones, MODEL.noise, two_images(xy_px, factor), match, evidence
+    )
 
     def score(i, k):
-        return reference.pair_score(
-            eyes, xy_px[[i, k]], factor[[i, k]], MODEL.bones, MODEL.bone_m, MODEL.noise
-        )
+        return reference.pair_score(eyes, xy_px[[i, k]], factor[[i, k]], *MODEL.bones, MODEL.noise)
 
     gains = reference.exchange_gains(match, np.array([0, 0, 0, 1, 1, 1]), score, 25.0)
     expected = np.maximum(before + np.clip(gains, -20, 20), 0)
@@ -83,9 +109,8 @@ def test_two_people_made_of_the_wrong_halves_are_found_out():
         rows = np.array([match, [match[0] + 1, 7 - match[1]], [-1, -1]])
         for _ in range(3):
             kernels.note_swaps(
-                np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor, rows, MODEL.ray_of,
-                MODEL.position_m, MODEL.bones, MODEL.bone_m, MODEL.noise, 25.0, 20.0, evidence,
-            )  # fmt: skip
+                MODEL.cameras, MODEL.bones, MODEL.noise, two_images(xy_px, factor), rows, evidence
+            )
         assert (evidence[:2] > 20).all() == crossed
         assert evidence[2] == 0
 
@@ -103,9 +128,9 @@ def test_who_is_needless_is_as_the_twin_says(seed):
     confirmed, looks = rng.random(3) < 0.8, np.array([0.0, 1.0, 2.0])
     before = looks.copy()
     kernels.note_redundant(
-        MODEL.P, MODEL.focal_px, np.array([0, 1]), xyz_m, xy_px, match, confirmed, looks
+        MODEL.cameras, two_images(xy_px, np.ones((6, 17))), xyz_m, match, confirmed, looks
     )
-    needless = reference.needless(MODEL.P, MODEL.focal_px, xyz_m, xy_px, match, confirmed)
+    needless = reference.needless(CAMERAS.P, CAMERAS.focal_px, xyz_m, xy_px, match, confirmed)
     np.testing.assert_array_equal(looks, np.where(needless, before + 1, np.maximum(before - 1, 0)))
 
 
@@ -118,7 +143,7 @@ def test_a_body_made_of_two_others_who_fit_its_detections_is_needless():
     match = np.array([[-1, 3], [1, -1], [0, 4]])
     for confirmed, expected in (([True] * 3, [0, 0, 1]), ([True, False, True], [0, 0, 0])):
         kernels.note_redundant(
-            MODEL.P, MODEL.focal_px, np.array([0, 1]), np.stack([people, people]), xy_px, match,
+            MODEL.cameras, two_images(xy_px, np.ones((6, 17))), np.stack([people, people]), match,
             np.array(confirmed), looks,
         )  # fmt: skip
         assert looks.tolist() == expected

@@ -8,6 +8,21 @@ from hypothesis import strategies as st
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 
+
+def sightings(camera_s, two_view_s, joint_s=None, duration_s=None, mirrored_s=None):
+    """Return the sightings of tracks; what is not given is nothing."""
+    n = len(camera_s)
+    joint_s = np.full((n, 4, camera_s.shape[1]), -np.inf) if joint_s is None else joint_s
+    duration_s = np.zeros(n) if duration_s is None else duration_s
+    mirrored_s = np.zeros(n) if mirrored_s is None else mirrored_s
+    return kernels.Sightings(camera_s, joint_s, two_view_s, duration_s, mirrored_s)
+
+
+def matched(match, flip=None):
+    flip = np.zeros_like(match) if flip is None else flip
+    return kernels.Matches(match, flip, np.ones(match.shape))
+
+
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -17,11 +32,12 @@ def test_a_camera_supports_whom_it_sees_with_three_joints_and_never_backwards_in
     inlier[0, 0, :3], inlier[1, 0, :2] = 0.9, 0.9
     inlier[0, 1] = 0.4
     match = np.array([[0, 1], [1, -1]])
-    kernels.note_support(np.array([2, 0]), np.array([5.0, 6.0]), match, inlier, camera_s, joint_s)
+    matches, seen = matched(match), sightings(camera_s, np.zeros(2), joint_s)
+    kernels.note_support(np.array([2, 0]), np.array([5.0, 6.0]), matches, inlier, seen)
     assert camera_s[0].tolist() == [-np.inf, -np.inf, 5.0]
     assert joint_s[0, :, 2].tolist() == [5.0, 5.0, 5.0, -np.inf]
     assert (camera_s[1] == -np.inf).all()
-    kernels.note_support(np.array([2, 0]), np.array([4.0, 6.0]), match, inlier, camera_s, joint_s)
+    kernels.note_support(np.array([2, 0]), np.array([4.0, 6.0]), matches, inlier, seen)
     assert camera_s[0, 2] == 5.0
     assert joint_s[0, 0, 2] == 5.0
 
@@ -30,7 +46,8 @@ def test_time_with_two_cameras_and_time_read_mirrored_add_up():
     camera_s = np.array([[9.95, 9.9, 0.0], [10.0, 0.0, 0.0]])
     match, flip = np.array([[0, 1, 2], [3, -1, -1]]), np.array([[1, 1, 0], [0, 0, 0]])
     two_s, together_s, mirrored_s = np.array([1.0, 2.0]), np.zeros(2), np.array([0.1, 0.03])
-    kernels.age(camera_s, match, flip, 10.0, 0.06, two_s, together_s, mirrored_s)
+    seen = sightings(camera_s, two_s, None, together_s, mirrored_s)
+    kernels.age(seen, matched(match, flip), 10.0, 0.06)
     assert two_s.tolist() == [10.0, 2.0]
     assert together_s.tolist() == [0.06, 0.0]
     assert mirrored_s == pytest.approx([0.1 + 0.02, 0.0])  # two of three; then less than nothing
@@ -63,8 +80,8 @@ def test_people_are_close_when_the_mean_distance_of_their_torsos_is(seed, distan
 def test_who_lives_on(last_s, two_s, confirmed, expected, lives):
     alive = np.empty(1, bool)
     kernels.survive_all(
-        np.array([[last_s, -np.inf]]), np.array([two_s]), np.array([confirmed]),
-        np.array([expected]), np.zeros((1, 17, 3)), 10.0, 0.5, 1.5, alive,
+        sightings(np.array([[last_s, -np.inf]]), np.array([two_s])), np.array([confirmed]),
+        np.array([expected]), np.zeros((1, 17, 3)), 10.0, (0.5, 1.5), alive,
     )  # fmt: skip
     assert alive[0] == lives
 
@@ -77,7 +94,8 @@ def test_where_somebody_should_be_seen_is_asked_only_of_those_whose_life_hangs_o
     last_s, two_s, asked
 ):
     out = np.empty(1, bool)
-    some = kernels.ask_all(np.array([[last_s, -np.inf]]), np.array([two_s]), 10.0, 0.5, 1.5, out)
+    seen = sightings(np.array([[last_s, -np.inf]]), np.array([two_s]))
+    some = kernels.ask_all(seen, 10.0, (0.5, 1.5), out)
     assert out[0] == asked
     assert some == asked
 
@@ -87,7 +105,7 @@ def test_a_body_that_is_not_finite_dies():
     x[0, 4, 1] = np.inf
     alive = np.empty(1, bool)
     kernels.survive_all(
-        np.full((1, 2), 10.0), np.array([10.0]), np.array([True]), np.array([2]), x, 10.0, 0.5, 1.5,
-        alive,
+        sightings(np.full((1, 2), 10.0), np.array([10.0])), np.array([True]), np.array([2]), x,
+        10.0, (0.5, 1.5), alive,
     )  # fmt: skip
     assert not alive[0]

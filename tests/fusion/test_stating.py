@@ -19,8 +19,9 @@ def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None):
     x, cov, velocity_cov = x[None].copy(), cov[None].copy(), np.zeros((1, 17, 3, 3))
     limb_m = np.empty((1, 0)) if limb_m is None else limb_m[None]
     kernels.report_all(
-        MODEL.P, MODEL.focal_px, MODEL.noise, joint_s[None], NOW_S, limbs, limb_m,
-        np.full(limb_m.shape, 1e-6), x, cov, velocity_cov,
+        MODEL.cameras, MODEL.noise, limbs,
+        kernels.Bodies(limb_m, np.full(limb_m.shape, 1e-6), np.zeros((1, 2))), joint_s[None],
+        NOW_S, (x, cov, velocity_cov),
     )  # fmt: skip
     return x[0], cov[0], velocity_cov[0]
 

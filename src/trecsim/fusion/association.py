@@ -12,6 +12,7 @@ from jaxtyping import Float64, Int64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.images import Images
+from trecsim.fusion.kernels import Matches, Prediction
 from trecsim.fusion.model import Model
 from trecsim.fusion.tuning import GATE_M
 
@@ -34,12 +35,16 @@ class Association:
     flip: Int64[np.ndarray, "track view"]
     responsibility: Float64[np.ndarray, "track view"]
 
+    @property
+    def matches(self) -> Matches:
+        """The same as the kernels take it, each image for what it tells by itself."""
+        return Matches(self.match, self.flip, self.responsibility)
+
 
 def associate(
     model: Model,
     images: Images,
-    xyz_m: Float64[np.ndarray, "view track joint 3"],
-    cov_m2: Float64[np.ndarray, "track joint 3 3"],
+    prediction: Prediction,
 ) -> Association:
     """Assign the detections of every image to the tracks.
 
@@ -49,16 +54,15 @@ def associate(
         Constants of the run.
     images
         The frame set.
-    xyz_m, cov_m2
-        Predicted joints at each image's time, and their covariance.
+    prediction
+        The tracks at each image's time.
     """
-    shape = (len(cov_m2), len(images))
-    match, flip, sure = np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(shape)
+    shape = (len(prediction.cov_m2), len(images))
+    matches = Matches(np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(shape))
     kernels.associate_all(
-        model.P, model.focal_px, images.cam, images.offset, xyz_m, cov_m2, images.xy_px,
-        images.sigma_scale, model.noise, GATE_M, match, flip, sure,
-    )  # fmt: skip
-    return Association(match, flip, sure)
+        model.cameras, model.noise, images.measurements, prediction, GATE_M, matches
+    )
+    return Association(*matches)
 
 
 def score(
@@ -73,7 +77,6 @@ def score(
     ratio = np.empty((len(xyz_m), len(xy_px)))
     flip = np.empty((len(xyz_m), len(xy_px)), np.int64)
     kernels.score_view(
-        model.P, model.focal_px, cam, xyz_m, cov_m2, xy_px, factor, model.noise, GATE_M,
-        ratio, flip,
-    )  # fmt: skip
+        model.cameras, model.noise, cam, (xyz_m, cov_m2), (xy_px, factor), GATE_M, (ratio, flip)
+    )
     return ratio, flip

@@ -51,7 +51,7 @@ class Candidate:
 def rays(model: Model, found: Detections) -> Float64[np.ndarray, "person joint 3"]:
     """Return the unit directions, in the world frame, of the rays through key points."""
     homogeneous = np.concatenate([found.xy_px, np.ones_like(found.xy_px[..., :1])], axis=-1)
-    direction = np.einsum("dab,djb->dja", model.ray_of[found.cam], homogeneous)
+    direction = np.einsum("dab,djb->dja", model.cameras.ray_of[found.cam], homogeneous)
     return np.asarray(direction / np.linalg.norm(direction, axis=-1, keepdims=True))
 
 
@@ -72,7 +72,7 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
         information = (np.isfinite(pool.xy_px[..., 0]) / pool.sigma_scale).sum(axis=1)
         best = np.sort(np.argsort(-information, kind="stable")[:MOST_UNASSIGNED])
         pool = pool.take(best)
-    ray, origin = rays(model, pool), model.position_m[pool.cam]
+    ray, origin = rays(model, pool), model.cameras.position_m[pool.cam]
     pair, flip = _pairs(model, pool, origin, ray)
     good = pair >= BIRTH_SCORE
     partners = good.sum(axis=0) + good.sum(axis=1)
@@ -104,9 +104,8 @@ def _pairs(
     """Return log likelihood ratio and mirror state of every pair of detections as one person."""
     pair = np.full((len(pool), len(pool)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
-    kernels.pair_scores(
-        pool.cam, origin, ray, pool.sigma_scale, model.bones, model.bone_m, model.noise, pair, flip
-    )
+    sight = kernels.Rays(pool.cam, origin, ray, pool.sigma_scale)
+    kernels.pair_scores(sight, model.bones, model.noise, pair, flip)
     return pair, flip
 
 

@@ -8,7 +8,7 @@ from trecsim.fusion.association import Association
 from trecsim.fusion.images import Images
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.tuning import CLEAR_PAIR, MIRROR_S, MOST_SWAP_EVIDENCE, SWAP_EVIDENCE
+from trecsim.fusion.tuning import MIRROR_S, SWAP_EVIDENCE
 
 
 def check_matches(
@@ -35,13 +35,12 @@ def check_matches(
     not be independent.
     """
     kernels.note_redundant(
-        model.P, model.focal_px, images.cam, xyz_m, images.xy_px, association.match,
-        people.confirmed, people.redundant_count,
+        model.cameras, images.measurements, xyz_m, association.match, people.confirmed,
+        people.redundant_count,
     )  # fmt: skip
     kernels.note_swaps(
-        images.cam, images.offset, images.xy_px, images.sigma_scale, association.match,
-        model.ray_of, model.position_m, model.bones, model.bone_m, model.noise, CLEAR_PAIR,
-        MOST_SWAP_EVIDENCE, people.swap_evidence,
+        model.cameras, model.bones, model.noise, images.measurements, association.match,
+        people.swap_evidence,
     )  # fmt: skip
 
 

@@ -5,7 +5,6 @@ Each is a call of a kernel or two.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64
@@ -13,31 +12,12 @@ from jaxtyping import Float64
 from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
 from trecsim.fusion.images import Images
+from trecsim.fusion.kernels import Matches, Prediction
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.support import support
 from trecsim.fusion.tuning import LEAST_INDEPENDENCE
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Prediction:
-    """Predicted joints of all tracks in each image of a frame set.
-
-    Attributes
-    ----------
-    knot_time, now
-        Times of the images and of the frame set [knots].
-    xyz_m
-        Joints at each image's own time.
-    cov_m2
-        Their covariance at the frame set's time.
-    """
-
-    knot_time: Float64[np.ndarray, " view"]
-    now: float
-    xyz_m: Float64[np.ndarray, "view track joint 3"]
-    cov_m2: Float64[np.ndarray, "track joint 3 3"]
 
 
 def independence_weight(since_s: float, model: Model) -> float:
@@ -69,7 +49,7 @@ def extend(people: Population, grid: KnotGrid, t_s: float, model: Model) -> None
     seen = support(people, t_s - s.knot_s)
     for _ in range(steps):
         kernels.extend_all(
-            people.R, people.z, people.c, seen, model.torso, model.stiffness,
+            people.trajectories, seen, model.torso, model.stiffness,
             math.exp(-s.knot_s / s.velocity_memory_s), math.exp(-s.knot_s / s.drag_memory_s),
         )  # fmt: skip
 
@@ -105,12 +85,10 @@ def fit(
     """
     inlier = np.empty((len(people), len(images), people.z.shape[1]))
     independence = np.array([independence_weight(since, model) for since in since_s])
-    observation_weight = association.responsibility * independence
+    weight = association.responsibility * independence
     kernels.fit_all(
-        people.R, people.z, people.c, prediction.xyz_m, prediction.cov_m2, images.cam, model.P,
-        model.focal_px, prediction.knot_time, images.xy_px, images.sigma_scale, association.match,
-        association.flip, observation_weight, model.noise, prediction.now, inlier,
-        people.xyz_m, people.cov_m2,
+        model.cameras, model.noise, images.measurements, prediction,
+        Matches(association.match, association.flip, weight), people.trajectories, inlier,
     )  # fmt: skip
     return inlier
 
@@ -130,7 +108,6 @@ def constrain(people: Population, now: float, model: Model, t_s: float, elapsed_
         Time since the last frame set [s].
     """
     kernels.constrain_all(
-        people.R, people.z, people.c, people.xyz_m, people.cov_m2, support(people, t_s),
-        model.limbs, people.limb_m, people.limb_m2, people.ground_level,
+        people.trajectories, people.bodies, support(people, t_s), model.limbs,
         model.noise.white_share, now, elapsed_s,
     )  # fmt: skip

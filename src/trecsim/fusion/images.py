@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from trecsim.errors import InputError
 from trecsim.fusion import kernels
+from trecsim.fusion.kernels import Measurements
 from trecsim.fusion.model import Model
 from trecsim.values import Poses2D
 
@@ -39,6 +40,11 @@ class Images:
     def __len__(self) -> int:
         """Return the number of images."""
         return len(self.cam)
+
+    @property
+    def measurements(self) -> Measurements:
+        """The detections as the kernels take them."""
+        return Measurements(self.cam, self.offset, self.xy_px, self.sigma_scale)
 
     def detections(self, which: Bool[np.ndarray, " person"]) -> "Detections":
         """Return the detections that `which` marks, without their images."""

@@ -61,9 +61,9 @@ def completed(
     xyz = np.array([one.xyz_m for one in candidates]).reshape(-1, len(model.skeleton.joints), 3)
     found = np.isfinite(xyz[..., 0])
     centre_m, down = _mean(xyz, found), _down(xyz, found, model)
-    near, far = np.concatenate([model.bones, model.bones[:, ::-1]]).T
+    near, far = np.concatenate([model.bones.joints, model.bones.joints[:, ::-1]]).T
     rank = np.array([_RANK.get(name.rpartition("_")[2], 0) for name in model.skeleton.joints])
-    lower_m = np.sign(rank[far] - rank[near]) * np.tile(model.bone_m, 2)
+    lower_m = np.sign(rank[far] - rank[near]) * np.tile(model.bones.length_m, 2)
     ends_at = (far[:, None] == np.arange(len(rank))).astype(np.float64)
     while True:
         new = found[:, near] & ~found[:, far]

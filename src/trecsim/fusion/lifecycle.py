@@ -44,9 +44,7 @@ def expected_cameras(
     """
     s, n = model.settings, len(people)
     asked, expected = np.empty(n, bool), np.full(n, 2, np.int64)
-    if kernels.ask_all(
-        people.last_seen_s, people.last_two_view_s, t_s, s.death_s, s.doubt_s, asked
-    ):
+    if kernels.ask_all(people.sightings, t_s, (s.death_s, s.doubt_s), asked):
         kernels.expect_all(
             model.lenses, model.silhouette, looking(), model.torso, people.xyz_m, asked, expected
         )
@@ -80,7 +78,7 @@ def survivors(
     s = model.settings
     alive = np.empty(len(people), bool)
     kernels.survive_all(
-        people.last_seen_s, people.last_two_view_s, people.confirmed, expected, people.xyz_m,
-        t_s, s.death_s, s.doubt_s, alive,
+        people.sightings, people.confirmed, expected, people.xyz_m, t_s, (s.death_s, s.doubt_s),
+        alive,
     )  # fmt: skip
     return alive & (people.redundant_count < REDUNDANT_CHECKS)

@@ -9,7 +9,7 @@ from jaxtyping import Float64, Int64
 
 from trecsim.fusion import body, undistortion, visibility
 from trecsim.fusion.body import UsualBody
-from trecsim.fusion.kernels import Lenses, Limbs, Noise, Silhouette, Undistortion
+from trecsim.fusion.kernels import Bones, Cameras, Lenses, Limbs, Noise, Silhouette, Undistortion
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
@@ -27,17 +27,15 @@ class Model:
         Index of each camera by its name.
     undistortion
         Parameters that undistort key points, per camera.
-    P, focal_px
-        Projections for undistorted pixels and mean focal lengths, per camera.
-    ray_of, position_m
-        Matrix that turns a pixel into the direction of its viewing ray, and the camera's position.
+    cameras
+        Projections of the cameras, and their viewing rays.
     lenses, silhouette
         Parameters that decide which camera has whom in view, and who hides whom.
     noise
         Measurement model of the detector.
     stiffness
         Weight of the smoothing prior, per joint.
-    bones, bone_m
+    bones
         The limbs of the skeleton and their usual lengths, for births.
     body
         Prior knowledge of the distances between joints.
@@ -52,16 +50,12 @@ class Model:
     settings: FusionSettings
     cam_of: Mapping[str, int]
     undistortion: Undistortion
-    P: Float64[np.ndarray, "cam 3 4"]
-    ray_of: Float64[np.ndarray, "cam 3 3"]
-    position_m: Float64[np.ndarray, "cam 3"]
-    focal_px: Float64[np.ndarray, " cam"]
+    cameras: Cameras
     lenses: Lenses
     silhouette: Silhouette
     noise: Noise
     stiffness: Float64[np.ndarray, " joint"]
-    bones: Int64[np.ndarray, "bone 2"]
-    bone_m: Float64[np.ndarray, " bone"]
+    bones: Bones
     body: UsualBody
     limbs: Limbs
     torso: Int64[np.ndarray, " joint_of_torso"]
@@ -77,16 +71,17 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         settings=settings,
         cam_of={name: i for i, name in enumerate(rig.names)},
         undistortion=undistortion.undistortion(rig),
-        P=np.array(rig.P, np.float64, order="C"),
-        ray_of=np.array(np.linalg.inv(rig.P[:, :, :3]), order="C"),
-        position_m=np.stack([camera.position_m for camera in rig]),
-        focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
+        cameras=Cameras(
+            P=np.array(rig.P, np.float64, order="C"),
+            focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
+            ray_of=np.array(np.linalg.inv(rig.P[:, :, :3]), order="C"),
+            position_m=np.stack([camera.position_m for camera in rig]),
+        ),
         lenses=visibility.lenses(rig),
         silhouette=visibility.silhouette(skeleton),
         noise=_noise(skeleton, settings),
         stiffness=body.stiffness(skeleton, settings),
-        bones=np.ascontiguousarray(usual.joints[usual.bone]),
-        bone_m=usual.length_m[usual.bone],
+        bones=Bones(np.ascontiguousarray(usual.joints[usual.bone]), usual.length_m[usual.bone]),
         body=usual,
         limbs=Limbs(usual.joints, usual.slack_m**2, body.contact_height_m(skeleton)),
         torso=np.array(torso or range(len(skeleton.joints)), np.int64),

@@ -5,6 +5,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.fusion.kernels import Bodies, Sightings, Trajectories
+
 
 @dataclass(slots=True, eq=False)
 class Population:
@@ -62,6 +64,24 @@ class Population:
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
     ground_level: Float64[np.ndarray, "track 2"]
+
+    @property
+    def trajectories(self) -> Trajectories:
+        """The trajectories, and the joints at the time of the last frame set."""
+        return Trajectories(self.R, self.z, self.c, self.xyz_m, self.cov_m2)
+
+    @property
+    def bodies(self) -> Bodies:
+        """What is learnt of the bodies."""
+        return Bodies(self.limb_m, self.limb_m2, self.ground_level)
+
+    @property
+    def sightings(self) -> Sightings:
+        """When cameras supported the tracks."""
+        return Sightings(
+            self.last_seen_s, self.joint_last_seen_s, self.last_two_view_s,
+            self.two_view_duration_s, self.mirrored_duration_s,
+        )  # fmt: skip
 
     @classmethod
     def empty(cls, n_joint: int, live: int, n_cam: int, n_limb: int) -> "Population":

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.fusion import kernels
+from trecsim.fusion.kernels import Bodies
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
@@ -60,9 +61,9 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
     xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
     velocity_cov_m2ps2 = velocity_cov_m2ps2.take(who, axis=0)
     kernels.report_all(
-        model.P, model.focal_px, model.noise, people.joint_last_seen_s.take(who, axis=0), t_s,
-        model.limbs, people.limb_m.take(who, axis=0), people.limb_m2.take(who, axis=0),
-        xyz_m, cov_m2, velocity_cov_m2ps2,
+        model.cameras, model.noise, model.limbs,
+        Bodies(*(values.take(who, axis=0) for values in people.bodies)),
+        people.joint_last_seen_s.take(who, axis=0), t_s, (xyz_m, cov_m2, velocity_cov_m2ps2),
     )  # fmt: skip
     return Snapshot(
         t_s, people.id.take(who), xyz_m, cov_m2, support(people, t_s).take(who, axis=0),

@@ -10,8 +10,8 @@ from jaxtyping import Float64, Int64
 from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
 from trecsim.fusion.images import Images
-from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.population import Population
+from trecsim.fusion.tuning import SUPPORT_S
 
 
 def update_support(
@@ -33,14 +33,8 @@ def update_support(
     t_s, elapsed_s
         Time of the frame set, and since the last one [s].
     """
-    kernels.note_support(
-        images.cam, images.t_s, association.match, inlier, people.last_seen_s,
-        people.joint_last_seen_s,
-    )  # fmt: skip
-    kernels.age(
-        people.last_seen_s, association.match, association.flip, t_s, elapsed_s,
-        people.last_two_view_s, people.two_view_duration_s, people.mirrored_duration_s,
-    )  # fmt: skip
+    kernels.note_support(images.cam, images.t_s, association.matches, inlier, people.sightings)
+    kernels.age(people.sightings, association.matches, t_s, elapsed_s)
 
 
 def support(people: Population, t_s: float) -> Int64[np.ndarray, "track joint"]:

@@ -13,7 +13,6 @@ from trecsim.fusion.association import Association, associate
 from trecsim.fusion.duplicates import Duplicates, is_duplicate
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
-from trecsim.fusion.kernels.presence import SUPPORT_S
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import Identities, dead_tracks
@@ -21,7 +20,7 @@ from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.fusion.support import update_support
-from trecsim.fusion.tuning import CHECK_S, SAME_S, UNASSIGNED_S
+from trecsim.fusion.tuning import CHECK_S, SAME_S, SUPPORT_S, UNASSIGNED_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
@@ -183,7 +182,7 @@ class Tracker:
         cam, taken_s = images.cam.tolist(), images.t_s.tolist()
         since_s = self._clocks.since_s(cam, taken_s)
         prediction = fitting.predict(people, images, self._knots, t_s)
-        association = associate(m, images, prediction.xyz_m, prediction.cov_m2)
+        association = associate(m, images, prediction)
         inlier = fitting.fit(people, images, association, prediction, m, since_s)
         update_support(people, images, association, inlier, t_s, elapsed_s)
         if t_s - self._checked_s >= CHECK_S:

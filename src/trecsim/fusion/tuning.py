@@ -3,16 +3,109 @@
 Nobody should need to change them: they follow from how people move, how key-point estimators err,
 or from tests on synthetic scenes. What a site may want to change is in `trecsim.fusion.settings`;
 what is known of bodies, joint by joint, in `trecsim.fusion.body`. Log likelihood ratios are natural
-logarithms. Compiled kernels keep the values they were compiled with.
+logarithms. Compiled kernels keep the values they were compiled with: a changed table compiles them
+anew. Only bounds that guard against rounding, such as ``1e-12``, stand in the kernels themselves.
 """
 
 from typing import Final
+
+# ------------------------------------------------------------------------------------ key points
+
+# The noise of a key point grows as this power of its falling score, and by this factor at most.
+SCORE_POWER: Final = 1.7
+LARGEST_SIGMA_SCALE: Final = 6.0
+# No image is so large that a key point of it lies here [px].
+FAR_PX: Final = 1e5
+# Two detections of an image are duplicates if all their common key points lie this close, as a
+# share of the detection's size; and the fewest common ones, as one or two may coincide by chance.
+DUPLICATE_SHARE: Final = 0.03
+DUPLICATE_JOINTS: Final = 3
+
+# ------------------------------------------------------------------------------- measurement model
+
+# A joint nearer than this to a camera's plane is not compared with its image [m].
+NEAR_M: Final = 0.05
+# Trajectories are stiff and people turn at once: whether a key point belongs to a joint is judged
+# as if the prediction's variance were so many times larger, up to so much more in each direction
+# [m].
+LEEWAY: Final = 12.0
+LEEWAY_M: Final = 0.06
+
+# ------------------------------------------------------------------------------- fit of the joints
+
+# EM steps at most, and how far a joint moves in the last one at most, squared [m^2].
+EM_STEPS: Final = 3
+STILL_M2: Final = 0.0005**2
+# Images this close in time enter the trajectory at their common mean time [knots].
+TOGETHER: Final = 0.5
+# Covariance inflation. The normalised innovation squared of all joints of a body, over its expected
+# value, shows a sharp turn from `NIS_GATE` on. In steady motion it is near `USUAL_NIS` or below, as
+# a detector's errors persist and the process noise allows for the fastest joints. The inflation is
+# the ratio over its usual value, at most `LARGEST_INFLATION`.
+NIS_GATE: Final = 2.5
+USUAL_NIS: Final = 1.25
+LARGEST_INFLATION: Final = 50.0
+
+# ----------------------------------------------------------------------------------------- motion
+
+# Weight of a torso joint that no camera supports in the mean velocity of the body; supported joints
+# have weight 1.
+UNSEEN_WEIGHT: Final = 0.05
+# Where fewer than two cameras support the body, depth is unobserved: the velocity of the body is
+# multiplied by this for each knot.
+KEPT: Final = 0.8
+
+# --------------------------------------------------------------------------------- limbs and ground
+
+# A length of a limb is learnt from measurements of this variance, of which the next is independent
+# after this time [m^2, s]; its own variance stays above this, so that it can be learnt anew [m^2].
+LENGTH_MEASURE_M2: Final = 0.02**2
+LENGTH_MEASURE_S: Final = 0.5
+SUREST_LENGTH_M2: Final = 0.005**2
+# Variance of a limb's equation besides what is known of its length [m^2].
+TIE_M2: Final = 0.01**2
+# A limb whose length is off by more standard deviations has no effect: one end is elsewhere. How
+# often each limb has its effect when joints are adjusted to the lengths.
+LIMB_GATE: Final = 3.0
+LIMB_SWEEPS: Final = 4
+# A joint less well known than this, summed over the directions, needs its body even if two cameras
+# see it: they may stand side by side [m^2].
+WEAK_M2: Final = 0.2**2
+# Gauss-Newton steps for the joints that need their body; variance of how far one step moves a joint
+# [m^2]: a limb across the line of sight says nearly nothing about depth, and its linearised
+# equation holds near the joint only.
+BODY_STEPS: Final = 3
+REACH_M2: Final = 0.3**2
+# What the body says of a joint is new after this time, as a length that is off stays so [s].
+BODY_S: Final = 1.3
+# The height of the ground, as the lengths of limbs [m^2, s]; how far it rises or falls under people
+# who walk on, and how far it may while two cameras see them elsewhere, on stairs [m^2/s].
+GROUND_MEASURE_M2: Final = 0.03**2
+GROUND_MEASURE_S: Final = 0.5
+SLOPE_M2PS: Final = 0.02**2
+STAIRS_M2PS: Final = 0.15**2
+# A lowest joint that is off by more standard deviations does not rest: somebody jumps.
+GROUND_GATE: Final = 3.0
+
+# ----------------------------------------------------------------------------- reported covariance
+
+# Standard deviation of a joint in a direction that no camera observes [m], and how fast it grows
+# with the time for which no two cameras have seen the joint [m/s], up to so long [s].
+UNSEEN_SIGMA_M: Final = 0.1
+UNSEEN_DRIFT_MPS: Final = 0.1
+UNSEEN_DRIFT_S: Final = 5.0
+# A bias wanders by about one standard deviation in 0.2 s [1/s]. In a direction that no camera
+# observes, the error of the velocity that this makes is at most so large [m/s].
+BIAS_WANDER_PER_S: Final = 5.0
+UNSEEN_SIGMA_MPS: Final = 0.2
 
 # ---------------------------------------------------------------------------------- association
 
 # A detection is compared with a track only if their joints are closer than this on average, at the
 # track's distance [m].
 GATE_M: Final = 0.8
+# The errors of a detection's key points are correlated: 17 of them are worth about a third.
+TEMPER: Final = 3.0
 # Weight of an image that follows its camera's last one at once, next to an independent one.
 LEAST_INDEPENDENCE: Final = 0.05
 
@@ -37,6 +130,19 @@ CANDIDATE_SIGMA_M: Final = 0.08
 # many joints.
 MEETING_GAP_M: Final = 0.25
 FEWEST_JOINTS: Final = 4
+# A pair is scored only if so many joints meet; any two strangers have three by chance.
+PAIR_JOINTS: Final = 4
+# Rays whose angle has a smaller squared sine (below 2 degrees) do not meet anywhere; nobody is met
+# nearer to a camera than this [m]; rays that pass further from each other than so many standard
+# deviations show different points.
+PARALLEL: Final = 1e-3
+TOO_CLOSE_M: Final = 0.2
+RAY_GATE: Final = 3.0
+# Log likelihood ratio of a limb's length: a body's spread, of about a third, against any length at
+# all; whatever the length, it weighs no more than an outlier.
+LIMB_BEST: Final = 1.3
+LIMB_CURVE: Final = 4.0
+LIMB_WORST: Final = -4.0
 
 # --------------------------------------------------------------------- first state of a new track
 
@@ -67,11 +173,41 @@ CLEAR_PAIR: Final = 25.0
 # Number of checks in which other tracks explain all detections of a track, until it is deleted.
 # People who cross are in line for one camera as long, but not for two at a time.
 REDUNDANT_CHECKS: Final = 3.0
+# A detection whose key points lie this near on average shows the person, at its distance [m].
+FITS_M: Final = 0.12
 # Time for which most cameras read a track with left and right exchanged, until it is mirrored [s]:
 # longer than a detector errs at a stretch.
 MIRROR_S: Final = 0.2
 # Two tracks closer than `duplicate_m` are one after this time [s].
 DUPLICATE_S: Final = 0.25
+
+# ---------------------------------------------------------------- support, confirmation and death
+
+# A camera supports a joint or person "now" if it did within this time [s].
+SUPPORT_S: Final = 0.12
+# A key point supports its joint from this responsibility on; so many of them support a person.
+INLIER: Final = 0.5
+FEWEST_INLIERS: Final = 3
+# So many cameras that support a track at a time confirm it at once.
+SURE_CAMERAS: Final = 3
+# A track dies after a share of `death_s` if no camera has the person in view (the person has left),
+# or if `CROWDED` or more cameras do: that all of them miss a real person is unlikely.
+UNSEEN_PATIENCE: Final = 0.5
+CROWDED_PATIENCE: Final = 0.7
+CROWDED: Final = 3
+# A provisional track needs two cameras again within this time [s].
+TENTATIVE_S: Final = 0.25
+# A point nearer than this to a camera's plane is not expected in the image [m].
+AHEAD_M: Final = 0.1
+# A camera should detect a person of whose torso at least this share is in its image: people who
+# stand half outside are found by detectors as often as not.
+IN_VIEW: Final = 0.5
+# A person of whom others hide at least this share of the joints is not expected to be found. Who
+# hides somebody stands before that person by at least the thickness of a body [m], and no further
+# beside the line of sight than two people reach, as far as their joints lie from their torsos [m].
+HIDDEN_SHARE: Final = 0.5
+BEFORE_M: Final = 0.2
+ASIDE_M: Final = 2.0
 
 # ------------------------------------------------------------------------------ re-identification
 

@@ -7,17 +7,26 @@ Importing this package imports numba; only the fusion does.
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.curve import evaluate_all, locate
 from trecsim.fusion.kernels.fitting_kernels import fit_all
+from trecsim.fusion.kernels.groups import (
+    Bodies,
+    Bones,
+    Cameras,
+    Matches,
+    Measurements,
+    Prediction,
+    Rays,
+    Sightings,
+    Trajectories,
+)
 from trecsim.fusion.kernels.information import (
     control_points,
     covariance_all,
-    extend_all,
     fold_gaussian,
     fold_row,
-    start_all,
 )
 from trecsim.fusion.kernels.lengths import Limbs
 from trecsim.fusion.kernels.linear_assignment import assign
-from trecsim.fusion.kernels.locating import Observed, locate_joint, scratch, sums
+from trecsim.fusion.kernels.locating import Observed, located, scratch
 from trecsim.fusion.kernels.matching import (
     FREE,
     TAKEN,
@@ -28,13 +37,9 @@ from trecsim.fusion.kernels.matching import (
     score_view,
 )
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
-from trecsim.fusion.kernels.pairing import (
-    midpoints,
-    note_redundant,
-    note_swaps,
-    pair_scores,
-    ray_midpoint,
-)
+from trecsim.fusion.kernels.motion import extend_all, start_all
+from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
+from trecsim.fusion.kernels.pairing import midpoints, pair_scores, ray_midpoint
 from trecsim.fusion.kernels.prefilter import prefilter
 from trecsim.fusion.kernels.presence import (
     age,
@@ -53,11 +58,20 @@ from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, expect
 __all__ = [
     "FREE",
     "TAKEN",
+    "Bodies",
+    "Bones",
+    "Cameras",
     "Lenses",
     "Limbs",
+    "Matches",
+    "Measurements",
     "Noise",
     "Observed",
+    "Prediction",
+    "Rays",
+    "Sightings",
     "Silhouette",
+    "Trajectories",
     "Undistortion",
     "age",
     "any_close",
@@ -78,7 +92,7 @@ __all__ = [
     "image_covariance",
     "inlier_odds",
     "locate",
-    "locate_joint",
+    "located",
     "match_view",
     "midpoints",
     "note_redundant",
@@ -94,7 +108,6 @@ __all__ = [
     "score_view",
     "scratch",
     "start_all",
-    "sums",
     "survive_all",
     "undistort",
     "velocity_all",

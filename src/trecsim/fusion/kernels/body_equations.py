@@ -1,16 +1,14 @@
 """Least squares over the joints that need their body: limb lengths tie them to each other."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
-from trecsim.fusion.kernels.information import clear_row
-from trecsim.fusion.kernels.lengths import TIE_M2
-
-# Variance of how far the body moves a joint in one step [m^2]. A limb across the line of sight says
-# nearly nothing about depth, and its linearised equation holds near the joint only.
-REACH_M2 = 0.3**2
+from trecsim.fusion.kernels.small_matrices import clear_row
+from trecsim.fusion.tuning import REACH_M2, TIE_M2
 
 
 @inner
@@ -62,14 +60,39 @@ def add_limb(A, b, first, second, u, residual, var):
                 A[second + p, first + q] -= by_var * u[p] * u[q]
 
 
+class Shifts(NamedTuple):
+    """Joints of one person of which the weak ones move.
+
+    Attributes
+    ----------
+    x_m, shift_m
+        The fitted joints, and how far they have moved.
+    cov_m2, info
+        Their covariances, and the inverse of those of the weak joints.
+    unknown_of
+        Index of a joint's first unknown, -1 where the joint is well known.
+    """
+
+    x_m: Float64[np.ndarray, "joint 3"]
+    shift_m: Float64[np.ndarray, "joint 3"]
+    cov_m2: Float64[np.ndarray, "joint 3 3"]
+    info: Float64[np.ndarray, "joint 3 3"]
+    unknown_of: Int64[np.ndarray, " joint"]
+
+
 @inner(allocates=True)
-def gather(A, b, x, d, cov_m2, known, unknown_of, limbs, limb_m, limb_m2):
+def gather(A, b, shifts, limbs, body):
     """Write the normal equations of the weak joints' shifts to `A`, `b`.
 
-    `unknown_of` is the index of a joint's first unknown, -1 where the joint is well known; `x` are
-    the fitted joints, `d` their shifts so far, (joint, 3); `cov_m2` their covariances, `known` the
-    inverse of those of the weak ones, (joint, 3, 3).
+    Parameters
+    ----------
+    A, b
+        Results, (unknown, unknown) and (unknown,).
+    shifts, limbs, body
+        `Shifts`, `Limbs`, and `Bodies` of the person.
     """
+    x, d, cov_m2, known, unknown_of = shifts
+    limb_joints, slack_m2, limb_m, limb_m2 = limbs.joints, limbs.slack_m2, body.limb_m, body.limb_m2
     clear_row(b)
     for i in range(b.shape[0]):
         clear_row(A[i])
@@ -80,12 +103,12 @@ def gather(A, b, x, d, cov_m2, known, unknown_of, limbs, limb_m, limb_m2):
                 for q in range(3):
                     A[unknown_of[j] + p, unknown_of[j] + q] = known[j, p, q]
                 A[unknown_of[j] + p, unknown_of[j] + p] += 1.0 / REACH_M2
-    for i in range(limbs.joints.shape[0]):
-        j, k = limbs.joints[i]
+    for i in range(limb_m.shape[0]):
+        j, k = limb_joints[i]
         if unknown_of[j] < 0 and unknown_of[k] < 0:
             continue
         residual = stretch(j, k, x, d, limb_m[i], u)
-        var = limb_m2[i] + limbs.slack_m2[i] + TIE_M2
+        var = limb_m2[i] + slack_m2[i] + TIE_M2
         for m in (j, k):
             if unknown_of[m] < 0:
                 var += along_m2(u, cov_m2[m])

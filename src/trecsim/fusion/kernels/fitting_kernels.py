@@ -1,37 +1,21 @@
 """Fitting a frame set: every joint is found, and the trajectories take it in."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import locate, point
-from trecsim.fusion.kernels.information import (
-    control_points,
-    curve_covariance,
-    fold_gaussian,
-    invert3,
-    scale,
-)
-from trecsim.fusion.kernels.locating import (
-    STEPS,
-    Observed,
-    clear,
-    locate_joint,
-    moments,
-    scratch,
-    sums,
-)
-
-# Covariance inflation. The normalised innovation squared of all joints of a body, over its expected
-# value, shows a sharp turn from `NIS_GATE` on. In steady motion it is near `USUAL_NIS` or below, as
-# a detector's errors persist and the process noise allows for the fastest joints. The inflation is
-# the ratio over its usual value, at most `LARGEST_INFLATION`.
-NIS_GATE, USUAL_NIS, LARGEST_INFLATION = 2.5, 1.25, 50.0
+from trecsim.fusion.kernels.information import control_points, curve_covariance, fold_gaussian
+from trecsim.fusion.kernels.locating import clear, locate_joint, located, moments, observed, scratch
+from trecsim.fusion.kernels.small_matrices import invert3, scale
+from trecsim.fusion.tuning import LARGEST_INFLATION, NIS_GATE, USUAL_NIS
 
 
 @inner
-def fold_moments(R, z, c, total, j, tmp):
+def fold_moments(R, z, c, located, j, tmp):
     """Fold the sums of every moment into a joint's trajectory, at the moment's mean time.
 
     Notes
@@ -39,36 +23,58 @@ def fold_moments(R, z, c, total, j, tmp):
     Each residual was taken at its image's own time; only the correction of the curve is taken as
     constant over a moment. At the weighted mean time the error of that vanishes to first order.
     """
-    info, rhs, weight, x, basis = total.info, total.rhs, total.weight, tmp.x, tmp.basis
+    info, rhs, knot_time, weight = located.info, located.rhs, located.knot_time, located.weight
+    x, basis = tmp.x, tmp.basis
     for m in range(weight.shape[1]):
         if not weight[j, m] > 0.0:
             continue
-        span = locate(total.knot_time[j, m] / weight[j, m], c.shape[0] // 3, basis)
+        span = locate(knot_time[j, m] / weight[j, m], c.shape[0] // 3, basis)
         point(c, span, basis, x)
         least = 1e-6 * (info[j, m, 0, 0] + info[j, m, 1, 1] + info[j, m, 2, 2])
         fold_gaussian(R, z, info[j, m], rhs[j, m], least, x, span, basis, tmp.rows, tmp.right)
     control_points(R, z, c)
 
 
+class Person(NamedTuple):
+    """What a frame set says of one person, and what was predicted.
+
+    Attributes
+    ----------
+    xyz_m, prior_m2
+        Predicted joints at each image's time, and their covariance at the frame set's time.
+    match, flip
+        Detection in each image or -1; 1 where it is read with left and right exchanged.
+    inlier
+        Result: responsibility of each joint for its key point.
+    """
+
+    xyz_m: Float64[np.ndarray, "view joint 3"]
+    prior_m2: Float64[np.ndarray, "joint 3 3"]
+    match: Int64[np.ndarray, " view"]
+    flip: Int64[np.ndarray, " view"]
+    inlier: Float64[np.ndarray, "view joint"]
+
+
 @inner
-def gather_views(seen, cam, knot_time, moment, match, credit):
+def gather_views(seen, measured, prediction, moment, match, weight):
     """Copy what the matched images of one track have in common to `seen`; return how many."""
+    cam, knot_time, moment_of, credit = seen.cam, seen.knot_time, seen.moment, seen.credit
+    camera, taken = measured.cam, prediction.knot_time
     n = 0
     for v in range(match.shape[0]):
         if match[v] >= 0:
-            seen.cam[n], seen.knot_time[n], seen.moment[n] = cam[v], knot_time[v], moment[v]
-            seen.credit[n] = credit[v]
+            cam[n], knot_time[n], moment_of[n] = camera[v], taken[v], moment[v]
+            credit[n] = weight[v]
             n += 1
     return n
 
 
 @inner
-def gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise):
-    """Copy the key points of joint `j` in the matched images of one track to `seen`; count them.
-
-    `xyz_m` is (view, joint, 3), the track's own.
-    """
+def gather_joint(seen, j, person, measured, noise):
+    """Copy the key points of a joint in the matched images of one track to `seen`; count them."""
     there_m, found_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
+    match, flip, xyz_m = person.match, person.flip, person.xyz_m
+    xy_px, sigma_scale = measured.xy_px, measured.sigma_scale
     other, usual_m = noise.mirror[j], noise.sigma_m[j]
     n = known = 0
     for v in range(match.shape[0]):
@@ -86,61 +92,46 @@ def gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise):
 
 
 @inner
-def seek_body(
-    P,
-    focal_px,
-    seen,
-    n,
-    xyz_m,
-    prior_m2,
-    inflation,
-    match,
-    flip,
-    xy_px,
-    sigma_scale,
-    noise,
-    total,
-    found,
-    shift_m,
-    cov_m2,
-    inlier,
-    r,
-    tmp,
-):
+def seek_body(cameras, noise, measured, person, inflation, seen, n, located, tmp):
     """Find all joints of one person in the images of a frame set; see `fit_all`.
 
     Parameters
     ----------
-    seen, n
-        `Observed`, with what the person's `n` images have in common filled in.
+    cameras, noise, measured, person
+        `Cameras`, `Noise`, `Measurements` and `Person`.
     inflation
         Factor on the covariances of the predictions.
-    total, found, shift_m, cov_m2, inlier
-        Results: `Sums`; whether there is a key point of each joint, (joint,); how far the joints
-        lie from their predictions, with covariances; responsibilities, (view, joint).
-    r, tmp
-        Scratch: (view,), and `Scratch`.
+    seen, n
+        `Observed`, with what the person's `n` images have in common filled in.
+    located
+        Result: `Located`.
+    tmp
+        `Scratch`.
     """
-    prior = tmp.prior
-    for j in range(found.shape[0]):
-        known = gather_joint(seen, j, xyz_m, match, flip, xy_px, sigma_scale, noise)
+    prior, prior_m2, is_known = tmp.prior, person.prior_m2, located.is_known
+    for j in range(is_known.shape[0]):
+        known = gather_joint(seen, j, person, measured, noise)
         for a in range(3):
             for b in range(3):
                 prior[a, b] = inflation * prior_m2[j, a, b]
-        found[j] = known > 0
+        is_known[j] = known > 0
         if known:
-            locate_joint(
-                P, focal_px, seen, n, prior, noise, STEPS[0], total, j, shift_m[j], cov_m2[j],
-                r, tmp,
-            )  # fmt: skip
+            locate_joint(cameras, noise, seen, n, prior, located, j, tmp)
         else:
-            clear(total, j)
-        spread(match, r, found[j], inlier, j)
+            clear(located, j)
+        spread(person.match, located.inlier, is_known[j], person.inlier, j)
 
 
 @inner(allocates=True)
-def nis_ratio(shift_m, cov_m2, prior_m2, found):
+def nis_ratio(located, prior_m2):
     """Return the normalised innovation squared of all joints, over its expected value.
+
+    Parameters
+    ----------
+    located
+        `Located`.
+    prior_m2
+        Covariance of the predictions, (joint, 3, 3).
 
     Notes
     -----
@@ -148,10 +139,11 @@ def nis_ratio(shift_m, cov_m2, prior_m2, found):
     covariance ``P - Q``, so that ``d P^-1 d`` has the mean ``3 - tr(P^-1 Q)``. The sum over all
     joints has far less relative spread than a single joint's, and people turn as a whole.
     """
+    shift_m, cov_m2, is_known = located.shift_m, located.cov_m2, located.is_known
     info = np.empty((3, 3))
     found_nis = expected_nis = 0.0
-    for j in range(found.shape[0]):
-        if not found[j]:
+    for j in range(is_known.shape[0]):
+        if not is_known[j]:
             continue
         invert3(prior_m2[j], info)
         for p in range(3):
@@ -170,38 +162,17 @@ def inflate_covariance(R, z, inflation):
 
 
 @kernel(allocates=True)
-def fit_all(
-    R, z, c, xyz_m, prior_m2, cam, P, focal_px, knot_time,
-    xy_px, sigma_scale, match, flip, credit, noise, now, inlier, x_m, cov_m2,
-):  # fmt: skip
+def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
     """Fit every track to the detections assigned to it in one frame set, in place.
 
     Parameters
     ----------
-    R, z, c
-        Square-root information and control points, (track, joint, n, n) and (track, joint, n);
-        changed in place.
-    xyz_m
-        Predictions at each image's own time, (view, track, joint, 3).
-    prior_m2
-        Their covariance at the frame set's time, (track, joint, 3, 3).
-    cam, P, focal_px
-        Camera of each image (view,); projections (cam, 3, 4) and mean focal lengths (cam,).
-    knot_time
-        Time of each image, in knots, (view,).
-    xy_px, sigma_scale
-        All detections of the set, (person, joint, 2) and (person, joint); see `score_view`.
-    match, flip, credit
-        Per track and view: index of its detection or -1; 1 to read it mirrored; weight 0 to 1.
-    noise
-        The detector's `Noise`.
-    now
-        Time of the frame set, in knots.
+    cameras, noise, measured, prediction, matches
+        `Cameras`, `Noise`, `Measurements`, `Prediction` and `Matches`.
+    tracks
+        `Trajectories`, changed in place.
     inlier
         Result, (track, view, joint): responsibility of the joint for its key point.
-    x_m, cov_m2
-        Results: joints and covariances at the frame set's time, (track, joint, 3) and (track,
-        joint, 3, 3).
 
     Notes
     -----
@@ -210,35 +181,33 @@ def fit_all(
     innovations to their usual size (as in the strong tracking filter of Zhou and Frank 1996), and
     the joints are located again.
     """
-    n_view, n_joint = cam.shape[0], R.shape[1]
-    seen = Observed(
-        np.empty(n_view, np.int64), np.empty(n_view), np.empty(n_view, np.int64),
-        np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
-    )  # fmt: skip
+    R, z, c, x_m, cov_m2 = tracks
+    n_view, n_joint = measured.cam.shape[0], R.shape[1]
+    seen = observed(n_view)
     moment = np.empty(n_view, np.int64)
-    total = sums(n_joint, moments(knot_time, moment) if n_view else 0)
-    found, shift_m = np.empty(n_joint, np.bool_), np.empty((n_joint, 3))
-    after_m2, tmp = np.empty((n_joint, 3, 3)), scratch(R.shape[2])
-    r, weights = np.empty(n_view), np.empty(4)
-    span = locate(now, R.shape[2] // 3, weights)
+    n_moment = moments(prediction.knot_time, moment) if n_view else 0
+    found, tmp, weights = located(n_joint, n_moment, n_view), scratch(R.shape[2]), np.empty(4)
+    is_known, y = found.is_known, tmp.y
+    span = locate(prediction.now, R.shape[2] // 3, weights)
     for k in range(R.shape[0]):
-        n = gather_views(seen, cam, knot_time, moment, match[k], credit[k])
+        person = Person(
+            prediction.xyz_m[:, k], prediction.cov_m2[k], matches.match[k], matches.flip[k],
+            inlier[k],
+        )  # fmt: skip
+        n = gather_views(seen, measured, prediction, moment, matches.match[k], matches.weight[k])
         inflation = 1.0
         for again in range(2):
-            seek_body(
-                P, focal_px, seen, n, xyz_m[:, k], prior_m2[k], inflation, match[k], flip[k], xy_px,
-                sigma_scale, noise, total, found, shift_m, after_m2, inlier[k], r, tmp,
-            )  # fmt: skip
-            ratio = 0.0 if again else nis_ratio(shift_m, after_m2, prior_m2[k], found)
+            seek_body(cameras, noise, measured, person, inflation, seen, n, found, tmp)
+            ratio = 0.0 if again else nis_ratio(found, person.prior_m2)
             if ratio <= NIS_GATE:
                 break
             inflation = min(ratio / USUAL_NIS, LARGEST_INFLATION)
             inflate_covariance(R[k], z[k], inflation)
         for j in range(n_joint):
-            if found[j]:
-                fold_moments(R[k, j], z[k, j], c[k, j], total, j, tmp)
+            if is_known[j]:
+                fold_moments(R[k, j], z[k, j], c[k, j], found, j, tmp)
             point(c[k, j], span, weights, x_m[k, j])
-            curve_covariance(R[k, j], span, weights, tmp.y, cov_m2[k, j])
+            curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
 
 
 @inner

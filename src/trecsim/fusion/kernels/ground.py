@@ -6,17 +6,13 @@ A body rests on its lowest joint: an ankle of somebody who stands, a hip of some
 import math
 
 from trecsim.compiler import inner
-
-# How the level of the ground is learnt: spread of one measurement, and time after which the next
-# is new [s].
-_MEASURE_M2 = 0.03**2
-_MEASURE_S = 0.5
-# How far the ground rises or falls under people who walk on, and how far it may while two cameras
-# see them elsewhere: on stairs [m^2/s].
-_SLOPE_M2 = 0.02**2
-_STAIRS_M2 = 0.15**2
-# A lowest joint that is off by more standard deviations does not rest: somebody jumps.
-_GATE = 3.0
+from trecsim.fusion.tuning import (
+    GROUND_GATE,
+    GROUND_MEASURE_M2,
+    GROUND_MEASURE_S,
+    SLOPE_M2PS,
+    STAIRS_M2PS,
+)
 
 
 @inner
@@ -56,16 +52,16 @@ def learn_level(x, cov_m2, n_seen, contact_height_m, level, elapsed_s):
     """
     if elapsed_s <= 0.0:
         return
-    level[1] += _SLOPE_M2 * elapsed_s
+    level[1] += SLOPE_M2PS * elapsed_s
     j = lowest(x, contact_height_m)
     if n_seen[j] < 2:
         return
     off = x[j, 2] - contact_height_m[j] - level[0]
-    var = cov_m2[j, 2, 2] + _MEASURE_M2
-    if off * off > _GATE * _GATE * (level[1] + var):
-        level[1] += _STAIRS_M2 * elapsed_s
+    var = cov_m2[j, 2, 2] + GROUND_MEASURE_M2
+    if off * off > GROUND_GATE * GROUND_GATE * (level[1] + var):
+        level[1] += STAIRS_M2PS * elapsed_s
         return
-    gain = level[1] / (level[1] + var * max(1.0, _MEASURE_S / elapsed_s))
+    gain = level[1] / (level[1] + var * max(1.0, GROUND_MEASURE_S / elapsed_s))
     level[0] += gain * off
     level[1] *= 1.0 - gain
 
@@ -78,7 +74,7 @@ def ground_contact(x, cov_m2, contact_height_m, level):
     """
     j = lowest(x, contact_height_m)
     rise_m = level[0] + contact_height_m[j] - x[j, 2]
-    var = level[1] + _MEASURE_M2
-    if rise_m * rise_m > _GATE * _GATE * (var + cov_m2[j, 2, 2]):
+    var = level[1] + GROUND_MEASURE_M2
+    if rise_m * rise_m > GROUND_GATE * GROUND_GATE * (var + cov_m2[j, 2, 2]):
         return -1, 0.0, math.inf
     return j, rise_m, var

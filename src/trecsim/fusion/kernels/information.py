@@ -15,19 +15,6 @@ from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
 
 REACH = ORDER * BLOCK
-# Weight of a torso joint that no camera supports in the mean velocity of the body; supported joints
-# have weight 1.
-UNSEEN_WEIGHT = 0.05
-# Where fewer than two cameras support the body, depth is unobserved: the velocity of the body is
-# multiplied by this for each knot.
-KEPT = 0.8
-
-
-@inner
-def clear_row(row):
-    """Set a row to zero; explicit loops compile many times faster than array expressions."""
-    for k in range(row.shape[0]):
-        row[k] = 0.0
 
 
 @inner
@@ -58,77 +45,6 @@ def fold_row(R, z, row, y, first):
         r = z[i]
         z[i] = c * r + s * y
         y = c * y - s * r
-
-
-@inner
-def extend(R, z, c, stiffness, memory, drift_m, work):
-    """Marginalise the oldest control point of one joint and append a new one, in place.
-
-    Parameters
-    ----------
-    R, z, c
-        Square-root information of the joint, (n, n) and (n,), and its solution (n,).
-    stiffness
-        Weight of the smoothing prior, ``1 / sqrt(q knot^3)`` [1/m] (thesis eq. 49-56, second
-        differences of control points).
-    memory
-        How much of its own velocity the joint keeps over one knot, 0 to 1.
-    drift_m
-        How far the body moves in one knot, (3,) [m]; the rest of the velocity.
-    work
-        Scratch, (n,).
-
-    Notes
-    -----
-    The new equations hold exactly for the extrapolated point, so the others' solution stays.
-    """
-    n = R.shape[0]
-    for i in range(n - BLOCK):
-        for k in range(i, min(n - BLOCK, (i // BLOCK) * BLOCK + REACH)):
-            R[i, k] = R[i + BLOCK, k + BLOCK]
-        z[i] = z[i + BLOCK]
-        c[i] = c[i + BLOCK]
-    for i in range(n):
-        for k in range(n - BLOCK, n):
-            R[i, k] = 0.0
-            R[k, i] = 0.0
-    for a in range(BLOCK):
-        z[n - BLOCK + a] = 0.0
-    for a in range(BLOCK):
-        clear_row(work)
-        work[n - 9 + a] = memory * stiffness
-        work[n - 6 + a] = -(1.0 + memory) * stiffness
-        work[n - 3 + a] = stiffness
-        step_m = (1.0 - memory) * drift_m[a]
-        fold_row(R, z, work, step_m * stiffness, n - 9)
-        c[n - 3 + a] = (1.0 + memory) * c[n - 6 + a] - memory * c[n - 9 + a] + step_m
-
-
-@inner
-def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
-    """Set up a joint that rests at `xyz_m`, with wide uncertainty, in place.
-
-    `step_sigma_m` is the standard deviation of the way between two control points [m].
-    """
-    n = R.shape[0]
-    for i in range(n):
-        z[i] = 0.0
-        clear_row(R[i])
-    for a in range(BLOCK):
-        clear_row(work)
-        work[a] = 1.0 / position_sigma_m
-        fold_row(R, z, work, xyz_m[a] / position_sigma_m, a)
-        clear_row(work)
-        work[a] = -1.0 / step_sigma_m
-        work[BLOCK + a] = 1.0 / step_sigma_m
-        fold_row(R, z, work, 0.0, a)
-    for p in range(n // BLOCK - 2):
-        for a in range(BLOCK):
-            clear_row(work)
-            work[BLOCK * p + a] = stiffness
-            work[BLOCK * (p + 1) + a] = -2.0 * stiffness
-            work[BLOCK * (p + 2) + a] = stiffness
-            fold_row(R, z, work, 0.0, BLOCK * p + a)
 
 
 @inner
@@ -200,59 +116,6 @@ def curve_covariance(R, span, weights, y, cov_m2):
 
 
 @kernel(allocates=True)
-def extend_all(R, z, c, seen, torso, stiffness, own_memory, drag_memory):
-    """Move every track and joint on by one control point, in place.
-
-    Parameters
-    ----------
-    R, z, c
-        Square-root information and control points, (track, joint, n, n) and (track, joint, n).
-    seen
-        How many cameras support each joint, (track, joint).
-    torso
-        The joints whose mean velocity is that of the body.
-    stiffness
-        Per joint; see `extend`.
-    own_memory, drag_memory
-        How much of its own velocity a joint keeps over one knot, supported or not.
-    """
-    n = R.shape[2]
-    work = np.empty(n)
-    drift_m = np.empty(BLOCK)
-    for k in range(R.shape[0]):
-        body_step(c[k], seen[k], torso, drift_m)
-        for j in range(R.shape[1]):
-            memory = own_memory if seen[k, j] > 0 else drag_memory
-            extend(R[k, j], z[k, j], c[k, j], stiffness[j], memory, drift_m, work)
-
-
-@inner
-def body_step(c, seen, torso, step_m):
-    """Write how far the body moved between the two newest control points to `step_m` (3,)."""
-    n = c.shape[1]
-    total, most = 0.0, 0
-    for a in range(BLOCK):
-        step_m[a] = 0.0
-    for j in torso:
-        weight = 1.0 if seen[j] > 0 else UNSEEN_WEIGHT
-        total += weight
-        most = max(most, seen[j])
-        for a in range(BLOCK):
-            step_m[a] += weight * (c[j, n - 3 + a] - c[j, n - 6 + a])
-    for a in range(BLOCK):
-        step_m[a] *= KEPT / total if most < 2 else 1.0 / total
-
-
-@kernel(allocates=True)
-def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
-    """Set up all joints of one new track, in place; see `start`."""
-    work = np.empty(R.shape[1])
-    for j in range(R.shape[0]):
-        start(R[j], z[j], xyz_m[j], position_sigma_m[j], step_sigma_m, stiffness[j], work)
-        control_points(R[j], z[j], c[j])
-
-
-@kernel(allocates=True)
 def covariance_all(R, knot_time, cov_m2):
     """Write everybody's covariances at one time (in knots) to `cov_m2` (track, joint, 3, 3)."""
     y = np.empty((R.shape[2], BLOCK))
@@ -261,37 +124,6 @@ def covariance_all(R, knot_time, cov_m2):
     for k in range(R.shape[0]):
         for j in range(R.shape[1]):
             curve_covariance(R[k, j], span, weights, y, cov_m2[k, j])
-
-
-@inner
-def invert3(A, out):
-    """Write the inverse of a symmetric positive 3 x 3 matrix to `out`."""
-    a, b, c = A[0, 0], A[0, 1], A[0, 2]
-    d, e, f = A[1, 1], A[1, 2], A[2, 2]
-    p, q, r = d * f - e * e, c * e - b * f, b * e - c * d
-    by_det = 1.0 / (a * p + b * q + c * r)
-    p, q, r = p * by_det, q * by_det, r * by_det
-    s, t = (b * c - a * e) * by_det, (a * f - c * c) * by_det
-    out[0, 0], out[0, 1], out[0, 2] = p, q, r
-    out[1, 0], out[1, 1], out[1, 2] = q, t, s
-    out[2, 0], out[2, 1], out[2, 2] = r, s, (a * d - b * b) * by_det
-
-
-@inner
-def copy(source, out):
-    """Copy a matrix; explicit loops compile many times faster than array expressions."""
-    for i in range(out.shape[0]):
-        for k in range(out.shape[1]):
-            out[i, k] = source[i, k]
-
-
-@inner
-def scale(R, z, by):
-    """Multiply a joint's square-root information by `by`, in place."""
-    for i in range(R.shape[0]):
-        z[i] *= by
-        for k in range(R.shape[1]):
-            R[i, k] *= by
 
 
 @inner

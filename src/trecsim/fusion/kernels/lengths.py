@@ -7,18 +7,14 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
-
-# How a length is learnt: spread of one measurement, and time after which the next is new [s].
-_MEASURE_M2 = 0.02**2
-_MEASURE_S = 0.5
-# A length is never surer than this, so that it can be learnt anew [m^2].
-_SUREST_M2 = 0.005**2
-# A limb's equation is never surer than this [m^2].
-TIE_M2 = 0.01**2
-# How often each limb has its say when a body is held together.
-_SWEEPS = 4
-# A limb whose length is off by more standard deviations has no say: one end is elsewhere.
-GATE = 3.0
+from trecsim.fusion.tuning import (
+    LENGTH_MEASURE_M2,
+    LENGTH_MEASURE_S,
+    LIMB_GATE,
+    LIMB_SWEEPS,
+    SUREST_LENGTH_M2,
+    TIE_M2,
+)
 
 
 class Limbs(NamedTuple):
@@ -59,38 +55,39 @@ def length_along(x, cov_m2, a, b, d):
 
 
 @inner(allocates=True)
-def learn(x, cov_m2, n_seen, limbs, limb_m, limb_m2, elapsed_s):
-    """Update, in place, one person's limb lengths `limb_m` and their variances `limb_m2`.
+def learn(x, cov_m2, n_seen, limbs, body, elapsed_s):
+    """Update, in place, the lengths of the limbs in one person's `Bodies`, and their variances.
 
     Notes
     -----
     A scalar Kalman filter per limb, fed only where two cameras see both ends. Errors persist, so
     a measurement counts by the time that has passed and not by the image.
     """
+    joints, slack_m2, limb_m, limb_m2 = limbs.joints, limbs.slack_m2, body.limb_m, body.limb_m2
     d = np.empty(3)
-    share = min(1.0, elapsed_s / _MEASURE_S)
+    share = min(1.0, elapsed_s / LENGTH_MEASURE_S)
     if share <= 0.0:
         return
-    for i in range(limbs.joints.shape[0]):
-        a, b = limbs.joints[i]
+    for i in range(limb_m.shape[0]):
+        a, b = joints[i]
         if n_seen[a] < 2 or n_seen[b] < 2:
             continue
         length, var = length_along(x, cov_m2, a, b, d)
-        gain = limb_m2[i] / (limb_m2[i] + (var + _MEASURE_M2 + limbs.slack_m2[i]) / share)
+        gain = limb_m2[i] / (limb_m2[i] + (var + LENGTH_MEASURE_M2 + slack_m2[i]) / share)
         limb_m[i] += gain * (length - limb_m[i])
-        limb_m2[i] = max(limb_m2[i] * (1.0 - gain), _SUREST_M2)
+        limb_m2[i] = max(limb_m2[i] * (1.0 - gain), SUREST_LENGTH_M2)
 
 
 @inner(allocates=True)
-def tighten(x, cov_m2, limbs, limb_m, limb_m2):
+def tighten(x, cov_m2, limbs, body):
     """Move one person's joints, in place, towards the lengths of the limbs, by how sure each is.
 
     Parameters
     ----------
     x, cov_m2
         Joints and covariances, (joint, 3) and (joint, 3, 3), changed in place.
-    limbs, limb_m, limb_m2
-        `Limbs`, and this person's lengths with their variances.
+    limbs, body
+        `Limbs`, and this person's `Bodies`.
 
     Notes
     -----
@@ -98,14 +95,15 @@ def tighten(x, cov_m2, limbs, limb_m, limb_m2):
     treated as independent (Gauss-Seidel). Covariances shrink in the first sweep only, as later
     ones bring no new information.
     """
+    joints, slack_m2, limb_m, limb_m2 = limbs.joints, limbs.slack_m2, body.limb_m, body.limb_m2
     u, gain = np.empty(3), np.empty(3)
-    for sweep in range(_SWEEPS):
-        for i in range(limbs.joints.shape[0]):
-            a, b = limbs.joints[i]
+    for sweep in range(LIMB_SWEEPS):
+        for i in range(limb_m.shape[0]):
+            a, b = joints[i]
             length, var = length_along(x, cov_m2, a, b, u)
-            var += limb_m2[i] + limbs.slack_m2[i] + TIE_M2
+            var += limb_m2[i] + slack_m2[i] + TIE_M2
             residual = limb_m[i] - length
-            if length == 0.0 or residual * residual > GATE * GATE * var:
+            if length == 0.0 or residual * residual > LIMB_GATE * LIMB_GATE * var:
                 continue
             pull(x[a], cov_m2[a], u, -residual, var, sweep == 0, gain)
             pull(x[b], cov_m2[b], u, residual, var, sweep == 0, gain)

@@ -19,8 +19,11 @@ def cost_of(gain, row, column):
 
 
 @inner
-def relax(gain, row, column, u, v, used, low, way):
-    """Update the shortest ways to the unused columns; return the nearest and its distance."""
+def relax(gain, row, u, v, used, low, way):
+    """Update the shortest ways to the unused columns; return the nearest and its distance.
+
+    ``way[0]`` is the column from which the search goes on.
+    """
     delta, nearest = math.inf, -1
     for j in range(1, v.shape[0]):
         if used[j]:
@@ -28,7 +31,7 @@ def relax(gain, row, column, u, v, used, low, way):
         reduced = cost_of(gain, row - 1, j - 1) - u[row] - v[j]
         if reduced < low[j]:
             low[j] = reduced
-            way[j] = column
+            way[j] = way[0]
         if low[j] < delta:
             delta, nearest = low[j], j
     return nearest, delta
@@ -56,13 +59,14 @@ def assign(gain, best):
     for i in range(1, n_row + 1):
         best[i - 1] = -1
         owner[0] = i
-        column = np.int64(0)  # typed, so that `relax` is not compiled for 0 as well
+        column = 0
         for j in range(m + 1):
             low[j] = math.inf
             used[j] = 0
         while owner[column] != 0:
             used[column] = 1
-            nearest, delta = relax(gain, owner[column], column, u, v, used, low, way)
+            way[0] = column
+            nearest, delta = relax(gain, owner[column], u, v, used, low, way)
             for j in range(m + 1):
                 if used[j]:
                     u[owner[j]] += delta

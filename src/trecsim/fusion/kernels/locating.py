@@ -4,19 +4,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.compiler import inner
-from trecsim.fusion.kernels.information import copy, invert3
-from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
-
-# EM steps at most; in an array, so that their number is no constant for which the function is
-# compiled twice.
-STEPS = np.array([3])
-# EM has converged when a step moves a joint by less [m^2].
-STILL_M2 = 0.0005**2
-# Images this close in time, in knots, enter the trajectory at their common mean time.
-TOGETHER = 0.5
+from trecsim.fusion.kernels.mixture import image_covariance, inlier_odds, project, widened
+from trecsim.fusion.kernels.small_matrices import copy, invert3
+from trecsim.fusion.tuning import EM_STEPS, NEAR_M, STILL_M2, TOGETHER
 
 
 class Observed(NamedTuple):
@@ -47,21 +40,32 @@ class Observed(NamedTuple):
     credit: Float64[np.ndarray, " view"]
 
 
-class Sums(NamedTuple):
-    """What the images of each moment say about one person's joints, summed over the cameras.
+class Located(NamedTuple):
+    """Where one person's joints are found, and what the images of each moment say about them.
 
     Attributes
     ----------
     info, rhs
-        Information and information vector of a joint's shift from its prediction.
+        Information and information vector of a joint's shift from its prediction, summed over the
+        cameras; linearised at the last EM step but one.
     knot_time, weight
         Weighted sum of the images' times in knots, and sum of the weights.
+    is_known
+        Whether there is a key point of the joint.
+    shift_m, cov_m2
+        How far the joint lies from its prediction, and its covariance.
+    inlier
+        Responsibilities of the joint that was located last for its key points.
     """
 
     info: Float64[np.ndarray, "joint moment 3 3"]
     rhs: Float64[np.ndarray, "joint moment 3"]
     knot_time: Float64[np.ndarray, "joint moment"]
     weight: Float64[np.ndarray, "joint moment"]
+    is_known: Bool[np.ndarray, " joint"]
+    shift_m: Float64[np.ndarray, "joint 3"]
+    cov_m2: Float64[np.ndarray, "joint 3 3"]
+    inlier: Float64[np.ndarray, " view"]
 
 
 class Scratch(NamedTuple):
@@ -87,11 +91,21 @@ def scratch(n):
 
 
 @inner(allocates=True)
-def sums(n_joint, n_moment):
-    """Allocate the sums of one person's joints over `n_moment` moments."""
-    return Sums(
+def observed(n_view):
+    """Allocate room for the key points of one joint in `n_view` images."""
+    return Observed(
+        np.empty(n_view, np.int64), np.empty(n_view), np.empty(n_view, np.int64),
+        np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
+    )  # fmt: skip
+
+
+@inner(allocates=True)
+def located(n_joint, n_moment, n_view):
+    """Allocate room for one person's joints, found in `n_view` images of `n_moment` moments."""
+    return Located(
         np.empty((n_joint, n_moment, 3, 3)), np.empty((n_joint, n_moment, 3)),
-        np.empty((n_joint, n_moment)), np.empty((n_joint, n_moment)),
+        np.empty((n_joint, n_moment)), np.empty((n_joint, n_moment)), np.empty(n_joint, np.bool_),
+        np.empty((n_joint, 3)), np.empty((n_joint, 3, 3)), np.empty(n_view),
     )  # fmt: skip
 
 
@@ -124,9 +138,9 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
 
 
 @inner
-def clear(total, j):
+def clear(located, j):
     """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
-    info, rhs, knot_time, weight = total.info, total.rhs, total.knot_time, total.weight
+    info, rhs, knot_time, weight = located.info, located.rhs, located.knot_time, located.weight
     for m in range(weight.shape[1]):
         knot_time[j, m] = weight[j, m] = 0.0
         for p in range(3):
@@ -136,29 +150,19 @@ def clear(total, j):
 
 
 @inner
-def locate_joint(
-    P, focal_px, seen, n, prior_m2, noise, steps, total, j, shift_m, cov_m2, inlier, tmp
-):
+def locate_joint(cameras, noise, seen, n, prior_m2, located, j, tmp):
     """Find one joint from its key points in several images and its predicted place, by EM.
 
     Parameters
     ----------
-    P, focal_px
-        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,).
+    cameras, noise
+        `Cameras` and `Noise`.
     seen, n
         The `Observed` key points; only the first `n` count.
     prior_m2
         Covariance of the prediction, (3, 3).
-    noise
-        The detector's `Noise`.
-    steps
-        EM steps, at most.
-    total, j
-        Result: the images' `Sums`, of which those of joint `j` are written, linearised at the
-        last step but one.
-    shift_m, cov_m2, inlier
-        Results: the joint lies at ``xyz_m + shift_m`` with this covariance; responsibility of
-        the joint for each key point.
+    located, j
+        Result: `Located`, of which the part of joint `j` is written.
     tmp
         `Scratch`.
 
@@ -167,51 +171,73 @@ def locate_joint(
     E step: thesis eq. 33 with a clutter term. M step: one Gauss-Newton step of eq. 37 with the
     Jacobian of eq. 42-46. The images of a frame set share one shift of the predicted curve.
     """
-    # Out of the tuples once, as every access to one of their arrays costs more than its use.
-    cam, moment, knot_time, credit = seen.cam, seen.moment, seen.knot_time, seen.credit
-    xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
-    info, rhs, sum_place, sum_weight = total.info, total.rhs, total.knot_time, total.weight
-    white_share = noise.white_share
-    tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
-    for a in range(3):
-        shift_m[a] = 0.0
-    copy(prior_m2, cov_m2)
-    invert3(prior_m2, tmp.known)
-    for _ in range(steps):
-        clear(total, j)
-        for v in range(n):
-            inlier[v] = 0.0
-            if math.isnan(xy_px[v, 0]):
-                continue
-            w, u, v_, du, dv = project(
-                P, cam[v], xyz_m[v, 0] + shift_m[0], xyz_m[v, 1] + shift_m[1],
-                xyz_m[v, 2] + shift_m[2],
-            )  # fmt: skip
-            if not w > NEAR_M:
-                continue
-            eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
-            var = (sigma_m[v] / m_per_px) ** 2 + least_px2
-            uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px)
-            odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
-            inlier[v] = odds / (1.0 + odds)
-            # Student's t as a scale mixture of Gaussians, in two dimensions.
-            heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
-            weight = inlier[v] * credit[v] * heavy / (white_share * var)
-            m = moment[v]
-            size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
-            sum_place[j, m] += size * knot_time[v]
-            sum_weight[j, m] += size
-        if newton_step(total, j, shift_m, cov_m2, tmp) < STILL_M2:
+    begin_em(prior_m2, located, j, tmp)
+    for _ in range(EM_STEPS):
+        if em_step(cameras, noise, seen, n, located, j, tmp) < STILL_M2:
             return
 
 
 @inner
-def newton_step(total, j, shift_m, cov_m2, tmp):
+def begin_em(prior_m2, located, j, tmp):
+    """Put a joint where it was predicted."""
+    shift_m = located.shift_m[j]
+    for a in range(3):
+        shift_m[a] = 0.0
+    copy(prior_m2, located.cov_m2[j])
+    invert3(prior_m2, tmp.known)
+
+
+@inner
+def em_step(cameras, noise, seen, n, located, j, tmp):
+    """Take one step of EM; return how far the joint moved, squared [m^2]. See `locate_joint`."""
+    weigh_images(cameras, noise, seen, n, located, j)
+    return newton_step(located, j, tmp)
+
+
+@inner
+def weigh_images(cameras, noise, seen, n, located, j):
+    """Write responsibilities and sums of one joint at its present shift: the E step of EM."""
+    # Out of the tuples once, as every access to one of their arrays costs more than its use.
+    P, focal_px = cameras.P, cameras.focal_px
+    cam, moment, knot_time, credit = seen.cam, seen.moment, seen.knot_time, seen.credit
+    xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
+    info, rhs, sum_time, sum_weight = located.info, located.rhs, located.knot_time, located.weight
+    shift_m, cov_m2, inlier = located.shift_m[j], located.cov_m2[j], located.inlier
+    white_share = noise.white_share
+    tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
+    clear(located, j)
+    for v in range(n):
+        inlier[v] = 0.0
+        if math.isnan(xy_px[v, 0]):
+            continue
+        w, u, v_, du, dv = project(
+            P, cam[v], xyz_m[v, 0] + shift_m[0], xyz_m[v, 1] + shift_m[1],
+            xyz_m[v, 2] + shift_m[2],
+        )  # fmt: skip
+        if not w > NEAR_M:
+            continue
+        eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
+        var = (sigma_m[v] / m_per_px) ** 2 + least_px2
+        uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px)
+        odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
+        inlier[v] = odds / (1.0 + odds)
+        # Student's t as a scale mixture of Gaussians, in two dimensions.
+        heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
+        weight = inlier[v] * credit[v] * heavy / (white_share * var)
+        m = moment[v]
+        size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
+        sum_time[j, m] += size * knot_time[v]
+        sum_weight[j, m] += size
+
+
+@inner
+def newton_step(located, j, tmp):
     """Write the best shift and its covariance given all moments; return how far it moved [m^2].
 
     The information of the prediction is in ``tmp.known``.
     """
-    info, rhs, sum_info, sum_rhs = tmp.info, tmp.x, total.info, total.rhs
+    info, rhs, sum_info, sum_rhs = tmp.info, tmp.x, located.info, located.rhs
+    shift_m, cov_m2 = located.shift_m[j], located.cov_m2[j]
     copy(tmp.known, info)
     for a in range(3):
         rhs[a] = 0.0

@@ -6,12 +6,11 @@ import numpy as np
 
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.linear_assignment import assign
-from trecsim.fusion.kernels.mixture import NEAR_M, image_covariance, inlier_odds, project, widened
+from trecsim.fusion.kernels.mixture import image_covariance, inlier_odds, project, widened
+from trecsim.fusion.tuning import NEAR_M, TEMPER
 
 # A detection that belongs to nobody, and one whose track two cameras support.
 FREE, TAKEN = -1, -2
-# Errors of a detection's key points hang together, so 17 of them are worth about a third.
-TEMPER = 3.0
 
 
 @inner
@@ -83,27 +82,28 @@ def gap_px(box, other):
 
 
 @kernel(allocates=True)
-def score_view(P, focal_px, cam, xyz_m, cov_m2, xy_px, sigma_scale, noise, reach_m, out, flip):
+def score_view(cameras, noise, cam, people, points, reach_m, scores):
     """Score every detection of one image against every track: log likelihood ratio to clutter.
 
     Parameters
     ----------
-    P, focal_px, cam
-        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,) [px]; the one that
-        took the image.
-    xyz_m, cov_m2
-        Tracks at the image's time, (track, joint, 3) and (track, joint, 3, 3); NaN where a joint
-        is not known.
-    xy_px, sigma_scale
+    cameras, noise
+        `Cameras` and `Noise`.
+    cam
+        The camera that took the image.
+    people
+        Tracks at the image's time: joints (track, joint, 3), NaN where one is not known, and
+        covariances (track, joint, 3, 3).
+    points
         Undistorted key points (person, joint, 2), NaN where not to be used, and by how much each
         is less certain than a good one.
-    noise
-        The detector's `Noise`.
     reach_m
         Detections whose key points lie further away on average are not scored (-inf).
-    out, flip
+    scores
         Results, (track, person): log ratio; 1 where the exchanged reading is likelier.
     """
+    (xyz_m, cov_m2), (xy_px, sigma_scale), (out, flip) = people, points, scores
+    P, focal_px = cameras.P, cameras.focal_px
     n_joint = xyz_m.shape[1]
     uv, S, depth_m = np.empty((n_joint, 2)), np.empty((n_joint, 3)), np.empty(n_joint)
     focal = focal_px[cam]
@@ -157,20 +157,20 @@ def match_view(ratio, best):
                 claims[k] += 1
                 claimed[d] += 1
                 best[k] = d
-    contested = np.int64(0)  # typed, so that `settle` is not compiled for 0 as well
+    contested = 0
     for k in range(n_track):
         if claims[k] and (claims[k] > 1 or claimed[best[k]] > 1):
             contested += 1
             claims[k] = -1
     if contested:
-        settle(ratio, claims, contested, best)
+        settle(ratio, claims, best)
 
 
 @inner(allocates=True)
-def settle(ratio, claims, contested, best):
+def settle(ratio, claims, best):
     """Assign the tracks marked by negative `claims` among the detections that any of them wants."""
     n_track, n_person = ratio.shape
-    row, column = np.empty(contested, np.int64), np.empty(n_person, np.int64)
+    row, column = np.empty(n_track, np.int64), np.empty(n_person, np.int64)
     n = m = 0
     for k in range(n_track):
         if claims[k] < 0:
@@ -209,25 +209,21 @@ def responsibility(ratio, track, person, temper):
 
 
 @kernel(allocates=True)
-def associate_all(
-    P, focal_px, cam, offset, xyz_m, cov_m2, xy_px, sigma_scale, noise, reach_m, match, flip, sure
-):
+def associate_all(cameras, noise, measured, prediction, reach_m, matches):
     """Assign the detections of every image to the tracks.
 
     Parameters
     ----------
-    P, focal_px
-        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,).
-    cam, offset
-        Camera of each image, and where its detections begin.
-    xyz_m
-        Predictions at each image's own time, (view, track, joint, 3).
-    cov_m2, xy_px, sigma_scale, noise, reach_m
-        As for `score_view`, with the detections of all images.
-    match, flip, sure
-        Results, (track, view): index of the detection or -1, 1 where it is read mirrored, and
-        the track's responsibility for it.
+    cameras, noise, measured, prediction
+        `Cameras`, `Noise`, `Measurements` and `Prediction`.
+    reach_m
+        As for `score_view`.
+    matches
+        Result: `Matches`.
     """
+    match, flip, sure = matches
+    cam, offset, xy_px, sigma_scale = measured
+    xyz_m, cov_m2 = prediction.xyz_m, prediction.cov_m2
     n_track = cov_m2.shape[0]
     best = np.empty(n_track, np.int64)
     for v in range(cam.shape[0]):
@@ -241,8 +237,8 @@ def associate_all(
         ratio = np.empty((n_track, last - first))
         mirrored = np.empty((n_track, last - first), np.int64)
         score_view(
-            P, focal_px, cam[v], xyz_m[v], cov_m2, xy_px[first:last], sigma_scale[first:last],
-            noise, reach_m, ratio, mirrored,
+            cameras, noise, cam[v], (xyz_m[v], cov_m2),
+            (xy_px[first:last], sigma_scale[first:last]), reach_m, (ratio, mirrored),
         )  # fmt: skip
         match_view(ratio, best)
         for k in range(n_track):

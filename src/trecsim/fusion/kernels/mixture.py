@@ -11,12 +11,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
-
-# A joint nearer than this to a camera's plane is not compared with its image [m].
-NEAR_M = 0.05
-# Curves are stiff and people turn at once: whether a key point belongs to a joint is judged as if
-# the prediction's variance were so many times larger, up to so much more in each direction [m].
-LEEWAY, LEEWAY_M = 12.0, 0.06
+from trecsim.fusion.tuning import LEEWAY, LEEWAY_M
 
 
 class Noise(NamedTuple):

@@ -6,16 +6,13 @@ import numpy as np
 
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.undistortion_kernels import undistort
-
-# How the noise of a key point grows as its score falls, and by how much at most.
-SCORE_POWER, LARGEST_SIGMA_SCALE = 1.7, 6.0
-# No image is so large that a key point of it lies here [px].
-FAR_PX = 1e5
-# Two detections of an image are duplicates if all their common key points lie this close, as a
-# share of the detection's size.
-DUPLICATE_SHARE = 0.03
-# Fewest common key points of duplicates; one or two may coincide by chance.
-DUPLICATE_JOINTS = 3
+from trecsim.fusion.tuning import (
+    DUPLICATE_JOINTS,
+    DUPLICATE_SHARE,
+    FAR_PX,
+    LARGEST_SIGMA_SCALE,
+    SCORE_POWER,
+)
 
 
 @inner

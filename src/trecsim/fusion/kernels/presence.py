@@ -3,33 +3,34 @@
 import math
 
 from trecsim.compiler import inner, kernel
-
-# A camera supports a joint or person "now" if it did within this time [s].
-SUPPORT_S = 0.12
-# A key point supports its joint from this responsibility on; so many of them support a person.
-INLIER, FEWEST_INLIERS = 0.5, 3
-# A track dies after a share of `death_s` if no camera has the person in view (the person has left),
-# or if `CROWDED` or more cameras do: that all of them miss a real person is unlikely.
-UNSEEN_PATIENCE, CROWDED_PATIENCE, CROWDED = 0.5, 0.7, 3
-# Somebody new who is not confirmed yet needs two cameras again within this time [s].
-TENTATIVE_S = 0.25
+from trecsim.fusion.tuning import (
+    CROWDED,
+    CROWDED_PATIENCE,
+    FEWEST_INLIERS,
+    INLIER,
+    SUPPORT_S,
+    SURE_CAMERAS,
+    TENTATIVE_S,
+    UNSEEN_PATIENCE,
+)
 
 
 @kernel
-def note_support(cam, t_s, match, inlier, last_seen_in_s, joint_last_seen_s):
+def note_support(cam, t_s, matches, inlier, sightings):
     """Write down, in place, which camera supports whom and which joint, and when.
 
     Parameters
     ----------
     cam, t_s
         Camera and time of each image, (view,).
-    match
-        Detection of each track in each image or -1, (track, view).
+    matches
+        `Matches`.
     inlier
         Responsibility of each joint for its key point, (track, view, joint).
-    last_seen_in_s, joint_last_seen_s
-        When each camera last supported a person (track, cam) and a joint (track, joint, cam) [s].
+    sightings
+        `Sightings`, of which the times per camera change.
     """
+    match, last_s, joint_s = matches.match, sightings.camera_s, sightings.joint_s
     for k in range(match.shape[0]):
         for v in range(match.shape[1]):
             if match[k, v] < 0:
@@ -39,10 +40,10 @@ def note_support(cam, t_s, match, inlier, last_seen_in_s, joint_last_seen_s):
                 supported += inlier[k, v, j] > INLIER
             if supported < FEWEST_INLIERS:
                 continue
-            last_seen_in_s[k, cam[v]] = max(last_seen_in_s[k, cam[v]], t_s[v])
+            last_s[k, cam[v]] = max(last_s[k, cam[v]], t_s[v])
             for j in range(inlier.shape[2]):
                 if inlier[k, v, j] > INLIER:
-                    joint_last_seen_s[k, j, cam[v]] = max(joint_last_seen_s[k, j, cam[v]], t_s[v])
+                    joint_s[k, j, cam[v]] = max(joint_s[k, j, cam[v]], t_s[v])
 
 
 @kernel
@@ -57,29 +58,28 @@ def count_since(last_s, since_s, out):
 
 
 @kernel
-def age(
-    last_seen_in_s, match, flip, now_s, elapsed_s, last_two_view_s, two_view_duration_s, mirrored_s
-):
+def age(sightings, matches, now_s, elapsed_s):
     """Count the time for which people have been supported by two cameras, and read mirrored.
 
     Parameters
     ----------
-    last_seen_in_s, match, flip
-        As for `note_support`; 1 where a detection is read mirrored, (track, view).
+    sightings
+        `Sightings`, of which all but the times per camera change.
+    matches
+        `Matches`.
     now_s, elapsed_s
         Time of the frame set, and since the last one [s].
-    last_two_view_s, two_view_duration_s, mirrored_s
-        Per track, changed in place: when two cameras last supported the person, for how long
-        they have, for how long most cameras have read the person mirrored [s].
 
     Notes
     -----
     Whoever began with both cameras seeing the back for the front has a mirrored body, and every
     later detection is read mirrored to fit it. One camera that errs now and then is outvoted.
     """
-    for k in range(last_seen_in_s.shape[0]):
-        if supporting(last_seen_in_s[k], now_s) >= 2:
-            last_two_view_s[k] = now_s
+    match, flip = matches.match, matches.flip
+    camera_s, _, two_view_s, two_view_duration_s, mirrored_s = sightings
+    for k in range(match.shape[0]):
+        if supporting(camera_s[k], now_s) >= 2:
+            two_view_s[k] = now_s
             two_view_duration_s[k] += elapsed_s
         seen = votes = 0
         for v in range(match.shape[1]):
@@ -103,7 +103,10 @@ def supporting(last_seen_in_s, now_s):
 def confirm_all(last_seen_in_s, two_view_duration_s, now_s, confirm_s, confirmed):
     """Confirm, in place, whom two cameras have supported long enough or three support now."""
     for k in range(last_seen_in_s.shape[0]):
-        if two_view_duration_s[k] >= confirm_s - 1e-9 or supporting(last_seen_in_s[k], now_s) >= 3:
+        if (
+            two_view_duration_s[k] >= confirm_s - 1e-9
+            or supporting(last_seen_in_s[k], now_s) >= SURE_CAMERAS
+        ):
             confirmed[k] = True
 
 
@@ -125,14 +128,25 @@ def any_close(x_m, torso, distance_m):
 
 
 @kernel
-def survive_all(
-    last_seen_in_s, last_two_view_s, confirmed, expected, x_m, now_s, death_s, doubt_s, alive
-):
-    """Write who lives on to `alive` (track,); see `trecsim.fusion.lifecycle.survivors`."""
-    for k in range(last_seen_in_s.shape[0]):
-        alone_s = now_s - last_two_view_s[k]
+def survive_all(sightings, confirmed, expected, x_m, now_s, waits_s, alive):
+    """Write who lives on to `alive` (track,); see `trecsim.fusion.lifecycle.survivors`.
+
+    Parameters
+    ----------
+    sightings
+        `Sightings`.
+    confirmed, expected, x_m
+        Who is confirmed, by how many cameras everybody is expected, (track,), and joints.
+    now_s, waits_s
+        Time of the frame set; `death_s` and `doubt_s` [s].
+    alive
+        Result, (track,).
+    """
+    camera_s, two_view_s, (death_s, doubt_s) = sightings.camera_s, sightings.two_view_s, waits_s
+    for k in range(camera_s.shape[0]):
+        alone_s = now_s - two_view_s[k]
         alive[k] = (
-            now_s - last_seen_s(last_seen_in_s[k]) <= death_s * patience(expected[k])
+            now_s - last_seen_s(camera_s[k]) <= death_s * patience(expected[k])
             and not (alone_s > doubt_s and expected[k] >= CROWDED)
             and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
@@ -157,14 +171,17 @@ def last_seen_s(last_seen_in_s):
 
 
 @kernel
-def ask_all(last_seen_in_s, last_two_view_s, now_s, death_s, doubt_s, asked):
-    """Write whose life hangs on how many cameras should find them to `asked` (track,)."""
+def ask_all(sightings, now_s, waits_s, asked):
+    """Write whose life hangs on how many cameras should find them to `asked` (track,).
+
+    Parameters as for `survive_all`.
+    """
+    camera_s, two_view_s, (death_s, doubt_s) = sightings.camera_s, sightings.two_view_s, waits_s
     any_ = False
-    for k in range(last_seen_in_s.shape[0]):
+    for k in range(camera_s.shape[0]):
         asked[k] = (
-            now_s - last_seen_s(last_seen_in_s[k])
-            > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
-            or now_s - last_two_view_s[k] > doubt_s
+            now_s - last_seen_s(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
+            or now_s - two_view_s[k] > doubt_s
         )
         any_ |= asked[k]
     return any_

@@ -5,29 +5,29 @@ import math
 import numpy as np
 
 from trecsim.compiler import inner, kernel
-from trecsim.fusion.kernels.information import invert3
+from trecsim.fusion.kernels.groups import Bodies
 from trecsim.fusion.kernels.lengths import tighten
-from trecsim.fusion.kernels.mixture import NEAR_M, project
-from trecsim.fusion.kernels.presence import SUPPORT_S
-
-# How far a joint may be off in a direction that no camera tells of [m], and how fast that grows
-# with the time for which no two cameras have seen it [m/s], up to so long [s].
-_OFF_M, _DRIFT_MPS, _LONG_S = 0.1, 0.1, 5.0
-# Errors that last for seconds still wander: by about one standard deviation in 0.2 s [1/s]. In a
-# direction that no camera tells of, this error of the velocity is at most so large [m/s].
-_WANDER_PER_S, _OFF_MPS = 5.0, 0.2
+from trecsim.fusion.kernels.mixture import project
+from trecsim.fusion.kernels.small_matrices import invert3
+from trecsim.fusion.tuning import (
+    BIAS_WANDER_PER_S,
+    NEAR_M,
+    SUPPORT_S,
+    UNSEEN_DRIFT_MPS,
+    UNSEEN_DRIFT_S,
+    UNSEEN_SIGMA_M,
+    UNSEEN_SIGMA_MPS,
+)
 
 
 @inner
-def bias_information(P, focal_px, noise, j, x, last_s, now_s, info):
+def bias_information(cameras, noise, j, x, last_s, now_s, info):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
     Parameters
     ----------
-    P, focal_px
-        All cameras: projections (cam, 3, 4) and mean focal lengths (cam,).
-    noise
-        The detector's `Noise`.
+    cameras, noise
+        `Cameras` and `Noise`.
     j, x
         The joint and its place, (3,).
     last_s, now_s
@@ -35,6 +35,8 @@ def bias_information(P, focal_px, noise, j, x, last_s, now_s, info):
     info
         Result, (3, 3) [1/m^2]; singular where fewer than two cameras see the joint.
     """
+    P, focal_px = cameras.P, cameras.focal_px
+    usual_m, share, least_px2 = noise.sigma_m[j], noise.bias_share, noise.floor_px * noise.floor_px
     for p in range(3):
         for q in range(3):
             info[p, q] = 0.0
@@ -44,8 +46,8 @@ def bias_information(P, focal_px, noise, j, x, last_s, now_s, info):
         w, _, _, du, dv = project(P, c, x[0], x[1], x[2])
         if not w > NEAR_M:
             continue
-        sigma_px = noise.sigma_m[j] * focal_px[c] / w
-        var = noise.bias_share * (sigma_px * sigma_px + noise.floor_px * noise.floor_px)
+        sigma_px = usual_m * focal_px[c] / w
+        var = share * (sigma_px * sigma_px + least_px2)
         for p in range(3):
             for q in range(3):
                 info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
@@ -58,7 +60,9 @@ def unseen_sigma_m(last_s, now_s):
     for c in range(last_s.shape[0]):
         second = max(second, min(latest, last_s[c]))
         latest = max(latest, last_s[c])
-    return _OFF_M + _DRIFT_MPS * min(max(now_s - SUPPORT_S - second, 0.0), _LONG_S)
+    return UNSEEN_SIGMA_M + UNSEEN_DRIFT_MPS * min(
+        max(now_s - SUPPORT_S - second, 0.0), UNSEEN_DRIFT_S
+    )
 
 
 @inner
@@ -89,21 +93,17 @@ def widen(cov, info, scale, sigma, bounded, bias_m2):
 
 
 @kernel(allocates=True)
-def report_all(
-    P, focal_px, noise, joint_s, now_s, limbs, limb_m, limb_m2, x, cov_m2, velocity_cov_m2ps2
-):
+def report_all(cameras, noise, limbs, bodies, joint_s, now_s, joints):
     """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
 
     Parameters
     ----------
-    P, focal_px, noise
-        As for `bias_information`.
+    cameras, noise, limbs, bodies
+        `Cameras`, `Noise`, `Limbs` and `Bodies`.
     joint_s, now_s
         When each camera last supported each joint, (track, joint, cam), and the time of what is
         stated [s].
-    limbs, limb_m, limb_m2
-        `Limbs`; lengths and variances per track, (track, limb).
-    x, cov_m2, velocity_cov_m2ps2
+    joints
         Joints, their covariances and those of their velocities as the trajectories have them,
         (track, joint, 3) and (track, joint, 3, 3); changed in place.
 
@@ -114,11 +114,20 @@ def report_all(
     reported, not to the state. The bias also stretches limbs; the joints are adjusted to the limb
     lengths here, where their covariance includes it.
     """
+    x, cov_m2, velocity_cov_m2ps2 = joints
     info, bounded, bias_m2 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
-            bias_information(P, focal_px, noise, j, x[k, j], joint_s[k, j], now_s, info)
+            bias_information(cameras, noise, j, x[k, j], joint_s[k, j], now_s, info)
             off_m = unseen_sigma_m(joint_s[k, j], now_s)
             widen(cov_m2[k, j], info, 1.0, off_m, bounded, bias_m2)
-            widen(velocity_cov_m2ps2[k, j], info, _WANDER_PER_S, _OFF_MPS, bounded, bias_m2)
-        tighten(x[k], cov_m2[k], limbs, limb_m[k], limb_m2[k])
+            widen(
+                velocity_cov_m2ps2[k, j],
+                info,
+                BIAS_WANDER_PER_S,
+                UNSEEN_SIGMA_MPS,
+                bounded,
+                bias_m2,
+            )
+        body = Bodies(bodies.limb_m[k], bodies.limb_m2[k], bodies.level[k])
+        tighten(x[k], cov_m2[k], limbs, body)

@@ -7,21 +7,10 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner, kernel
+from trecsim.fusion.tuning import AHEAD_M, ASIDE_M, BEFORE_M, HIDDEN_SHARE, IN_VIEW
 
 # What `Lenses.kind` says.
 PINHOLE, BROWN, FISHEYE = 0, 1, 2
-# A point nearer than this to a camera's plane is not expected in the image [m].
-AHEAD_M = 0.1
-# A camera should see somebody of whose torso at least this share is in its image: people who stand
-# half outside are found by detectors as often as not.
-IN_VIEW = 0.5
-# Somebody of whom others hide at least this share of the joints is not expected to be found.
-HIDDEN_SHARE = 0.5
-# Who hides somebody else stands before that person by at least this: the thickness of a body [m].
-BEFORE_M = 0.2
-# Nobody hides from further beside the line of sight than two people reach, as far as their joints
-# lie from the middle of their torsos [m].
-ASIDE_M = 2.0
 
 
 class Lenses(NamedTuple):

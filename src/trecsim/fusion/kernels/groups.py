@@ -1,0 +1,171 @@
+"""What kernels take together: named groups of arrays.
+
+A group of all tracks has the track as the first axis of its arrays. Kernels hand on the part of one
+track, or of one joint, as a group of the same name without the leading axes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+
+class Cameras(NamedTuple):
+    """The cameras of a rig.
+
+    Attributes
+    ----------
+    P, focal_px
+        Projections for undistorted pixels, and mean focal lengths [px].
+    ray_of, position_m
+        Matrix that turns a pixel into the direction of its viewing ray, and where the ray starts.
+    """
+
+    P: Float64[np.ndarray, "cam 3 4"]
+    focal_px: Float64[np.ndarray, " cam"]
+    ray_of: Float64[np.ndarray, "cam 3 3"]
+    position_m: Float64[np.ndarray, "cam 3"]
+
+
+class Measurements(NamedTuple):
+    """The detections of a frame set, image after image.
+
+    Attributes
+    ----------
+    cam
+        Camera of each image.
+    offset
+        Image ``v`` has the detections ``offset[v] .. offset[v + 1]``.
+    xy_px
+        Undistorted key points; NaN where missing or not to be used.
+    sigma_scale
+        Standard deviation of each key point, relative to that of a good one.
+    """
+
+    cam: Int64[np.ndarray, " view"]
+    offset: Int64[np.ndarray, " view_plus_1"]
+    xy_px: Float64[np.ndarray, "person joint 2"]
+    sigma_scale: Float64[np.ndarray, "person joint"]
+
+
+class Prediction(NamedTuple):
+    """Predicted joints of all tracks in each image of a frame set.
+
+    Attributes
+    ----------
+    knot_time, now
+        Times of the images and of the frame set [knots].
+    xyz_m
+        Joints at each image's own time.
+    cov_m2
+        Their covariance at the frame set's time.
+    """
+
+    knot_time: Float64[np.ndarray, " view"]
+    now: float
+    xyz_m: Float64[np.ndarray, "view track joint 3"]
+    cov_m2: Float64[np.ndarray, "track joint 3 3"]
+
+
+class Matches(NamedTuple):
+    """Which detection of each image belongs to which track.
+
+    Attributes
+    ----------
+    match
+        Index of the detection among all of the images, or -1.
+    flip
+        1 where it is read with left and right exchanged.
+    weight
+        What it is worth, 0 to 1: the responsibility of the track for it.
+    """
+
+    match: Int64[np.ndarray, "track view"]
+    flip: Int64[np.ndarray, "track view"]
+    weight: Float64[np.ndarray, "track view"]
+
+
+class Trajectories(NamedTuple):
+    """The joints' trajectories, and where they are at the time of the frame set.
+
+    Attributes
+    ----------
+    R, z, c
+        Square-root information of the control points, and these: the solution of ``R c = z``.
+    x_m, cov_m2
+        Joints and covariances.
+    """
+
+    R: Float64[np.ndarray, "track joint n n"]
+    z: Float64[np.ndarray, "track joint n"]
+    c: Float64[np.ndarray, "track joint n"]
+    x_m: Float64[np.ndarray, "track joint 3"]
+    cov_m2: Float64[np.ndarray, "track joint 3 3"]
+
+
+class Bodies(NamedTuple):
+    """What is learnt of each person's body.
+
+    Attributes
+    ----------
+    limb_m, limb_m2
+        Lengths of the limbs and their variances.
+    level
+        Height of the ground under the person, and its variance.
+    """
+
+    limb_m: Float64[np.ndarray, "track limb"]
+    limb_m2: Float64[np.ndarray, "track limb"]
+    level: Float64[np.ndarray, "track 2"]
+
+
+class Bones(NamedTuple):
+    """The limbs of the skeleton.
+
+    Attributes
+    ----------
+    joints, length_m
+        The two joints of each, and its usual length.
+    """
+
+    joints: Int64[np.ndarray, "bone 2"]
+    length_m: Float64[np.ndarray, " bone"]
+
+
+class Sightings(NamedTuple):
+    """When cameras supported the tracks [s].
+
+    Attributes
+    ----------
+    camera_s, joint_s
+        Last time that each camera supported each track, and each joint.
+    two_view_s, two_view_duration_s
+        Last time that two cameras supported it, and for how long they have, in all.
+    mirrored_duration_s
+        For how long most cameras have read it with left and right exchanged.
+    """
+
+    camera_s: Float64[np.ndarray, "track cam"]
+    joint_s: Float64[np.ndarray, "track joint cam"]
+    two_view_s: Float64[np.ndarray, " track"]
+    two_view_duration_s: Float64[np.ndarray, " track"]
+    mirrored_duration_s: Float64[np.ndarray, " track"]
+
+
+class Rays(NamedTuple):
+    """Detections as viewing rays.
+
+    Attributes
+    ----------
+    cam, origin_m
+        Camera of each detection, and where its rays start.
+    direction
+        Unit directions; NaN where the key point is missing.
+    sigma_scale
+        Standard deviation of each key point, relative to that of a good one.
+    """
+
+    cam: Int64[np.ndarray, " person"]
+    origin_m: Float64[np.ndarray, "person 3"]
+    direction: Float64[np.ndarray, "person joint 3"]
+    sigma_scale: Float64[np.ndarray, "person joint"]
