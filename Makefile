@@ -29,7 +29,7 @@ TWINS := $(addprefix tests/fusion/test_,$(addsuffix .py,anatomy dense fitting gr
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
 
-demo: .venv/installed-report .venv/installed-evaluate page  ## Follow people through a simulated room and show the result.
+demo: .venv/installed-demo page  ## Run a simulated site with its live page (20 s, or in a terminal until Ctrl-C).
 	$(BIN)/trecsim demo
 	@command -v trecsim > /dev/null || echo "to use trecsim in this shell: . $(BIN)/activate"
 

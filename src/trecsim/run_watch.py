@@ -29,6 +29,8 @@ class RunWatch:
         Is called once a minute with how far the fusion is.
     image_count
         Number of all images, if it is known.
+    seconds
+        The run ends so long after `is_over` is asked first [s]; never if None.
     folder
         Of the recording.
     tally
@@ -43,6 +45,8 @@ class RunWatch:
         What the recording held before.
     gaps_s
         Where it was continued: the last time before and the first time after, each [s].
+    began_s
+        When `is_over` was asked first, by a steady clock [s].
     told_s
         When `tell` was called last, by a steady clock [s].
     """
@@ -51,6 +55,7 @@ class RunWatch:
     stop: Callable[[], bool]
     tell: Callable[[Tally], None]
     image_count: int | None
+    seconds: float | None = None
     folder: Path = Path()
     tally: Tally = field(default_factory=Tally)
     stopped: bool = False
@@ -59,6 +64,7 @@ class RunWatch:
     last_s: float | None = None
     stored: Stored = field(default_factory=Stored)
     gaps_s: tuple[tuple[float, float], ...] = ()
+    began_s: float | None = None
     told_s: float = field(default_factory=time.monotonic)
 
     def until_stopped(self, poses: Iterable[Poses2D]) -> Iterator[Poses2D]:
@@ -68,13 +74,21 @@ class RunWatch:
             if self.is_over():
                 return
 
-    def is_over(self) -> bool:
-        """Tell whether to stop; once a minute, say how far it is."""
+    def is_stopped(self) -> bool:
+        """Tell whether `stop` ends the run; once a minute, say how far it is."""
         if time.monotonic() - self.told_s >= TELL_EVERY_S:
             self.told_s = time.monotonic()
             self.tell(self.tally)
         self.stopped = self.stopped or self.stop()
         return self.stopped
+
+    def is_over(self) -> bool:
+        """Tell whether the run ends, as it is stopped or its time is over."""
+        now_s = time.monotonic()
+        if self.began_s is None:
+            self.began_s = now_s
+        timed_out = self.seconds is not None and now_s - self.began_s >= self.seconds
+        return self.is_stopped() or timed_out
 
     def count(self, poses: Poses2D) -> None:
         """Count an image that reaches the fusion."""

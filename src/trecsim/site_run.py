@@ -46,6 +46,7 @@ def run(
     feed: Feed | None = None,
     watchers: Sinks = NOBODY,
     resume: bool = False,
+    seconds: float | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
     tell: Callable[[Tally], None] = lambda tally: None,
@@ -66,6 +67,8 @@ def run(
     resume
         Go on with the recording in `out`, if there is one. Images up to its end are left out,
         identities go on above its highest.
+    seconds
+        End so long after the first image is waited for [s].
     progress
         Told the number of images done and, if it is known, of all images.
     stop
@@ -85,7 +88,7 @@ def run(
         When it is interrupted, other than by `stop`; its text says what is kept.
     """
     began_s = time.monotonic()
-    watch = RunWatch(progress, stop, tell, _image_count(checked))
+    watch = RunWatch(progress, stop, tell, _image_count(checked), seconds)
     with claim_folder(_folder_for(out, checked), resume=resume) as claim:
         folder = watch.folder = claim.folder
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
@@ -193,7 +196,7 @@ def _run_recorded(checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: Ex
 def _ready(kernels: WarmUp, watch: RunWatch) -> bool:
     """Wait for the kernels; return whether the run goes on."""
     while not kernels.wait(_LOOK_EVERY_S):
-        if watch.is_over():
+        if watch.is_stopped():
             return False
     return True
 

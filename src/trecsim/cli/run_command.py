@@ -1,8 +1,6 @@
 """The command `trecsim run`."""
 
 import sys
-import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -87,39 +85,19 @@ def run(
         else:  # compiled while the first images are estimated, or the cameras looked for
             tell_first_run(quiet=json)
         told = json or sys.stderr.isatty()  # a terminal shows a bar; --json shows nothing
-        ending = _Ending(stop, seconds)
         service = SiteService(page)
         reloading_on_hangup(service.reload)
         with progress_bar("images", quiet=json) as bar:
             lines = _Lines(bar)
             summary = service.run(
-                checked, out, inputs=inputs, resume=resume, progress=lines.passed, stop=ending,
+                checked, out, inputs=inputs, resume=resume, progress=lines.passed, stop=stop,
+                seconds=seconds,
                 tell=_tell_nothing if told else lines.tell,
                 picture=partial(_draw_paths, checked) if inputs is None else _draw_nothing,
             )  # fmt: skip
-    if summary.ended == "stopped" and inputs is None and not ending.in_time:
+    if summary.ended == "stopped" and inputs is None:
         raise KeyboardInterrupt(f"stopped; {_told(summary)}")
     finish(_facts(summary), json, _told(summary))
-
-
-class _Ending:
-    """Tells whether a run is to end: it is told to, or its time is over.
-
-    The time begins when it is asked first, after the kernels are compiled.
-    """
-
-    def __init__(self, stop: Callable[[], bool], seconds: float | None) -> None:
-        self._stop, self._seconds = stop, seconds
-        self._began_s: float | None = None
-        self.in_time = False
-
-    def __call__(self) -> bool:
-        if self._seconds is None:
-            return self._stop()
-        now_s = time.monotonic()
-        self._began_s = self._began_s or now_s
-        self.in_time = now_s - self._began_s >= self._seconds
-        return self.in_time or self._stop()
 
 
 def _draw_nothing(summary: "RunSummary") -> None:

@@ -73,6 +73,7 @@ class SiteService:
         picture
             Draws what came of the run, at its end.
         """
+        self._show(checked.file, checked.rig)
         monitor = Monitor(checked.rig.names, inputs.readings if inputs else ())
         feed = _feed(inputs, monitor) if inputs else None
         self._reloading = Reloading(checked.file, lambda file: self._show(file, checked.rig))
@@ -107,7 +108,7 @@ class SiteService:
         return summary
 
     def _show(self, file: SiteFile, rig: Rig) -> None:
-        """Show a site that was read again."""
+        """Show a site on the page, if there is one."""
         if self._page is not None:
             self._page.site(site_view(file, rig))
 

@@ -1,0 +1,140 @@
+"""`trecsim run` on live sources, as an operator and the service manager see it from outside."""
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from threading import Thread
+from time import monotonic, sleep
+
+import httpx
+import pytest
+
+import trecsim
+from made_site import make_site
+from trecsim.store.tracks import read_tracks
+from trecsim.values import Snapshot
+
+PAGE = "[page]\nport = 0\n"
+ZONE = "[zones.door]\npolygon_m = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]\n"
+WAIT_S = 120.0
+
+
+@dataclass
+class Running:
+    """A run in a process of its own, what it has written to stderr, and its page."""
+
+    process: subprocess.Popen[str]
+    said: list[str]
+    url: str
+
+    def get(self, path: str) -> httpx.Response:
+        return httpx.get(self.url + path, timeout=WAIT_S)
+
+    def until(self, what: Callable[[], bool]) -> None:
+        deadline_s = monotonic() + WAIT_S
+        while not what():
+            assert self.process.poll() is None, self.said
+            assert monotonic() < deadline_s, self.said
+            sleep(0.1)
+
+    def is_well(self) -> bool:
+        return self.get("api/health").status_code == 200
+
+
+@contextmanager
+def running(site: Path, *options: str) -> Iterator[Running]:
+    run = "from trecsim.cli import main; main()"
+    command = [sys.executable, "-c", run, "run", str(site), "--as-live", *options]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said: list[str] = []
+    assert process.stdout is not None
+    assert process.stderr is not None
+    reader = Thread(target=said.extend, args=(process.stderr,), daemon=True)
+    reader.start()
+    try:
+        line = process.stdout.readline()
+        assert line.startswith("page: http://127.0.0.1:"), said
+        yield Running(process, said, line.removeprefix("page: ").strip())
+    finally:
+        process.kill()
+        process.wait()
+        reader.join()
+        process.stdout.close()
+        process.stderr.close()
+
+
+@pytest.fixture(scope="module")
+def long_site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make_site(tmp_path_factory.mktemp("live"), moments=5000, more=PAGE)
+
+
+def test_people_reach_a_program_and_sigterm_ends_in_order_with_all_kept(
+    long_site: Path, tmp_path: Path
+) -> None:
+    with running(long_site, "--out", str(tmp_path / "out")) as site:
+        first = site.get("api/health").json()
+        assert set(first["cameras"]) == {"cam0", "cam1", "cam2"}
+        site.until(site.is_well)
+        seen = [one for one in islice(trecsim.connect(site.url), 60) if isinstance(one, Snapshot)]
+        assert len(seen) > 30
+        assert {len(one.id) for one in seen} == {1}
+        site.process.send_signal(signal.SIGTERM)
+        assert site.process.wait(WAIT_S) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["ended"] == "stopped"
+    kept = {one.t_s: one for one in read_tracks(tmp_path / "out")}
+    for one in seen:  # the same numbers on the stream and in the recording
+        assert kept[one.t_s].xyz_m.tolist() == one.xyz_m.tolist()
+
+
+def test_sighup_takes_over_what_may_change_and_keeps_the_old_where_the_new_is_wrong(
+    long_site: Path,
+) -> None:
+    good = long_site.read_text()
+    try:
+        with running(long_site, "--out", str(long_site.parent / "hup")) as site:
+            site.until(site.is_well)
+            long_site.write_text(good + ZONE)
+            site.process.send_signal(signal.SIGHUP)
+            site.until(lambda: "door" in site.get("api/site").json()["site"]["zones"])
+            long_site.write_text(good + ZONE.replace("polygon_m", "polygon"))
+            site.process.send_signal(signal.SIGHUP)
+            site.until(lambda: any("goes on as it was" in line for line in site.said))
+            assert "door" in site.get("api/site").json()["site"]["zones"]
+            assert any("polygon: unknown key" in line for line in site.said)
+    finally:
+        long_site.write_text(good)
+
+
+def test_it_ends_by_itself_after_the_seconds_that_it_is_given(long_site: Path) -> None:
+    with running(long_site, "--out", str(long_site.parent / "short"), "--seconds", "4") as site:
+        assert site.process.wait(WAIT_S) == 0
+    recorded = list(read_tracks(long_site.parent / "short"))
+    assert 1.0 < recorded[-1].t_s - recorded[0].t_s < 10.0
+    assert (
+        json.loads((long_site.parent / "short" / "summary.json").read_text())["ended"] == "complete"
+    )
+
+
+def test_a_killed_page_comes_back_at_the_same_address_and_tracking_goes_on(long_site: Path) -> None:
+    with running(long_site, "--out", str(long_site.parent / "killed")) as site:
+        site.until(site.is_well)
+        found = subprocess.run(
+            ["pgrep", "-P", str(site.process.pid), "-f", "trecsim.page"],
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        subprocess.run(["kill", "-9", *found.stdout.split()], check=True)
+
+        def restarted() -> bool:
+            with suppress(httpx.HTTPError):
+                return site.get("api/health").json()["restarts"].get("page") == 1
+            return False
+
+        site.until(restarted)
+        assert site.is_well()
