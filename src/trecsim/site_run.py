@@ -11,23 +11,22 @@ from pathlib import Path
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
-from trecsim.pipeline import Feed, flow, live, recorded, tracks_info
+from trecsim.pipeline import Feed, flow, live, recorded
 from trecsim.resuming import Later, stored_before
+from trecsim.run_sinks import live_sinks, recorded_sinks
 from trecsim.run_summary import SUMMARY, RunSummary, gaps_before, write_summary
 from trecsim.run_watch import RunWatch
-from trecsim.sinks import NOBODY, Sink, Sinks, Taken
+from trecsim.sinks import NOBODY, Sinks
 from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sites.site_reading import SiteFile
 from trecsim.sources import prefetched, read_poses
 from trecsim.store.names import RIG
+from trecsim.store.recorder import Recorder
 from trecsim.store.recordings import (
     Stored,
     claim_folder,
     discard_recording,
-    poses_recorder,
-    timing_recorder,
-    tracks_recorder,
 )
 from trecsim.tracking import Follower, Tally
 from trecsim.values import Poses2D
@@ -45,6 +44,7 @@ def run(
     *,
     feed: Feed | None = None,
     watchers: Sinks = NOBODY,
+    recording: Callable[[Recorder], None] = lambda recorder: None,
     resume: bool = False,
     seconds: float | None = None,
     progress: Progress | None = None,
@@ -64,6 +64,8 @@ def run(
         Live cameras; None reads the recordings that the site file names.
     watchers
         Who else takes what, besides the files.
+    recording
+        Is told what records a live site, once it does.
     resume
         Go on with the recording in `out`, if there is one. Images up to its end are left out,
         identities go on above its highest.
@@ -94,7 +96,7 @@ def run(
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
         watch.gaps_s = gaps_before(folder) if resume else ()
         try:
-            fault = _record(checked, folder, watch, feed, watchers, resume=resume)
+            fault = _record(checked, folder, watch, feed, watchers, recording, resume=resume)
             if fault is not None and watch.tally.frame_sets == 0:
                 if not watch.resumed:
                     discard_recording(folder)
@@ -116,41 +118,24 @@ def _record(
     watch: RunWatch,
     feed: Feed | None,
     watchers: Sinks,
+    recording: Callable[[Recorder], None],
     *,
     resume: bool,
 ) -> InputError | None:
     """Pass everything through the fusion into files; return the fault that ended it early."""
     write_rig(checked.rig, folder / RIG)
     with ExitStack() as files:
-        sinks = _sinks(checked, folder, watch, watchers, files, resume=resume)
         try:
             if feed is not None:
+                sinks, recorder = live_sinks(checked, folder, watch, watchers, files, resume=resume)
+                recording(recorder)
                 _run_live(checked, watch, feed, sinks)
             else:
+                sinks = recorded_sinks(checked, folder, watch, watchers, files, resume=resume)
                 _run_recorded(checked, watch, sinks, files)
         except InputError as error:
             return error
     return None
-
-
-def _sinks(
-    checked: CheckedSite,
-    folder: Path,
-    watch: RunWatch,
-    watchers: Sinks,
-    files: ExitStack,
-    *,
-    resume: bool,
-) -> Sinks:
-    """Open the files of the recording, beside those who watch."""
-    tracks = files.enter_context(tracks_recorder(folder, tracks_info(checked.rig), resume=resume))
-    steps = files.enter_context(timing_recorder(folder, resume=resume))
-    kept: list[Sink[Poses2D]] = [Taken(watch.count)]
-    if checked.file.site.output.poses:
-        kept.append(files.enter_context(poses_recorder(folder, resume=resume)))
-    return Sinks(
-        [tracks, watch, *watchers.snapshots], [steps, *watchers.steps], [*kept, *watchers.poses]
-    )
 
 
 def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -> None:

@@ -55,6 +55,15 @@ class StreamReadings(Protocol):
         ...
 
 
+class Recording(Protocol):
+    """What records a site."""
+
+    @property
+    def health(self) -> StoreHealth:
+        """Whether it can."""
+        ...
+
+
 class Monitor:
     """Counts what goes through the pipeline, as one of its sinks, and judges it at any time.
 
@@ -64,8 +73,6 @@ class Monitor:
         All cameras of the site.
     streams
         What tells about itself.
-    store
-        Is asked for the state of the store.
     wall_clock, clock
         Unix time and a steady clock [s].
     """
@@ -74,14 +81,13 @@ class Monitor:
         self,
         cameras: Iterable[str],
         streams: Iterable[StreamReadings] = (),
-        store: Callable[[], StoreHealth] = StoreHealth,
         *,
         wall_clock: Callable[[], float] = time.time,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._images = {name: Recent() for name in cameras}
         self._streams = {stream.camera: stream for stream in streams}
-        self._store = store
+        self._recorder: Recording | None = None
         self._wall_clock, self._clock = wall_clock, clock
         self._stages: dict[str, Recent] = {
             "estimate": Recent(), "image to poses": Recent(),
@@ -112,6 +118,10 @@ class Monitor:
             self._images[poses.camera].add(now_s)
         self._note("image to poses", 1e3 * (self._wall_clock() - poses.t_s))
 
+    def take_recorder(self, recorder: Recording) -> None:
+        """Take what records the site."""
+        self._recorder = recorder
+
     def take_estimate(self, seconds: float) -> None:
         """Take how long the estimator looked at an image [s]."""
         self._note("estimate", 1e3 * seconds)
@@ -124,7 +134,7 @@ class Monitor:
             t_s=self._wall_clock(),
             cameras={name: self._camera(name, now_s) for name in self._images},
             fusion=self._fusion(now_s, stages["fusion"]),
-            store=self._store(),
+            store=self._recorder.health if self._recorder is not None else StoreHealth(),
             stages={name: stage for name, stage in stages.items() if stage is not None},
             restarts=dict(self.restarts),
         )

@@ -102,7 +102,14 @@ class SiteService:
             if inputs is not None:
                 ending.callback(inputs.close)
             summary = run(
-                checked, out, feed=feed, watchers=watchers, stop=asked, picture=drawn, **options
+                checked,
+                out,
+                feed=feed,
+                watchers=watchers,
+                recording=monitor.take_recorder,
+                stop=asked,
+                picture=drawn,
+                **options,
             )
             notify("STOPPING=1")
         return summary

@@ -1,11 +1,15 @@
 """The seam behind the fusion: what takes snapshots, step timings or 2D poses."""
 
+import logging
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
+from trecsim.errors import Error
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Poses2D, Snapshot
+
+logger = logging.getLogger(__name__)
 
 Item_contra = TypeVar("Item_contra", contravariant=True)
 
@@ -45,6 +49,30 @@ class Taken(Generic[Item]):
     def write(self, item: Item, /) -> None:
         """Take one more."""
         self.by(item)
+
+
+class Forgiving(Generic[Item]):
+    """A sink that stops nobody: when it cannot take any more, that is logged, and it takes none.
+
+    Parameters
+    ----------
+    sink
+        The sink.
+    """
+
+    def __init__(self, sink: Sink[Item]) -> None:
+        self._sink = sink
+        self._failed = False
+
+    def write(self, item: Item, /) -> None:
+        """Take one more, if it can."""
+        if self._failed:
+            return
+        try:
+            self._sink.write(item)
+        except Error as error:
+            self._failed = True
+            logger.error("%s; nothing more is written there", error)  # noqa: TRY400
 
 
 def _as_it_is(snapshot: Snapshot) -> Snapshot:

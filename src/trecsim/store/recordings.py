@@ -20,6 +20,7 @@ from trecsim.store.names import POSES, RIG, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.poses_writer import PosesWriter
+from trecsim.store.recorder import Recorder
 from trecsim.store.timing_csv import NAME as TIMING
 from trecsim.store.timing_csv import TimingWriter, last_time_s, read_timing, timing_in
 from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
@@ -82,6 +83,11 @@ def claim_folder(folder: Path, *, resume: bool = False) -> FolderClaim:
 def tracks_recorder(folder: Path, info: TracksInfo, *, resume: bool = False) -> ParquetTracksWriter:
     """Open the tracks of a recording for writing, in segments of an hour."""
     return ParquetTracksWriter(folder / TRACKS, info, segment_s=HOUR_S, resume=resume)
+
+
+def live_recorder(folder: Path, info: TracksInfo, *, resume: bool = False) -> Recorder:
+    """Open the tracks of a live site for writing, in segments of an hour."""
+    return Recorder(folder / TRACKS, info, resume=resume)
 
 
 def timing_recorder(folder: Path, *, resume: bool = False) -> TimingWriter:
