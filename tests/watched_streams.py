@@ -6,7 +6,7 @@ from threading import Thread
 
 from made_cameras import until
 from trecsim.sources.streams import NetworkAddress, StreamSource
-from trecsim.sources.streams.login import Login
+from trecsim.sources.streams.camera_login import Login
 from trecsim.sources.streams.stream_address import Transport
 from trecsim.values import Frame
 

@@ -21,8 +21,8 @@ from gi.repository import GLib, Gst, GstApp, GstRtspServer  # noqa: E402
 
 BLOCK_PX, BITS = 8, 48
 ENCODER = (
-    "videoconvert ! x264enc tune=zerolatency speed-preset=ultrafast bitrate={kbps} "
-    "key-int-max={fps} ! rtph264pay name=pay0 pt=96 config-interval=-1"
+    "videoconvert ! x264enc tune=zerolatency threads=1 sliced-threads=false speed-preset=ultrafast "
+    "bitrate={kbps} key-int-max={fps} ! rtph264pay name=pay0 pt=96 config-interval=-1"
 )
 
 

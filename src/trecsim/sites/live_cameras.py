@@ -8,7 +8,7 @@ from trecsim.errors import InputError
 from trecsim.redaction import redacted
 from trecsim.sites.site_file import Site, SourceTable
 from trecsim.sites.site_reading import Draft
-from trecsim.sources.streams.login import find_login, read_secrets
+from trecsim.sources.streams.camera_login import find_login, read_secrets
 from trecsim.sources.streams.stream_address import Address, DeviceAddress, NetworkAddress
 from trecsim.toml_models import FilePath
 from trecsim.toml_models.toml_reading import Fault

@@ -54,8 +54,8 @@ def _no_address(given: Any) -> Any:
     """Refuse addresses and devices, which as a path would lose a slash and be looked for."""
     if isinstance(given, str) and is_address(given) and not Path(given).is_file():
         raise ValueError(
-            f"expected a file, found {redacted(given)}; a live camera stands in "
-            '[sources.CAMERA] as `url = "rtsp://..."` or `device = "/dev/video0"`'
+            f"expected a file, found {redacted(given)}; a live camera is given "
+            "by url or device in place of video"
         )
     return given
 

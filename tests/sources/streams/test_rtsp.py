@@ -10,7 +10,7 @@ import pytest
 
 from made_cameras import until
 from rtsp_servers import FPS, SIZE_PX, Network, RtspCamera, painted_s, rtsp_camera
-from trecsim.sources.streams.login import Login
+from trecsim.sources.streams.camera_login import Login
 from watched_streams import Watched, watched
 
 

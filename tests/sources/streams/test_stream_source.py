@@ -2,11 +2,13 @@
 
 import time
 
+import numpy as np
 import pytest
 
 from made_cameras import MadeCamera, until
-from trecsim.sources.streams import NetworkAddress, StreamSource
+from trecsim.sources.streams import NetworkAddress, StreamSource, frozen_image
 from trecsim.sources.streams.frozen_image import FrozenImage
+from trecsim.sources.streams.live_frame import Developer
 from watched_streams import Watched, watched
 
 SIZE_PX = (64, 48)
@@ -31,6 +33,20 @@ def test_images_come_no_larger_than_the_estimator_looks_at_them(camera: MadeCame
         frame = north.images(1)[0]
     assert frame.image.shape == (24, 32, 3)
     assert frame.size_px == SIZE_PX
+
+
+def test_images_that_nobody_looks_at_are_not_converted(
+    camera: MadeCamera, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, make = [], Developer.__call__
+    monkeypatch.setattr(Developer, "__call__", lambda *given: made.append(1) or make(*given))
+    with watched(camera.url, SIZE_PX) as north:
+        frames = north.images(5)
+        assert made == []
+        first = frames[0].image
+        assert frames[0].image is first
+        assert made == [1]
+    assert first.dtype == np.uint8
 
 
 def test_a_camera_that_is_switched_off_and_on_again_comes_back(camera: MadeCamera) -> None:
@@ -104,20 +120,30 @@ def test_a_source_ends_soon_after_it_is_closed_whatever_its_camera_does(
         assert not north.thread.is_alive()
 
 
-def test_the_same_image_for_long_is_told(camera: MadeCamera) -> None:
+def test_the_same_image_for_long_is_told(
+    camera: MadeCamera, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(frozen_image, "FROZEN_S", 0.5)
+    camera.still = True
     with watched(camera.url, SIZE_PX) as north:
-        image = north.images(1)[0].image
+        north.fault("it has shown the same image for")
+        camera.still = False
+        until(lambda: north.counters.fault is None, "the fault was over")
+
+
+def test_an_image_that_differs_little_is_another_one() -> None:
+    image = np.full((12, 16), 7, np.uint8)
     frozen = FrozenImage()
     assert not frozen.is_frozen(image, 0.0)
     assert not frozen.is_frozen(image, 9.0)
     assert frozen.is_frozen(image, 10.0)
     other = image.copy()
-    other[0, 0] += 1
+    other[3, 5] += 1
     assert not frozen.is_frozen(other, 10.1)
 
 
 def test_no_text_of_a_source_shows_its_password() -> None:
-    from trecsim.sources.streams.login import Login
+    from trecsim.sources.streams.camera_login import Login
 
     address = NetworkAddress("rtsp://10.0.0.12/1", login=Login("admin", "s3cret"))
     source = StreamSource("north", address, SIZE_PX)
@@ -134,7 +160,7 @@ def test_no_text_of_a_source_shows_its_password() -> None:
     ],
 )
 def test_user_and_password_are_escaped(url: str, opened: str) -> None:
-    from trecsim.sources.streams.login import Login
+    from trecsim.sources.streams.camera_login import Login
 
     address = NetworkAddress(url, login=Login("a@b", "p/:@w"))
     assert address.opening(SIZE_PX).name == opened

@@ -13,6 +13,8 @@ from threading import Condition, Thread
 from typing import Any
 
 import av
+import numpy as np
+from jaxtyping import UInt8
 
 from trecsim.sources.streams.connection_faults import explained, is_refusal
 from trecsim.sources.streams.image_dates import ImageDate, ImageDates
@@ -26,6 +28,7 @@ OPEN_S = 5.0  # a camera that does not answer within this is given up
 SILENT_S = 3.0  # so is one that sends nothing for as long
 NO_IMAGE_S = 10.0  # or nothing that can be decoded
 LATE_S = 1.0  # an image that comes later than this after the soonest is left out
+_EVERY_PX = 8
 _TOLERATED_S = 1.0  # a time that falls back by more is a clock that was set, not a late image
 
 
@@ -43,6 +46,12 @@ class Taken:
 
     picture: Any
     t_s: float
+
+    def brightness(self) -> UInt8[np.ndarray, "h w"]:
+        """Return some of its pixels as they were decoded."""
+        plane = self.picture.planes[0]
+        rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
+        return rows[::_EVERY_PX, : self.picture.width : _EVERY_PX]
 
 
 class Connection:
@@ -90,7 +99,7 @@ class Connection:
         self._changed = Condition()
         self._newest: Taken | None = None
         self._closed = False
-        self._opened = False
+        self._opened = self._has_decoded = False
         self._heard_s = self._decoded_s = self._opened_s = time.monotonic()
         self._thread = Thread(target=self._run, name=f"camera-{counters.camera}", daemon=True)
         self._thread.start()
@@ -196,8 +205,10 @@ class Connection:
             return
         for picture in pictures:
             if picture.is_corrupt:
-                self._counters.drop("decode")
+                if self._has_decoded:  # who comes into a stream cannot decode what came before
+                    self._counters.drop("decode")
             else:
+                self._has_decoded = True
                 self._decoded_s = time.monotonic()
                 yield picture
 

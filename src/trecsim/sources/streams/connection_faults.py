@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 
 import av
 
-from trecsim.sources.streams.login import variable
+from trecsim.sources.streams.camera_login import variable
 from trecsim.sources.streams.stream_address import Address, DeviceAddress, NetworkAddress
 
 

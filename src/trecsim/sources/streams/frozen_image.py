@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import UInt8
 
 FROZEN_S = 10.0  # coders repeat the image of a still scene up to the next key frame, not longer
-_EVERY_PX = 8
 
 
 class FrozenImage:
@@ -17,17 +16,17 @@ class FrozenImage:
         self._shown = 0
         self._since_s = math.nan
 
-    def is_frozen(self, image: UInt8[np.ndarray, "h w 3"], now_s: float) -> bool:
+    def is_frozen(self, pixels: UInt8[np.ndarray, "h w"], now_s: float) -> bool:
         """Take in an image; tell whether it has been the same for `FROZEN_S`.
 
         Parameters
         ----------
-        image
-            What came.
+        pixels
+            Some of its pixels.
         now_s
             When, by a steady clock [s].
         """
-        shown = crc32(image[::_EVERY_PX, ::_EVERY_PX].tobytes())
+        shown = crc32(pixels.tobytes())
         if shown != self._shown or math.isnan(self._since_s):
             self._shown, self._since_s = shown, now_s
         return now_s - self._since_s >= FROZEN_S

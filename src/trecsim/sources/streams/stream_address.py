@@ -7,7 +7,7 @@ from urllib.parse import SplitResult, quote, urlsplit
 
 from trecsim.errors import InputError
 from trecsim.redaction import redacted
-from trecsim.sources.streams.login import Login
+from trecsim.sources.streams.camera_login import Login
 
 Transport = Literal["tcp", "udp"]
 RTSP = ("rtsp", "rtsps")

@@ -3,26 +3,23 @@
 import logging
 import time
 from collections.abc import Iterator
+from functools import partial
 from threading import Event
 from typing import TYPE_CHECKING
 
-import numpy as np
-from jaxtyping import UInt8
-
 from trecsim.errors import SetupError
 from trecsim.extras import install_command
-from trecsim.sources.image_sizes import fitted, is_cut
-from trecsim.sources.orientation import Orientation
+from trecsim.sources.image_sizes import is_cut
 from trecsim.sources.streams.frozen_image import FROZEN_S, FrozenImage
 from trecsim.sources.streams.image_dates import DELAY_S, ImageDates
+from trecsim.sources.streams.live_frame import Developer, LiveFrame
 from trecsim.sources.streams.retrying import Retrying
 from trecsim.sources.streams.stream_address import Address
 from trecsim.sources.streams.stream_counters import StreamCounters
 from trecsim.values import Frame
 
 if TYPE_CHECKING:
-    from trecsim.sources.decoding import RgbConverter
-    from trecsim.sources.streams.connection import Connection, Taken
+    from trecsim.sources.streams.connection import Connection
 
 logger = logging.getLogger(__name__)
 
@@ -47,8 +44,8 @@ class StreamSource:
     size_px
         Width and height of the images for which it is calibrated [px].
     limit_px
-        Width and height that the images must fit into [px]; they are made smaller as they come.
-        None keeps their size.
+        Width and height that the images must fit into [px]; larger ones are made smaller. None
+        keeps their size.
 
     Attributes
     ----------
@@ -119,7 +116,7 @@ class StreamSource:
 
     def _frames(self, connection: "Connection", dates: ImageDates) -> Iterator[Frame]:
         """Yield the images of one connection until it ends."""
-        develop, frozen = _Developer(self._limit_px), FrozenImage()
+        developer, frozen = Developer(self._limit_px), FrozenImage()
         while connection.fault is None and not self._closing.is_set():
             taken = connection.take(_LOOK_S)
             if taken is None:
@@ -130,14 +127,18 @@ class StreamSource:
                 self.counters.drop("size")
                 self._tell(_wrong_size(size_px, self._size_px))
                 continue
-            image = develop(taken, size_px)
             now_s = time.monotonic()
-            self._tell(_FROZEN if frozen.is_frozen(image, now_s) else dates.remark)
+            self._tell(_FROZEN if frozen.is_frozen(taken.brightness(), now_s) else dates.remark)
             self._last_s = taken.t_s
             self.counters.connected = True
             self.counters.deliver(now_s)
-            original = size_px if image.shape[1::-1] != size_px else None
-            yield Frame(self.camera, self.counters.frames - 1, taken.t_s, image, original)
+            yield LiveFrame(
+                self.camera,
+                self.counters.frames - 1,
+                taken.t_s,
+                size_px if developer.size_px(size_px) != size_px else None,
+                partial(developer, taken.picture),
+            )
 
     def _tell(self, fault: str | None) -> None:
         """Show what is wrong now; log it once."""
@@ -172,21 +173,3 @@ def _wrong_size(found_px: tuple[int, int], expected_px: tuple[int, int]) -> str:
         f"{expected_px[0]} x {expected_px[1]} px; they are left out. Set the stream to that size, "
         "or calibrate the camera for the other"
     )
-
-
-class _Developer:
-    """Turns decoded pictures into RGB images that fit into a limit."""
-
-    def __init__(self, limit_px: tuple[int, int] | None) -> None:
-        self._limit_px = limit_px
-        self._size_px = (0, 0)
-        self._converter: RgbConverter | None = None
-
-    def __call__(self, taken: "Taken", size_px: tuple[int, int]) -> UInt8[np.ndarray, "h w 3"]:
-        from trecsim.sources.decoding import RgbConverter
-
-        if self._converter is None or size_px != self._size_px:
-            self._size_px = size_px
-            small_px = fitted(size_px, self._limit_px or size_px)
-            self._converter = RgbConverter(small_px, Orientation())
-        return self._converter(taken.picture)

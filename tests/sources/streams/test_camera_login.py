@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from trecsim.errors import ConfigError
-from trecsim.sources.streams.login import Login, find_login, read_secrets
+from trecsim.sources.streams.camera_login import Login, find_login, read_secrets
 
 
 def secrets_file(folder: Path, text: str, mode: int = 0o600) -> Path:
