@@ -2,6 +2,8 @@
 
 import asyncio
 import os
+import shutil
+import ssl
 import subprocess
 import sys
 import threading
@@ -16,12 +18,14 @@ import pytest
 from argon2 import PasswordHasher, extract_parameters
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from made_page import RunningPage, event, next_of, running_page, until
+import trecsim
+from made_page import SITE, RunningPage, event, next_of, running_page, until
 from made_tracks import snapshot
 from trecsim.errors import InputError
 from trecsim.page import passwords
 from trecsim.page.address import PageAddress
 from trecsim.page.page_data import PageData
+from trecsim.page.page_process import PageProcess
 from trecsim.page.passwords import PasswordCheck, TooManyLoginsError, fits, hashed
 from trecsim.page.users_file import ROLES, User, read_users, write_users
 from trecsim.store.ledger import Ledger
@@ -390,3 +394,32 @@ def test_a_page_whose_protection_is_missing_does_not_begin(
     ):
         with pytest.raises(InputError, match=said):
             address.check()
+
+
+def test_a_page_with_a_certificate_speaks_tls_and_nothing_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if shutil.which("openssl") is None:
+        pytest.skip("openssl, which makes the certificate, is not installed")
+    cert, key = tmp_path / "cert.pem", tmp_path / "key.pem"
+    subprocess.run(
+        ["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+         "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
+         "subjectAltName=DNS:localhost,IP:127.0.0.1", "-keyout", key, "-out", cert],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    monkeypatch.setenv("PAGE_TOKEN", TOKEN)
+    trust = ssl.create_default_context(cafile=cert)
+    address = PageAddress(port=0, token_env="PAGE_TOKEN", tls_cert=cert, tls_key=key)
+    with (
+        PageProcess(address, SITE) as page,
+        httpx.Client(base_url=page.url, verify=trust) as client,
+    ):
+        assert page.url.startswith("https://127.0.0.1:")
+        assert client.get("/", timeout=20).status_code == 200
+        given = snapshot(time(), [3])
+        page.write(given)
+        live = trecsim.connect(page.url, TOKEN, tls=trust)
+        assert next(live).id.tolist() == [3]
+        with pytest.raises(httpx.TransportError):
+            httpx.get(page.url.replace("https", "http"), timeout=20)

@@ -1,8 +1,10 @@
 """The stream: what viewers get, in which form, and what a slow one costs."""
 
 import json
+import os
 import socket
 from contextlib import ExitStack, suppress
+from pathlib import Path
 from time import time
 
 import numpy as np
@@ -14,6 +16,7 @@ from websockets.sync.client import ClientConnection
 
 from made_page import RunningPage, event, next_of, running_page, until, well
 from made_tracks import recordings, snapshot
+from page_processes import linux, process_of
 from trecsim.page.last_seen import LastSeen, snapshot_part
 from trecsim.page.messages import message, snapshot_body
 from trecsim.page.schema import stream_schema
@@ -169,3 +172,36 @@ def test_a_connection_that_sends_no_request_is_cut(page: RunningPage) -> None:
         connection.settimeout(20)
         with suppress(ConnectionResetError):
             assert connection.recv(100) == b""
+
+
+@linux
+def test_a_viewer_that_asks_without_reading_fills_no_memory() -> None:
+    with running_page() as page:
+        page.process.write(snapshot(0.0, list(range(50))))
+        page.client.get("/api/health")
+        before = memory_of(process_of(page))
+        lines = "\r\n".join(f"{name}: {value}" for name, value in UPGRADE.items())
+        start = f"GET /api/stream HTTP/1.1\r\nHost: localhost\r\n{lines}\r\n\r\n".encode()
+        ping = bytes([0x89, 0x80 + 120, 0, 0, 0, 0]) + bytes(120)
+        sent = 0
+        with socket.create_connection(("127.0.0.1", page.port), timeout=1) as connection:
+            connection.sendall(start)
+            with suppress(TimeoutError, ConnectionError):  # it does not read either
+                while sent < 200_000_000:
+                    connection.sendall(ping * 1000)
+                    sent += len(ping) * 1000
+            assert sent < 200_000_000
+            assert memory_of(process_of(page)) - before < 30_000_000
+            assert page.client.get("/api/health").status_code == 503
+
+
+def memory_of(process: int) -> int:
+    """Return the memory that a process uses [bytes]."""
+    pages = int(Path(f"/proc/{process}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
+UPGRADE = {
+    "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
+}  # fmt: skip
