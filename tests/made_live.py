@@ -31,10 +31,12 @@ def live_moment(number: int, people: int = 3, step_s: float = 0.04) -> Snapshot:
     )
 
 
-def live_moments(count: int, people: int = 3, first: int = 0) -> Iterator[Snapshot]:
+def live_moments(
+    count: int, people: int = 3, first: int = 0, step_s: float = 0.04
+) -> Iterator[Snapshot]:
     """Yield consecutive rounded snapshots."""
     for number in range(first, first + count):
-        yield live_moment(number, people)
+        yield live_moment(number, people, step_s)
 
 
 def bits(snapshot: Snapshot) -> list[bytes]:

@@ -103,3 +103,15 @@ class FolderClaim:
         trace: TracebackType | None,
     ) -> None:
         self.release()
+
+
+def is_claimed(folder: Path) -> bool:
+    """Return whether a program has reserved a folder."""
+    try:
+        handle = os.open(folder / LOCK, os.O_RDWR | os.O_CLOEXEC)
+    except OSError:
+        return False
+    try:
+        return not lock(handle)
+    finally:
+        os.close(handle)

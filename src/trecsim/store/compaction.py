@@ -34,14 +34,15 @@ from trecsim.store.segments import (
 MOST_ROWS = 2_000_000
 """A minute of more rows is merged in several files: it bounds the memory."""
 
-_LOCK = ".changing"
+CHANGING = ".changing"
+"""Locked while the files of a recording are changed."""
 
 
 @contextmanager
 def changing(folder: Path) -> Iterator[None]:
     """Change the files of a recording alone; another program that changes them is waited for."""
     with disk_faults(folder, running=True):
-        handle = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE)
+        handle = os.open(folder / CHANGING, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE)
     try:
         lock_waiting(handle)
         yield

@@ -135,6 +135,10 @@ class Ledger:
         found = [LedgerEvent(number, json.loads(body)) for number, body in rows]
         return found[::-1] if newest else found
 
+    def count_events(self) -> int:
+        """Return the number of events."""
+        return int(self._rows("SELECT count(*) FROM event", [])[0][0])
+
     def number_of(self, event_id: str) -> int | None:
         """Return the number of the event with an `id`; None if it is not there."""
         rows = self._rows("SELECT number FROM event WHERE id = ?", [event_id])

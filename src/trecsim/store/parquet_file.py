@@ -239,8 +239,8 @@ def read_file(
             yield table if everything else _between(table, from_s, until_s)
 
 
-def file_groups(path: Path, columns: Sequence[str]) -> Iterator[pa.Table]:
-    """Read the row groups of a file, with those of the columns that it has.
+def file_groups(path: Path, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
+    """Read the row groups of a file, with those of the columns that it has, or all.
 
     Raises
     ------
@@ -249,7 +249,8 @@ def file_groups(path: Path, columns: Sequence[str]) -> Iterator[pa.Table]:
     """
     with opened(path) as file:
         check_columns(file, path)
-        there = [name for name in columns if name in file.schema_arrow.names]
+        everything = file.schema_arrow.names
+        there = [name for name in everything if columns is None or name in columns]
         for group in range(file.num_row_groups):
             yield file.read_row_group(group, columns=there)
 

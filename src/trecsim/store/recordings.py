@@ -21,6 +21,7 @@ from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.recorder import Recorder
+from trecsim.store.segments import highest_ever
 from trecsim.store.timing_csv import NAME as TIMING
 from trecsim.store.timing_csv import TimingWriter, last_time_s, read_timing, timing_in
 from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
@@ -114,10 +115,15 @@ def stored_in(folder: Path) -> Stored:
     tracked_s = max((one.last_s for one in contents if one.rows), default=-math.inf)
     last_s = _complete_until_s(folder, tracked_s)
     return Stored(
-        next_person=1 + max((one.highest_person for one in contents), default=-1),
+        next_person=1
+        + max([highest_ever(_folder_of(tracks)), *(c.highest_person for c in contents)]),
         last_s=last_s if math.isfinite(last_s) else None,
         rig_sha256=read_info(tracks).rig_sha256 if there else None,
     )
+
+
+def _folder_of(tracks: Path) -> Path:
+    return tracks if tracks.is_dir() else parts_of(tracks)
 
 
 def _complete_until_s(folder: Path, tracked_s: float) -> float:

@@ -213,19 +213,20 @@ def _segment(file: Path, known: tuple[int, Contents] | None) -> Segment:
 def write_catalogue(folder: Path, segments: Iterable[Segment]) -> None:
     """Write the catalogue of the complete segments in a folder.
 
-    It remembers the highest identity of segments that were deleted, so that none is used again.
+    It remembers the highest identity of files that were deleted, so that none is used again.
 
     Raises
     ------
     SetupError
         When the disk has no room.
     """
-    complete = [one for one in segments if one.file.parent == folder and one.contents.rows]
+    everything = list(segments)
+    complete = [one for one in everything if one.file.parent == folder and one.contents.rows]
     facts = [
         {"file": one.file.name, "size_bytes": one.size_bytes, **_known(one.contents)}
         for one in complete
     ]
-    highest = max([highest_ever(folder), *(one.contents.highest_person for one in complete)])
+    highest = max([highest_ever(folder), *(one.contents.highest_person for one in everything)])
     content = {"format": _FORMAT, "highest_person": highest, "segments": facts}
     with atomic_write(folder / CATALOGUE, private=True) as file:
         file.write(json.dumps(content, indent=1) + "\n")

@@ -1,0 +1,52 @@
+"""The command `trecsim erase`."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from trecsim.cli.moments import moment_s
+from trecsim.cli.terminal import finish, note
+
+
+def erase(
+    folder: Path,
+    /,
+    *,
+    from_: Annotated[str, Parameter(name="--from")],
+    to: str,
+    person: int | None = None,
+    json: bool = False,
+) -> None:
+    """Delete what recordings hold of a time: of everybody, or of one person.
+
+    Files are written anew without these rows; a site may go on recording meanwhile. The act is
+    entered in the audit log (`ledger.sqlite`), which is made if it is missing. Events stay until
+    their own limit, and backups hold what they held. 2D poses (`poses.jsonl`) have no identities:
+    they are deleted with the time of everybody only.
+
+    Parameters
+    ----------
+    folder
+        A recording, or the folder with the recordings of a site.
+    from_
+        First moment: seconds as in the recording, or a date and time (UTC unless it has an offset).
+    to
+        Last moment.
+    person
+        Only this identity.
+    json
+        Print the summary as one JSON object.
+    """
+    from dataclasses import asdict
+
+    from trecsim.store.erasing import erase as erased
+
+    done = erased(folder, moment_s(from_, "--from"), moment_s(to, "--to"), person=person)
+    for remark in done.remarks:
+        note(remark)
+    finish(
+        {"folder": folder, **asdict(done)},
+        json,
+        f"{done.rows} rows deleted from {done.files} files of {len(done.recordings)} recordings",
+    )

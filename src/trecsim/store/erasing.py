@@ -1,0 +1,209 @@
+"""Delete parts of recordings: files are written anew without the rows that are to go."""
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+from jaxtyping import Bool
+
+from trecsim.errors import InputError
+from trecsim.store.atomic import atomic_write, partial_path
+from trecsim.store.compact_file import write_compact
+from trecsim.store.compaction import changing
+from trecsim.store.ledger import Ledger
+from trecsim.store.ledger_file import NAME as LEDGER
+from trecsim.store.names import POSES, TRACKS
+from trecsim.store.parquet_file import TracksInfo, file_groups, read_file_info, write_file
+from trecsim.store.parquet_reading import parts_of, recording_segments
+from trecsim.store.playback import recording_folders
+from trecsim.store.segments import segments_in, write_catalogue
+
+Kept = Callable[[pa.Table], Bool[np.ndarray, " row"]]
+"""Tells which rows of a table stay."""
+
+_EVERYTHING = ("t_s", "person")
+
+
+@dataclass(frozen=True, slots=True)
+class Erased:
+    """What was deleted.
+
+    Attributes
+    ----------
+    rows
+        Number of rows of tracks: one per time, person and joint.
+    files
+        Number of files that were written anew or removed.
+    recordings
+        The recordings in which something was found.
+    remarks
+        What could not be deleted, and why.
+    """
+
+    rows: int = 0
+    files: int = 0
+    recordings: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
+
+
+def erase(
+    folder: Path,
+    from_s: float,
+    to_s: float,
+    *,
+    person: int | None = None,
+    who: str = "trecsim erase",
+) -> Erased:
+    """Delete what recordings hold of a time, of one person or of everybody.
+
+    A site may go on recording meanwhile. The act is entered in the audit log of the folder, if it
+    has one. Events are not deleted: they end with their own limit.
+
+    Parameters
+    ----------
+    folder
+        A recording, or the folder with the recordings of a site.
+    from_s, to_s
+        The time, both included [s].
+    person
+        The identity; None for everybody.
+    who
+        Who does it, for the audit log.
+
+    Raises
+    ------
+    InputError
+        When there is no recording, the time is none, or a file is damaged.
+    SetupError
+        When the disk has no room.
+    """
+    if not from_s <= to_s:
+        raise InputError(f"expected a time from an earlier to a later moment: {from_s} to {to_s} s")
+    folders = recording_folders(folder)
+    if not folders:
+        raise InputError(f"there is no recording with {TRACKS} in {folder}")
+
+    def stays(table: pa.Table) -> Bool[np.ndarray, " row"]:
+        t_s = table["t_s"].to_numpy()
+        goes = (t_s >= from_s) & (t_s <= to_s)
+        if person is not None:
+            goes &= table["person"].fill_null(-1).to_numpy() == person
+        kept: Bool[np.ndarray, " row"] = ~goes
+        return kept
+
+    done = Erased()
+    for one in folders:
+        found = _erase_in(one, from_s, to_s, stays)
+        remarks = _erase_poses(one, from_s, to_s, person)
+        name = (one.name,) if found.files else ()
+        done = Erased(
+            done.rows + found.rows,
+            done.files + found.files,
+            done.recordings + name,
+            done.remarks + remarks,
+        )
+    times = {"from_s": _finite(from_s), "to_s": _finite(to_s)}  # JSON has no infinity
+    _enter(folder, folders, who, done, {**times, "person": person})
+    return done
+
+
+def _finite(t_s: float) -> float | None:
+    return t_s if math.isfinite(t_s) else None
+
+
+def _enter(
+    folder: Path, folders: Sequence[Path], who: str, done: Erased, what: Mapping[str, object]
+) -> None:
+    places = dict.fromkeys([folder, folder.parent, *folders])
+    place = next((one for one in places if (one / LEDGER).exists()), folder)
+    with Ledger(place) as ledger:
+        ledger.append_audit(
+            who, "erase", {**what, "recordings": list(done.recordings), "rows": done.rows}
+        )
+
+
+def _erase_in(folder: Path, from_s: float, to_s: float, stays: Kept) -> Erased:
+    """Delete rows of a recording; a file without any left is removed."""
+    tracks = folder / TRACKS
+    with changing_tracks(tracks):
+        catalogue_anew(tracks)  # remembers the highest identity
+        rows = files = 0
+        for segment in recording_segments(tracks):
+            if segment.contents.overlaps(from_s, to_s):
+                gone = keep_rows(segment.file, stays)
+                rows, files = rows + gone, files + (gone > 0)
+        catalogue_anew(tracks)
+    return Erased(rows, files)
+
+
+def changing_tracks(tracks: Path) -> AbstractContextManager[None]:
+    """Change the files of a recording alone, in a block."""
+    place = tracks if tracks.is_dir() else parts_of(tracks)
+    return changing(place) if place.is_dir() else nullcontext()
+
+
+def catalogue_anew(tracks: Path) -> None:
+    """Write the catalogue of a recording again after files have changed."""
+    place = tracks if tracks.is_dir() else parts_of(tracks)
+    if place.is_dir():
+        write_catalogue(place, segments_in(place))
+
+
+def keep_rows(path: Path, stays: Kept) -> int:
+    """Write a file anew with only some of its rows, or remove it; return how many are gone.
+
+    Raises
+    ------
+    InputError
+        When the file is damaged.
+    SetupError
+        When the disk has no room; the file is as before.
+    """
+    info = read_file_info(path)
+    counts = [(len(group), int(stays(group).sum())) for group in file_groups(path, _EVERYTHING)]
+    before, after = (sum(count) for count in zip(*counts, strict=True)) if counts else (0, 0)
+    if after == before:
+        return 0
+    if after == 0:
+        path.unlink()
+        return before
+    _write(path, _filtered(path, stays), info)
+    return before - after
+
+
+def _filtered(path: Path, stays: Kept) -> Iterator[pa.Table]:
+    for group in file_groups(path):
+        mask = stays(group)
+        if mask.any():
+            yield group.filter(pa.array(mask))
+
+
+def _write(path: Path, tables: Iterator[pa.Table], info: TracksInfo) -> None:
+    (write_compact if info.compact else write_file)(path, tables, info)
+
+
+def _erase_poses(folder: Path, from_s: float, to_s: float, person: int | None) -> tuple[str, ...]:
+    """Delete the 2D poses of a time; return what could not be deleted."""
+    path = folder / POSES
+    if partial_path(path).exists():
+        return (f"{partial_path(path)} is still written: its 2D poses stay",)
+    if not path.exists():
+        return ()
+    if person is not None:
+        return (f"{path}: 2D poses have no identities and stay; erase the time of everybody",)
+    with path.open("rb") as lines, atomic_write(path, "wb", private=True) as file:
+        file.writelines(line for line in lines if not _is_between(line, from_s, to_s))
+    return ()
+
+
+def _is_between(line: bytes, from_s: float, to_s: float) -> bool:
+    try:
+        t_s = json.loads(line).get("t_s")
+    except (ValueError, AttributeError):
+        return False
+    return isinstance(t_s, int | float) and from_s <= t_s <= to_s

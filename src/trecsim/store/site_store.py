@@ -1,0 +1,97 @@
+"""What a live site stores: its ledger, the recording of its run, and how long both are kept."""
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from trecsim.health import StoreHealth
+from trecsim.store.atomic import PRIVATE_FILE, disk_faults
+from trecsim.store.ledger import Ledger
+from trecsim.store.names import TRACKS
+from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.recorder import Recorder
+from trecsim.store.retention import LIVE, Retention, tidy
+
+
+class SiteStore:
+    """The folder of a site: one ledger, and a folder for each of its recordings.
+
+    Parameters
+    ----------
+    folder
+        The folder; made if it is missing.
+    retention
+        How long things are kept.
+    now
+        Returns the Unix time [s].
+
+    Raises
+    ------
+    InputError
+        When the ledger is of a newer version or of another program.
+    SetupError
+        When the disk has no room or does not work.
+
+    Examples
+    --------
+    >>> with SiteStore(getfixture("tmp_path")) as store:
+    ...     store.health.state
+    'off'
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        retention: Retention = Retention(),  # noqa: B008
+        *,
+        now: Callable[[], float] = time.time,
+    ) -> None:
+        self.folder = folder
+        self.ledger = Ledger(folder, now=now)
+        self._retention = retention
+        self._now = now
+        self._recorder: Recorder | None = None
+
+    @property
+    def health(self) -> StoreHealth:
+        """Whether the disk takes what is recorded, and why not."""
+        return StoreHealth() if self._recorder is None else self._recorder.health
+
+    def recorder(self, recording: Path, info: TracksInfo, *, resume: bool = False) -> Recorder:
+        """Begin, or continue, the recording of a live run in a folder that is there.
+
+        Old recordings are deleted in its thread about twice a minute.
+
+        Raises
+        ------
+        InputError
+            When the folder holds a recording that must not be overwritten or continued.
+        SetupError
+            When the disk has no room.
+        """
+        with disk_faults(recording):
+            (recording / LIVE).touch(PRIVATE_FILE)
+        path = recording / TRACKS
+        self._recorder = Recorder(path, info, resume=resume, chores=self._tidy)
+        return self._recorder
+
+    def _tidy(self) -> None:
+        if self.folder.is_dir():
+            tidy(self.folder, self.ledger, self._retention, self._now())
+
+    def close(self) -> None:
+        """Close the ledger; recordings are closed by those who opened them."""
+        self.ledger.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()

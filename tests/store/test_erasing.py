@@ -1,0 +1,158 @@
+"""What is erased is gone from every file, and the audit log says so."""
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from made_live import assert_same_bits, live_moments
+from made_tracks import assert_same, walk
+from trecsim.cli import main
+from trecsim.errors import InputError
+from trecsim.store.erasing import erase
+from trecsim.store.ledger import Ledger
+from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.playback import snapshots
+from trecsim.store.recorder import Recorder
+from trecsim.store.recordings import stored_in
+from trecsim.store.tracks import read_tracks, tracks_writer
+from trecsim.values import Snapshot
+
+INFO = TracksInfo(compact=True)
+
+
+def record(folder: Path, moments: list[Snapshot], *, end: bool = True) -> Path:
+    folder.mkdir(exist_ok=True, parents=True)
+    writer = Recorder(folder / "tracks.parquet", INFO, segment_s=2.0)
+    for moment in moments:
+        writer.write(moment)
+    if end:
+        writer.close()
+    else:
+        writer.abandon()
+    return folder
+
+
+@pytest.mark.parametrize("end", [True, False])
+def test_the_time_of_everybody_is_gone_and_all_else_is_as_before(tmp_path: Path, end: bool) -> None:
+    moments = list(live_moments(200))
+    run = record(tmp_path / "site" / "run", moments, end=end)
+
+    done = erase(tmp_path / "site", moments[30].t_s, moments[120].t_s)
+    assert_same_bits(list(snapshots(run)), moments[:30] + moments[121:])
+    assert done.recordings == ("run",)
+    assert done.rows == sum(max(one.support.size, 1) for one in moments[30:121])
+
+
+def test_one_person_is_gone_and_all_others_are_as_before(tmp_path: Path) -> None:
+    moments = list(live_moments(100))
+    run = record(tmp_path / "run", moments)
+
+    erase(run, -np.inf, np.inf, person=1)
+    found = list(snapshots(run))
+    expected = [one.of(one.id != 1) for one in moments if not np.array_equal(one.id, [1])]
+    assert_same_bits(found, expected)
+    assert not any(1 in one.id for one in found)
+
+
+def test_what_is_left_of_whole_hours_is_nothing_and_identities_are_not_used_again(
+    tmp_path: Path,
+) -> None:
+    moments = list(live_moments(200))
+    run = record(tmp_path / "run", moments)
+    before = stored_in(run).next_person
+
+    erase(run, moments[100].t_s, np.inf)
+    assert_same_bits(list(snapshots(run)), moments[:100])
+    assert stored_in(run).next_person == before
+
+
+def test_a_recording_of_full_precision_is_erased_too(tmp_path: Path) -> None:
+    with tracks_writer(tmp_path / "tracks.parquet") as writer:
+        for one in walk(20):
+            writer.write(one)
+
+    erase(tmp_path, 0.2, 0.4)
+    kept = [one for one in walk(20) if not 0.2 <= one.t_s <= 0.4]
+    assert_same(list(read_tracks(tmp_path)), kept)
+
+
+def test_2d_poses_are_erased_with_everybody_and_told_of_with_one_person(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", list(live_moments(10)))
+    lines = ['{"format": "trecsim.poses2d/1", "skeleton": "coco17"}']
+    lines += [json.dumps({"camera": "a", "t_s": 1.7e9 + n, "people": []}) for n in range(5)]
+    (run / "poses.jsonl").write_text("\n".join(lines) + "\n")
+
+    assert "poses.jsonl" in erase(run, 1.7e9, 1.7e9 + 2, person=0).remarks[0]
+    assert erase(run, 1.7e9 + 1, 1.7e9 + 2).remarks == ()
+    assert (run / "poses.jsonl").read_text().splitlines() == [lines[0], *lines[1:2], *lines[4:]]
+
+
+def test_the_act_is_in_the_audit_log_of_the_site(tmp_path: Path) -> None:
+    moments = list(live_moments(20))
+    run = record(tmp_path / "run", moments)
+    Ledger(tmp_path).close()
+
+    erase(run, moments[3].t_s, np.inf, person=0, who="kim")
+    with Ledger(tmp_path) as ledger:
+        (entry,) = ledger.audit()
+        assert (entry.who, entry.act) == ("kim", "erase")
+        assert entry.details["person"] == 0
+        assert entry.details["from_s"] == moments[3].t_s
+        assert entry.details["to_s"] is None
+        assert entry.details["rows"] > 0
+        assert ledger.verify_audit().is_whole
+    assert not (run / "ledger.sqlite").exists()
+
+
+def test_a_site_goes_on_recording_while_something_is_erased(tmp_path: Path) -> None:
+    moments = list(live_moments(120))
+    (tmp_path / "run").mkdir()
+    path = tmp_path / "run" / "tracks.parquet"
+    with Recorder(path, INFO, part_s=0.001, segment_s=2.0, parts_of_a_minute=3) as writer:
+        for number, moment in enumerate(moments):
+            writer.write(moment)
+            if number % 20 == 19:
+                erase(tmp_path, moments[number - 12].t_s, moments[number - 10].t_s)
+    gone = {n + offset for n in range(19, 120, 20) for offset in (-12, -11, -10)}
+    left = {one.t_s for one in snapshots(tmp_path / "run")}
+
+    never = {moment.t_s for n, moment in enumerate(moments) if n not in gone}
+    assert never <= left  # what had not been stored yet may have come later
+
+
+def test_a_recording_that_is_not_there_and_a_time_that_is_none_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no recording"):
+        erase(tmp_path, 0.0, 1.0)
+    record(tmp_path / "run", list(live_moments(5)))
+    with pytest.raises(InputError, match="earlier to a later"):
+        erase(tmp_path, 2.0, 1.0)
+
+
+def test_the_command_takes_dates_and_tells_what_it_did(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    moments = list(live_moments(50))
+    run = record(tmp_path / "run", moments)
+    arguments = [
+        "erase",
+        os.fspath(run),
+        "--from",
+        "2023-11-14T22:13:21",
+        "--to",
+        "1.8e9",
+        "--json",
+    ]
+
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 0
+    assert json.loads(capsys.readouterr().out)["recordings"] == ["run"]
+    assert_same_bits(list(snapshots(run)), [one for one in moments if one.t_s < 1.7e9 + 1])
+
+    with pytest.raises(SystemExit) as ended:
+        main(["erase", os.fspath(run), "--from", "yesterday", "--to", "1"])
+    assert ended.value.code == 2
+    assert "yesterday" in capsys.readouterr().err
