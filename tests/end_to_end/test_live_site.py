@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -47,10 +47,14 @@ class Running:
         return self.get("api/health").status_code == 200
 
 
+def running(site: Path, *options: str) -> AbstractContextManager[Running]:
+    """Run a site on its recordings, as if they were live."""
+    return serving("run", str(site), "--as-live", *options)
+
+
 @contextmanager
-def running(site: Path, *options: str) -> Iterator[Running]:
-    run = "from trecsim.cli import main; main()"
-    command = [sys.executable, "-c", run, "run", str(site), "--as-live", *options]
+def serving(*arguments: str) -> Iterator[Running]:
+    command = [sys.executable, "-c", "from trecsim.cli import main; main()", *arguments]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     said: list[str] = []
     assert process.stdout is not None
@@ -91,6 +95,12 @@ def test_people_reach_a_program_and_sigterm_ends_in_order_with_all_kept(
     kept = {one.t_s: one for one in read_tracks(tmp_path / "out")}
     for one in seen:  # the same numbers on the stream and in the recording
         assert kept[one.t_s].xyz_m.tolist() == one.xyz_m.tolist()
+    with serving("replay", str(tmp_path / "out"), "--port", "0") as replayed:
+        again = next(one for one in trecsim.connect(replayed.url) if isinstance(one, Snapshot))
+        assert again.xyz_m.tolist() == kept[again.t_s].xyz_m.tolist()
+        assert replayed.get("api/site").json()["site"]["kind"] == "recording"
+        replayed.process.send_signal(signal.SIGINT)
+        assert replayed.process.wait(WAIT_S) == 0
 
 
 def test_sighup_takes_over_what_may_change_and_keeps_the_old_where_the_new_is_wrong(

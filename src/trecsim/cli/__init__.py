@@ -23,6 +23,7 @@ from trecsim.redaction import redacted
 COMMANDS = {
     "demo": "Run a simulated site, with its live page: no camera, no download.",
     "run": "Run the pipeline of a site file: cameras or recordings in, people in 3D out.",
+    "replay": "Play a recording on the live page.",
     "estimate": "Estimate 2D poses in videos.",
     "track": "Track people in 3D from 2D poses.",
     "evaluate": "Evaluate tracks with or without ground truth.",

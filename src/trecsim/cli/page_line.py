@@ -10,7 +10,9 @@ from trecsim.cli.terminal import note
 from trecsim.errors import InputError, SetupError
 
 if TYPE_CHECKING:
+    from trecsim.page.page_data import PageData
     from trecsim.page.page_process import PageProcess
+    from trecsim.page.site_view import SiteView
 
 
 def tell_page(url: str, *, json: bool) -> None:
@@ -42,6 +44,36 @@ def site_page(site: Path, *, json: bool) -> Iterator["PageProcess | None"]:
         yield page
 
 
+def page_anywhere(view: "SiteView", data: "PageData", port: int | None) -> "PageProcess":
+    """Return a page on this machine: at a port, or the usual one, or a free one if it is taken.
+
+    Parameters
+    ----------
+    view
+        What it shows.
+    data
+        Files it reads.
+    port
+        The port; None takes the usual one or a free one.
+
+    Raises
+    ------
+    InputError
+        It cannot listen there.
+    SetupError
+        Optional packages are missing.
+    """
+    from trecsim.page.address import PageAddress
+    from trecsim.page.page_process import PageProcess
+
+    if port is not None:
+        return PageProcess(PageAddress(port=port), view, data)
+    try:
+        return PageProcess(PageAddress(), view, data)
+    except InputError:  # the usual port is taken
+        return PageProcess(PageAddress(port=0), view, data)
+
+
 @contextmanager
 def demo_page(folder: Path, *, json: bool) -> Iterator["PageProcess | None"]:
     """Open a page for a demo at the usual port or a free one; None where it cannot be.
@@ -53,17 +85,11 @@ def demo_page(folder: Path, *, json: bool) -> Iterator["PageProcess | None"]:
     json
         Whether stdout belongs to a JSON object.
     """
-    from trecsim.page.address import PageAddress
     from trecsim.page.page_data import PageData
-    from trecsim.page.page_process import PageProcess
     from trecsim.page.site_view import SiteView
 
-    data = PageData(recordings=folder)
     try:
-        try:
-            page = PageProcess(PageAddress(), SiteView("demo"), data)
-        except InputError:  # the usual port is taken
-            page = PageProcess(PageAddress(port=0), SiteView("demo"), data)
+        page = page_anywhere(SiteView("demo"), PageData(recordings=folder), None)
     except SetupError as error:
         note(f"the demo runs without its page: {error}")
         yield None

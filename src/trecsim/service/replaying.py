@@ -1,0 +1,141 @@
+"""Play a recording on the page, at its own pace or faster."""
+
+import json
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from trecsim.calibration import read_rig
+from trecsim.errors import InputError
+from trecsim.health import CameraHealth, FusionHealth, FusionState, Health
+from trecsim.page.page_process import PageProcess
+from trecsim.page.site_view import SiteView, cameras_of, floor_of
+from trecsim.run_summary import SUMMARY
+from trecsim.store.names import RIG
+from trecsim.store.playback import Recording, recordings, snapshots
+from trecsim.store.precision import rounded
+from trecsim.values import Snapshot
+
+TICK_S = 0.05
+SLOWEST, FASTEST = 0.01, 1000.0
+_LARGEST_SUMMARY = 10_000_000  # bytes
+
+
+def recording_at(folder: Path) -> Recording:
+    """Return the recording in a folder.
+
+    Raises
+    ------
+    InputError
+        When there is none, or several.
+    """
+    found = recordings(folder) if folder.is_dir() else []
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        raise InputError(
+            f"{folder}: expected the folder of a recording of trecsim run, found none in it"
+        )
+    names = ", ".join(str(one.folder) for one in found[:3])
+    raise InputError(f"{folder} holds {len(found)} recordings; give one of them, as {names}")
+
+
+def recording_view(recording: Recording) -> SiteView:
+    """Return what the page shows of the site of a recording.
+
+    Raises
+    ------
+    InputError
+        When its cameras cannot be read.
+    """
+    rig = read_rig(recording.folder / RIG)
+    site = _configuration(recording.folder)
+    return SiteView(
+        name=str(site.get("name", recording.id)),
+        timezone=str(site.get("timezone", "UTC")),
+        cameras=cameras_of(rig),
+        zones=site.get("zones", {}),
+        lines=site.get("lines", {}),
+        edges=site.get("edges", {}),
+        floor_m=floor_of(rig),
+        kind="recording",
+    )
+
+
+def _configuration(folder: Path) -> dict[str, Any]:
+    """Return the site file as it was when the recording was made; empty where it is not known."""
+    path = folder / SUMMARY
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+        if path.stat().st_size <= _LARGEST_SUMMARY:
+            return dict(json.loads(path.read_bytes())["configuration"])
+    return {}
+
+
+def replay(
+    recording: Recording,
+    page: PageProcess,
+    *,
+    speed: float = 1.0,
+    stop: Callable[[], bool] = lambda: False,
+) -> None:
+    """Play a recording on the page, then show its end, until `stop` says so.
+
+    Parameters
+    ----------
+    recording
+        The recording.
+    page
+        The page.
+    speed
+        How much faster than it was.
+    stop
+        Asked about 20 times a second.
+    """
+    cameras = dict.fromkeys(read_rig(recording.folder / RIG).names, CameraHealth("ended"))
+
+    def tell(state: FusionState, people: int = 0) -> None:
+        page.health(Health(time.time(), cameras, FusionHealth(state, people=people)))
+
+    told_s = -1.0
+    for snapshot in paced(snapshots(recording.folder), speed, stop):
+        page.write(rounded(snapshot))
+        if time.monotonic() - told_s >= 0.5:
+            told_s = time.monotonic()
+            tell("running", len(snapshot.id))
+    while not stop():
+        tell("ended")
+        time.sleep(TICK_S)
+
+
+def paced(
+    moments: Iterable[Snapshot],
+    speed: float,
+    stop: Callable[[], bool],
+    clock: Callable[[], float] = time.monotonic,
+    sleep: Callable[[float], None] = time.sleep,
+) -> Iterable[Snapshot]:
+    """Yield snapshots when they are due; long pauses of a recording are cut to a second.
+
+    Parameters
+    ----------
+    moments
+        In order of time.
+    speed
+        How much faster than they were.
+    stop
+        Asked before each, and while none is due; it ends the iteration.
+    clock, sleep
+        A steady clock [s], and how to wait.
+    """
+    due_s, before_s = clock(), None
+    for snapshot in moments:
+        if before_s is not None:
+            due_s += min((snapshot.t_s - before_s) / speed, 1.0)
+        before_s = snapshot.t_s
+        while (wait_s := due_s - clock()) > 0.0 and not stop():
+            sleep(min(wait_s, TICK_S))
+        if stop():
+            return
+        yield snapshot
