@@ -14,7 +14,6 @@ from made_tracks import walk
 from trecsim.errors import InputError
 from trecsim.page.page_data import PageData
 from trecsim.page.site_text import with_places
-from trecsim.store.ledger import Ledger
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recordings import tracks_recorder
 
@@ -61,11 +60,8 @@ def version(folder: Path) -> str:
     return hashlib.sha256((folder / "site.toml").read_bytes()).hexdigest()
 
 
-def happened(page: RunningPage, folder: Path, identity: str) -> None:
-    """Let an event happen, as the tracking process does."""
-    if page.process._setup.data["ledger"]:
-        with Ledger(folder / "ledger") as ledger:
-            ledger.append_event(event(identity))
+def happened(page: RunningPage, identity: str) -> None:
+    """Let an event happen, as the tracking process tells it."""
     page.process.event(event(identity))
     until(lambda: identity in [one["id"] for one in listed(page)])
 
@@ -79,7 +75,7 @@ def listed(page: RunningPage, **query: object) -> list[dict]:
 def test_an_act_reaches_the_list_every_viewer_and_the_tracking_process(
     changing: RunningPage, folder: Path
 ) -> None:
-    happened(changing, folder, "alarm")
+    happened(changing, "alarm")
     changing.process.requests()
     with changing.stream() as stream:
         next_of(stream, "health")
@@ -114,7 +110,7 @@ def test_an_act_reaches_the_list_every_viewer_and_the_tracking_process(
 def test_only_complete_acts_are_taken(
     changing: RunningPage, folder: Path, body: object, status: int
 ) -> None:
-    happened(changing, folder, "acts")
+    happened(changing, "acts")
     before = len(listed(changing, event="acts"))
     answer = changing.client.post("/api/events/acts", json=body)
     assert answer.status_code == status, answer.text
@@ -130,7 +126,7 @@ def test_events_are_listed_after_one_and_at_most_so_many(
     changing: RunningPage, folder: Path
 ) -> None:
     for number in range(5):
-        happened(changing, folder, f"listed{number}")
+        happened(changing, f"listed{number}")
     assert [one["id"] for one in listed(changing, limit=2)] == ["listed3", "listed4"]
     assert [one["id"] for one in listed(changing, after="listed1", limit=2)] == [
         "listed2", "listed3",

@@ -56,6 +56,18 @@ class Journal:
         except SetupError as error:
             logger.error("not in the audit log: %s by %s: %s", act, who, error)  # noqa: TRY400
 
+    async def keep(self, event: Event) -> None:
+        """Keep an event that the tracking process tells, if it has not done so itself.
+
+        A full disk is logged and stops nobody: viewers get the event all the same.
+        """
+        if self._ledger is None:
+            return
+        try:
+            await _apart(partial(self._ledger.append_event, event))
+        except Error as error:
+            logger.error("not in the ledger: event %s: %s", event.get("id"), error)  # noqa: TRY400
+
     async def act(self, episode: str, phase: str, by: str, said: Mapping[str, Any]) -> Event:
         """Keep what somebody does to an event, and show it to all viewers; return its event.
 

@@ -18,7 +18,7 @@ from trecsim.page.app import Parts, page_app
 from trecsim.page.asking import asking_over
 from trecsim.page.bundle import STATIC, Bundle
 from trecsim.page.journal import Journal
-from trecsim.page.link import TO_PAGE, PulsePart, Setup, framed
+from trecsim.page.link import TO_PAGE, EventPart, PulsePart, Setup, framed
 from trecsim.page.live_state import LiveState
 from trecsim.page.page_data import PageData
 from trecsim.page.protocols import ImpatientHttp, ImpatientWebSocket
@@ -85,7 +85,7 @@ async def _run(
     state, server = parts.state, _server(page_app(parts), address)
     ready = asyncio.Event()
     tasks = [
-        asyncio.create_task(_take(reader, state, server, ready)),
+        asyncio.create_task(_take(reader, parts, server, ready)),
         asyncio.create_task(_tell_health(state)),
         asyncio.create_task(_beat(writer)),
     ]
@@ -97,14 +97,16 @@ async def _run(
 
 
 async def _take(
-    reader: asyncio.StreamReader, state: LiveState, server: _Server, ready: asyncio.Event
+    reader: asyncio.StreamReader, parts: Parts, server: _Server, ready: asyncio.Event
 ) -> None:
     """Take what the tracking process says; end the server when the link ends."""
     try:
         while True:
             size = int.from_bytes(await reader.readexactly(4), "big")
             part = TO_PAGE.decode(await reader.readexactly(size))
-            state.take(part)
+            parts.state.take(part)
+            if isinstance(part, EventPart):
+                await parts.journal.keep(part.event)
             if isinstance(part, PulsePart):  # it has told everything there was before
                 ready.set()
     except (asyncio.IncompleteReadError, ConnectionError):

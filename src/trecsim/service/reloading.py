@@ -63,10 +63,10 @@ class Reloading:
                 "%s: %s can only change with a new start; the site goes on with what it had",
                 path, ", ".join(later),
             )  # fmt: skip
-        if not now:
-            logger.warning("%s: nothing has changed that can change while the site runs", path)
-            return
         site = self._file.site.model_copy(update={key: getattr(found.site, key) for key in now})
         self._file = SiteFile(path, found.text, site)
-        self._apply(self._file)
-        logger.warning("%s: read again; changed: %s", path, ", ".join(now))
+        self._apply(self._file)  # in any case: drafts are based on the version of this text
+        if now:
+            logger.warning("%s: read again; changed: %s", path, ", ".join(now))
+        else:
+            logger.warning("%s: nothing has changed that can change while the site runs", path)

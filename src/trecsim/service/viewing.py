@@ -71,8 +71,9 @@ def page_of_site(path: Path) -> PageProcess | None:
 
 
 def page_data(file: SiteFile) -> PageData:
-    """Return where the page finds the recordings of a site."""
-    return PageData(recordings=recordings_folder(file), site_file=file.path)
+    """Return where the page finds the recordings and the ledger of a site."""
+    folder = recordings_folder(file)
+    return PageData(recordings=folder, ledger=folder, site_file=file.path)
 
 
 def _checked_later(remark: str) -> None:
