@@ -28,6 +28,7 @@ _IN_ORDER = (
     "arrival",
     "soak",
     "startup",
+    "streams",
     "real_video",
     "estimator_speed",
     "pipeline_cost",

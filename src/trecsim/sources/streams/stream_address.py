@@ -14,6 +14,7 @@ RTSP = ("rtsp", "rtsps")
 SCHEMES = (*RTSP, "http", "https", "tcp", "udp")
 MAX_IMAGE_PX = 2**26
 _LONGEST = 1000  # letters; FFmpeg cuts longer paths
+_UDP_BYTES = 1 << 20  # holds a key frame; the system may allow less
 _LOW_DELAY = {"fflags": "nobuffer", "flags": "low_delay", "max_delay": "0"}
 # Nothing that a camera sends may make FFmpeg open files or other addresses.
 _RTSP = {
@@ -90,6 +91,8 @@ class NetworkAddress:
         scheme = urlsplit(self.url).scheme
         if scheme in RTSP:
             options = {**_LOW_DELAY, **_RTSP, "rtsp_transport": self.transport}
+            if self.transport == "udp":
+                options["buffer_size"] = str(_UDP_BYTES)
         else:
             options = {**_LOW_DELAY, **_OTHER}
         return Opening(self._with_login(), None, options)
