@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 from contextlib import ExitStack
+from pathlib import Path
 from time import sleep, time
 
 import httpx
@@ -127,3 +128,12 @@ def test_the_page_ends_with_the_block_and_leaves_the_port() -> None:
             next_of(viewer, "none of this kind")
     assert not is_running(process)
     socket.create_server(("127.0.0.1", page.port)).close()
+
+
+@linux
+def test_the_page_process_has_no_passwords_of_cameras(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TRECSIM_CREDENTIALS_NORTH", "admin:s3cret")
+    with running_page() as page:
+        environment = Path(f"/proc/{process_of(page)}/environ").read_bytes()
+    assert b"PATH=" in environment
+    assert b"s3cret" not in environment

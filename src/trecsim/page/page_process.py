@@ -1,6 +1,7 @@
 """The page as the tracking process sees it: say what there is, never wait."""
 
 import logging
+import os
 import socket
 import subprocess
 import sys
@@ -36,6 +37,7 @@ PAUSES_S = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # before it is started again, after 
 SETTLED_S = 60.0  # a process that ran for so long begins a new row
 END_S = 1.0  # so long it may take to end
 REQUESTS_KEPT = 100
+_CREDENTIALS = "TRECSIM_CREDENTIALS_"
 
 
 class PageProcess:
@@ -208,7 +210,13 @@ def _start(listening: socket.socket, link: socket.socket) -> subprocess.Popen[by
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         start_new_session=True,
+        env=environment(),
     )
+
+
+def environment() -> dict[str, str]:
+    """Return the environment of a page process, which the passwords of cameras do not concern."""
+    return {name: value for name, value in os.environ.items() if not name.startswith(_CREDENTIALS)}
 
 
 def _hang_up(link: socket.socket) -> None:
