@@ -1,10 +1,11 @@
 """Chromium that shows the page at a fixed time, told what a situation says."""
 
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from urllib.parse import urlparse
 
-from playwright.sync_api import Browser, Page, Route, WebSocketRoute, sync_playwright
+from playwright.sync_api import Browser, Page, Route, sync_playwright
 
 from page_shots.server import HOST, POLICY, Situation, answer, messages
 
@@ -14,6 +15,18 @@ FLAGS = (
     "--mute-audio", "--force-color-profile=srgb",
 )  # fmt: skip
 PATIENCE_MS = 120_000  # 3D without a graphics card takes seconds a picture on a busy machine
+# A stream that has said everything at once: the page then draws the last moment only.
+_STREAM = """
+  window.WebSocket = class {
+    constructor() {
+      setTimeout(() => {
+        this.onopen?.();
+        for (const data of %s) this.onmessage?.({ data });
+      }, 300);
+    }
+    close() {}
+  };
+"""
 SIZES = {"wide": (1440, 900, 1.0), "tablet": (1024, 768, 1.0), "phone": (390, 844, 2.0)}
 
 
@@ -44,7 +57,7 @@ def opened(
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.clock.set_fixed_time(situation.now_s * 1000)
     context.route("**/*", lambda route: _answer(route, situation))
-    context.route_web_socket("**/api/stream*", lambda socket: _stream(socket, situation))
+    context.add_init_script(_STREAM % json.dumps(list(messages(situation))))
     page.goto(HOST + address)
     yield page, errors
     context.close()
@@ -54,8 +67,3 @@ def _answer(route: Route, situation: Situation) -> None:
     status, kind, body = answer(situation, urlparse(route.request.url).path)
     headers = {"Content-Type": kind, "Content-Security-Policy": POLICY}
     route.fulfill(status=status, headers=headers, body=body)
-
-
-def _stream(socket: WebSocketRoute, situation: Situation) -> None:
-    for message in messages(situation):
-        socket.send(message)

@@ -16,7 +16,8 @@ POLICY = (
     "default-src 'self'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self' ws:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
-HISTORY_S = 600
+HISTORY_S, SPARSE_S = 600, 4
+PATH_EACH, FULL_RATE = 5, 10  # snapshots: every fifth for the paths, the newest ten in full
 
 
 @dataclass
@@ -86,19 +87,19 @@ def health(situation: Situation) -> dict[str, Any]:
 
 
 def messages(situation: Situation) -> Iterable[str]:
-    """Yield what the stream has sent: ten minutes of people, the last ten seconds in full."""
+    """Yield what the stream has sent: ten minutes of people, sparse but for the last seconds."""
     if situation.messages == "none":
         return
     snapshots = fixture()["snapshots"]
     first_s = snapshots[0]["t_s"]
     length_s = snapshots[-1]["t_s"] - first_s
-    for back_s in range(HISTORY_S, 11, -1):
+    for back_s in range(HISTORY_S, 11, -SPARSE_S):
         at_s = first_s + (situation.at_s - first_s - back_s) % length_s
         snapshot = min(snapshots, key=lambda one: abs(one["t_s"] - at_s))
         yield _snapshot(situation, snapshot, situation.at_s - back_s - snapshot["t_s"])
-    for snapshot in snapshots:
-        if situation.at_s - 11 < snapshot["t_s"] <= situation.at_s:
-            yield _snapshot(situation, snapshot, 0.0)
+    shown = [one for one in snapshots if situation.at_s - 11 < one["t_s"] <= situation.at_s]
+    for snapshot in shown[:-FULL_RATE:PATH_EACH] + shown[-FULL_RATE:]:
+        yield _snapshot(situation, snapshot, 0.0)
     yield _text({"type": "health", "sent_s": situation.now_s, **health(situation)})
 
 

@@ -32,7 +32,7 @@ ALARM = event(
     evidence={"cameras": ["north", "stairs", "south"]},
 )  # fmt: skip
 SILENT = event(
-    "camera-1", "new", AT_S - 13, kind="camera.silent", severity="warning", camera="canopy"
+    "camera-1", "new", AT_S - 6.4, kind="camera.silent", severity="warning", camera="canopy"
 )
 PAST = [
     event("gate-1", "new", -420, kind="zone.dwell", severity="warning", zone="edge-strip"),
@@ -75,7 +75,7 @@ STATES = [
     State(
         "alarm",
         Situation(AT_S, cameras={"canopy": ("stale", 6.4)}, events=[
-            *PAST, SILENT, event("camera-1", "ack", AT_S - 5, by="k.meier"), ALARM]),
+            *PAST, SILENT, event("camera-1", "ack", AT_S - 3, by="k.meier"), ALARM]),
         "/live?view=alarm&p=4", ALL_SIZES,
     ),
     State(
@@ -96,7 +96,8 @@ STATES = [
     State("edge-view", Situation(AT_S), "/live?view=edge", themes=("light",)),
     State("top-view", Situation(AT_S), "/live?view=top", themes=("light",)),
     State("plan", Situation(AT_S), "/live?view=plan&p=4", ("wide", "tablet")),
-    State("review", Situation(AT_S, events=PAST), "/review", ("wide", "tablet")),
+    State("review", Situation(AT_S, events=[*PAST, SILENT, ALARM, event("edge-1", "end", AT_S - 2)]),
+          "/review/edge-1", ("wide", "tablet")),
     State("zones", Situation(AT_S, rules=(0, 0)), "/zones/waiting-area", ("wide", "tablet")),
     State("system", Situation(AT_S, cameras=DOWN, events=[*PAST, SILENT]), "/system",
           ("wide", "tablet")),

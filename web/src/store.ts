@@ -3,6 +3,7 @@
 import { act, getEvents, getHealth, getMe, getSite, SignedOut, type Act } from "./net/api.ts";
 import { Connection } from "./net/connection.ts";
 import { home, parse, write, type Address } from "./state/address.ts";
+import { assign, noMarks } from "./state/marks.ts";
 import { History } from "./state/history.ts";
 import { readSite } from "./state/site.ts";
 import { dataTime, initial, reduce, type Action, type State } from "./state/state.ts";
@@ -71,7 +72,7 @@ export class Store {
       opened: () => {
         this.dispatch({ type: "opened", local: now() });
         // A server that came back may have another site, and knows what happened meanwhile.
-        void this.load();
+        void this.refresh();
       },
       message: (message) => this.dispatch({ type: "message", message, local: now() }),
       closed: (wait) => {
@@ -99,7 +100,7 @@ export class Store {
   async start(): Promise<void> {
     try {
       const me = await getMe();
-      await this.load();
+      await this.refresh();
       this.dispatch({ type: "access", access: "in", me });
     } catch (error) {
       if (error instanceof SignedOut) {
@@ -111,7 +112,7 @@ export class Store {
     this.#started = true;
   }
 
-  async load(): Promise<void> {
+  async refresh(): Promise<void> {
     const [site, health, events] = await Promise.allSettled([getSite(), getHealth(), getEvents()]);
     for (const one of [site, health, events]) {
       if (one.status === "rejected" && one.reason instanceof SignedOut) throw one.reason;
@@ -143,8 +144,10 @@ export class Store {
     const fresh = this.state.snapshot;
     if (fresh && fresh !== before.snapshot) {
       this.history.add(fresh);
-      if (this.address.t === null) this.shown = fresh;
-      this.draw();
+      if (!this.replaying) {
+        this.shown = this.address.page === "review" ? this.shown : fresh;
+        this.draw();
+      }
       this.#soon();
       return;
     }
@@ -216,20 +219,48 @@ export class Store {
     this.go({ ...home, page, person: page === "live" ? this.address.person : null });
   }
 
+  /** A part of a recording that Review shows; null where it shows the last ten minutes. */
+  loaded: History | null = null;
+  #filmMarks = noMarks;
+
+  /** The history on which a replay runs. */
+  get film(): History {
+    return this.address.page === "review" && this.loaded ? this.loaded : this.history;
+  }
+
+  /** Slots of the marks of those who are shown. */
+  get slots(): ReadonlyMap<number, number> {
+    return this.address.page === "review" ? this.#filmMarks.slots : this.state.marks.slots;
+  }
+
   /** Time shown: that of the replay, else now. */
   get time(): number {
     return this.address.t ?? dataTime(this.state);
   }
 
   get replaying(): boolean {
-    return this.address.t !== null && this.address.page === "live";
+    const { page, t } = this.address;
+    return t !== null && (page === "live" || page === "review");
   }
 
   #show(): void {
     const t = this.address.t;
-    this.shown = t === null || this.address.page !== "live"
-      ? this.state.snapshot
-      : this.history.at(t);
+    if (!this.replaying || t === null) {
+      this.shown = this.address.page === "review" ? null : this.state.snapshot;
+      return;
+    }
+    this.shown = this.film.length > 0 ? this.film.at(t) : null;
+    const present = this.shown?.people.map((person) => person.id) ?? [];
+    this.#filmMarks = assign(this.#filmMarks, present);
+  }
+
+  /** Show a part of a recording in Review, or the last ten minutes. */
+  load(film: History | null): void {
+    this.loaded = film;
+    this.#filmMarks = noMarks;
+    this.#show();
+    this.changed();
+    this.draw();
   }
 
   #playedAt = NaN;
@@ -242,19 +273,20 @@ export class Store {
     const passed = at - this.#playedAt;
     this.#playedAt = at;
     const t = this.address.t;
-    if (t === null || this.address.page !== "live" || !this.own.playing) {
+    if (t === null || !this.replaying || !this.own.playing) {
       this.#playing = 0;
       return;
     }
     this.#playing = requestAnimationFrame(this.#play);
     const next = t + Math.min(passed, 1) * this.own.speed;
-    if (next >= this.history.to) this.go({ t: null }, true);
-    else this.replay(next);
+    if (next < this.film.to) this.replay(next);
+    else if (this.address.page === "live") this.go({ t: null }, true);
+    else this.set({ playing: false });
   };
 
   /** Show a moment of the last ten minutes. */
   replay(t: number): void {
-    const within = Math.min(this.history.to, Math.max(this.history.from, t));
+    const within = Math.min(this.film.to, Math.max(this.film.from, t));
     if (!Number.isFinite(within)) return;
     this.address = { ...this.address, t: within };
     this.#show();

@@ -16,15 +16,15 @@ const EVERYWHERE: Record<string, Act> = {
 };
 
 const step = (by: number): void => {
-  if (store.history.length === 0) return;
+  if (store.film.length === 0) return;
   store.set({ playing: false });
   store.replay(store.time + by);
 };
 
 const frame = (by: number): void => {
-  if (store.history.length === 0) return;
+  if (store.film.length === 0) return;
   store.set({ playing: false });
-  store.replay(store.history.step(store.time, by));
+  store.replay(store.film.step(store.time, by));
 };
 
 const onCard = (act: (alert: NonNullable<ReturnType<typeof keyed>>) => void): Act => () => {
@@ -54,6 +54,38 @@ const LIVE: Record<string, Act> = {
   n: () => store.set({ menu: store.own.menu === "layers" ? null : "layers" }),
   "/": () => store.set({ menu: "go to" }),
 };
+
+const SPEEDS = [0.25, 0.5, 1, 2, 4];
+
+const speed = (by: number): void => {
+  const at = SPEEDS.indexOf(store.own.speed) + by;
+  store.set({ speed: SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, at))] ?? 1 });
+};
+
+const item = (by: number): void => {
+  const items = [...document.querySelectorAll<HTMLButtonElement>(".review .item")];
+  const at = items.findIndex((one) => one.getAttribute("aria-current") === "true");
+  const next = items[at < 0 ? 0 : Math.min(items.length - 1, Math.max(0, at + by))];
+  next?.click();
+  next?.scrollIntoView({ block: "nearest" });
+};
+
+const REVIEW: Record<string, Act> = {
+  j: () => item(1),
+  k: () => item(-1),
+  "[": () => speed(-1),
+  "]": () => speed(1),
+  " ": () => {
+    store.set({ playing: !store.own.playing });
+    if (store.address.t !== null) store.replay(store.address.t);
+  },
+  ArrowLeft: () => store.address.t !== null && step(-1),
+  ArrowRight: () => store.address.t !== null && step(1),
+  ",": () => store.address.t !== null && frame(-1),
+  ".": () => store.address.t !== null && frame(1),
+};
+
+const PAGE_KEYS: Partial<Record<string, Record<string, Act>>> = { live: LIVE, review: REVIEW };
 
 function camera(digit: number): void {
   const camera = store.state.site?.cameras[digit - 1];
@@ -95,7 +127,7 @@ function pressed(event: KeyboardEvent): void {
   if (event.key === " " && target.closest("button, a, label")) return;
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
   const act = EVERYWHERE[event.key] ?? EVERYWHERE[key]
-    ?? (store.address.page === "live" ? LIVE[key] : undefined);
+    ?? PAGE_KEYS[store.address.page]?.[key];
   if (act) {
     event.preventDefault();
     act(event);

@@ -41,7 +41,7 @@ export function Twin() {
         </thead>
         <tbody>
           {people.map((person) => {
-            const v = person.velocity ?? store.history.velocity(person.id, shown?.t ?? NaN);
+            const v = person.velocity ?? store.film.velocity(person.id, shown?.t ?? NaN);
             const zone = state.site ? zoneAt(state.site.zones, person.floor) : null;
             return (
               <tr key={person.id}>

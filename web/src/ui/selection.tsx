@@ -20,11 +20,11 @@ const POSTURES: Record<string, string> = {
 export function rows(shop: Store, person: Person): [string, string][] {
   const site = shop.state.site;
   const t = shop.shown?.t ?? NaN;
-  const v = person.velocity ?? shop.history.velocity(person.id, t);
+  const v = person.velocity ?? shop.film.velocity(person.id, t);
   const near = site ? nearest(person, site.edges, site.zones) : null;
   const zone = site ? zoneAt(site.zones, person.floor) : null;
   const least = leastSure(person);
-  const since = t - shop.history.since(person.id);
+  const since = t - shop.film.since(person.id);
   return [
     ["Speed", v ? `${Math.hypot(v[0], v[1]).toFixed(1)} m/s` : "Unknown"],
     ["Posture", POSTURES[person.posture ?? "unknown"] ?? "Unknown"],
@@ -45,7 +45,7 @@ export function Selection() {
   const id = shop.address.person;
   if (id === null) return null;
   const person = shop.shown?.people.find((one) => one.id === id);
-  const slot = shop.state.marks.slots.get(id);
+  const slot = shop.slots.get(id);
   const unseen = person && person.state === "coasting" && Number.isFinite(person.unseen)
     ? ` for ${duration(person.unseen)}` : "";
   return (
@@ -90,7 +90,7 @@ function figure(canvas: HTMLCanvasElement): void {
   const person = store.shown?.people.find((one) => one.id === store.address.person);
   if (!sheet || !person) return;
   const c = palette();
-  const slot = store.state.marks.slots.get(person.id) ?? 1;
+  const slot = store.slots.get(person.id) ?? 1;
   const ink = concerned().alarmed.has(person.id)
     ? c.bodyAlarm
     : person.state === "provisional" ? c.bodyProvisional : (c.marks[slot - 1] ?? c.body);

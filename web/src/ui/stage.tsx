@@ -41,9 +41,10 @@ function alarmOf(state: State): { person: number; severity: "alarm" | "critical"
 
 export function Stage() {
   const shop = useStore();
-  const lost = shop.state.link === "lost";
+  const reviewing = shop.address.page === "review";
+  const lost = shop.state.link === "lost" && !reviewing;
   const flat = shop.address.view === "plan" || !hasWebGL();
-  const classes = `stage ${lost && !shop.replaying ? "old" : ""} ${shop.replaying ? "replay" : ""}`;
+  const classes = `stage ${lost && !shop.replaying ? "old" : ""} ${shop.replaying && !reviewing ? "replay" : ""}`;
   return (
     <div class={classes}>
       {flat ? <div class="view"><Plan large /></div> : <View />}
@@ -91,8 +92,9 @@ function View() {
 /** Show the scene anew, if anything that it shows has changed. */
 function feed(scene: Scene, before: unknown[]): unknown[] {
   const { state, shown, own, address } = store;
-  const alarm = alarmOf(state);
-  const callout = calloutOf(state);
+  const reviewing = address.page === "review";
+  const alarm = reviewing ? null : alarmOf(state);
+  const callout = reviewing ? null : calloutOf(state);
   const about = concerned();
   const told = [
     state.site, shown, address.person, address.view, own.layers, alarm?.person, palette(),
@@ -102,8 +104,8 @@ function feed(scene: Scene, before: unknown[]): unknown[] {
   scene.show({
     site: state.site,
     snapshot: shown,
-    slots: state.marks.slots,
-    paths: shown ? store.history.paths(shown.t, PATH_S) : new Map(),
+    slots: store.slots,
+    paths: shown ? store.film.paths(shown.t, PATH_S) : new Map(),
     selected: address.person,
     view: address.view,
     layers: own.layers,
@@ -130,7 +132,7 @@ function Tools({ shop }: { shop: Store }) {
   const view = shop.address.view;
   const flat = view === "plan" || !hasWebGL();
   const site = shop.state.site;
-  const alarm = alarmOf(shop.state);
+  const alarm = shop.address.page === "review" ? null : alarmOf(shop.state);
   const presets: [string, string][] = [
     ["overview", "Overview"],
     ...(site && site.edges.length > 0 ? [["edge", "Edge"] as [string, string]] : []),
@@ -214,6 +216,7 @@ function fullScreen(): void {
 
 function Hint({ shop }: { shop: Store }) {
   const { state } = shop;
+  if (shop.address.page === "review") return null;
   const waited = state.local - state.startedAt > 3;
   if (!state.snapshot && waited && state.link !== "lost") {
     return <p class="hint">Waiting for the first people message.</p>;

@@ -67,9 +67,10 @@ export function Tiles() {
   );
 }
 
-export type TileState = "live" | "stale" | "down" | "ended" | "old" | "waiting";
+export type TileState = "live" | "stale" | "down" | "ended" | "old" | "waiting" | "replay";
 
 export function tileState(state: State, health: CameraHealth | undefined): TileState {
+  if (store.address.page === "review") return "replay";
   if (state.link === "lost") return "old";
   if (!health) return "waiting";
   return health.state;
@@ -80,7 +81,7 @@ export function Tile(
 ) {
   const health = state.health?.cameras[camera.name];
   const how = tileState(state, health);
-  const picture = state.site?.pictures === true;
+  const picture = state.site?.pictures === true && how !== "replay";
   const view = () => store.go({ view: `camera:${camera.name}` });
   return (
     <button type="button" class={`tile ${how}`} data-camera={camera.name} onClick={view}
@@ -100,7 +101,7 @@ export function Tile(
       <div class="caption">
         {isFault(how) ? <Glyph severity="warning" /> : <Icon name="camera" size={16} />}
         <b>{named(camera.name)}</b>
-        {!picture && how === "live" && <span class="drawn">drawn</span>}
+        {!picture && (how === "live" || how === "replay") && <span class="drawn">drawn</span>}
         <span class="end">{word(how, health)}</span>
       </div>
     </button>
@@ -109,7 +110,7 @@ export function Tile(
 
 function word(how: TileState, health: CameraHealth | undefined): string {
   const words: Record<Exclude<TileState, "live">, string> = {
-    stale: "Stale", down: "Down", ended: "Ended", old: "Unknown", waiting: "",
+    stale: "Stale", down: "Down", ended: "Ended", old: "Unknown", waiting: "", replay: "",
   };
   return how === "live" ? `${(health?.fps ?? 0).toFixed(0)} fps` : words[how];
 }
