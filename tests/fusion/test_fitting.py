@@ -9,8 +9,8 @@ import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels.fitting_kernels import nis_ratio
-from trecsim.fusion.kernels.locating import begin_em, em_step, moments
-from trecsim.fusion.tuning import STILL_M2
+from trecsim.fusion.kernels.locating import begin_em, locate_joint, moments
+from trecsim.fusion.tuning import EM_STEPS
 
 CAMERAS = MODEL.cameras
 OFF_M = np.array([0.03, -0.02, 0.04])
@@ -42,9 +42,8 @@ def located(seen, prior_m2, steps):
     n, tmp = len(seen.cam), kernels.scratch(24)
     found = kernels.located(1, 1, n)
     begin_em(prior_m2, found, 0, tmp)
-    for _ in range(steps):
-        if em_step(MODEL.cameras, MODEL.noise, seen, n, found, 0, tmp) < STILL_M2:
-            break
+    for _ in range(steps // EM_STEPS):
+        locate_joint(CAMERAS, MODEL.noise, seen, n, found, 0, tmp)
     return found.shift_m[0], found.cov_m2[0], found.inlier
 
 

@@ -49,12 +49,15 @@ def trusted_two_view_s(people: Population) -> Float64[np.ndarray, " track"]:
 
     Swapped means that they are of two people, by the evidence so far.
     """
-    return np.where(people.swap_evidence > SWAP_EVIDENCE, -np.inf, people.last_two_view_s)
+    swapped = people.swap_evidence > SWAP_EVIDENCE
+    if not swapped.any():
+        return people.last_two_view_s
+    return np.where(swapped, -np.inf, people.last_two_view_s)
 
 
 def unmirror(people: Population, model: Model) -> None:
     """Exchange left and right, in place, of tracks that most cameras read the other way round."""
-    if people.mirrored_duration_s.max(initial=0.0) <= MIRROR_S:
+    if not (people.mirrored_duration_s > MIRROR_S).any():
         return
     for k in np.flatnonzero(people.mirrored_duration_s > MIRROR_S):
         people.mirror(int(k), model.noise.mirror)

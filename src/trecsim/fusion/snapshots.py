@@ -1,6 +1,7 @@
 """Snapshots: evaluate the trajectories at one time."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
@@ -51,23 +52,30 @@ def _joined(parts: Sequence[Snapshot]) -> Snapshot:
 
 
 def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model) -> Snapshot:
-    who = (people.confirmed & (people.born_s <= t_s + SAME_S)).nonzero()[0]
+    reported = people.confirmed & (people.born_s <= t_s + SAME_S)
+    everybody = bool(reported.all())
+    who = reported.nonzero()[0]
+
+    def rows(values: Any) -> Any:
+        # NumPy takes rows by `take` in a third of the time that an index needs.
+        return values if everybody else values.take(who, axis=0)
+
     xyz_m, cov_m2 = people.xyz_m, people.cov_m2
     if t_s != now_s:
         xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
         kernels.covariance_all(people.R, grid.knot_time(t_s), cov_m2)
+    elif everybody:  # what is reported is changed below, what is known is not
+        xyz_m, cov_m2 = xyz_m.copy(), cov_m2.copy()
     velocity_mps, velocity_cov_m2ps2 = velocity(people, grid, t_s)
-    # NumPy takes rows by `take` in a third of the time that an index needs.
-    xyz_m, cov_m2 = xyz_m.take(who, axis=0), cov_m2.take(who, axis=0)
-    velocity_cov_m2ps2 = velocity_cov_m2ps2.take(who, axis=0)
+    joints = rows(xyz_m), rows(cov_m2), rows(velocity_cov_m2ps2)
+    bodies = people.bodies if everybody else Bodies(*map(rows, people.bodies))
     kernels.report_all(
-        model.cameras, model.noise, model.limbs,
-        Bodies(*(values.take(who, axis=0) for values in people.bodies)),
-        people.joint_last_seen_s.take(who, axis=0), t_s, (xyz_m, cov_m2, velocity_cov_m2ps2),
+        model.cameras, model.noise, model.limbs, bodies, rows(people.joint_last_seen_s), t_s,
+        joints,
     )  # fmt: skip
     return Snapshot(
-        t_s, people.id.take(who), xyz_m, cov_m2, support(people, t_s).take(who, axis=0),
-        velocity_mps=velocity_mps.take(who, axis=0), velocity_cov_m2ps2=velocity_cov_m2ps2,
+        t_s, people.id.take(who), joints[0], joints[1], rows(support(people, t_s)),
+        velocity_mps=rows(velocity_mps), velocity_cov_m2ps2=joints[2],
     )  # fmt: skip
 
 

@@ -33,8 +33,9 @@ def update_support(
     t_s, elapsed_s
         Time of the frame set, and since the last one [s].
     """
-    kernels.note_support(images.cam, images.t_s, association.matches, inlier, people.sightings)
-    kernels.age(people.sightings, association.matches, t_s, elapsed_s)
+    matches, sightings = association.matches, people.sightings
+    kernels.note_support(images.cam, images.t_s, matches, inlier, sightings)
+    kernels.age(sightings, matches, t_s, elapsed_s)
 
 
 def support(people: Population, t_s: float) -> Int64[np.ndarray, "track joint"]:

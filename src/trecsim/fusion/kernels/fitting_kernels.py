@@ -9,7 +9,15 @@ from jaxtyping import Float64, Int64
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import locate, point
 from trecsim.fusion.kernels.information import control_points, curve_covariance, fold_gaussian
-from trecsim.fusion.kernels.locating import clear, locate_joint, located, moments, observed, scratch
+from trecsim.fusion.kernels.locating import (
+    begin_em,
+    clear,
+    locate_joint,
+    located,
+    moments,
+    observed,
+    scratch,
+)
 from trecsim.fusion.kernels.small_matrices import invert3, scale
 from trecsim.fusion.tuning import LARGEST_INFLATION, NIS_GATE, USUAL_NIS
 
@@ -116,9 +124,10 @@ def seek_body(cameras, noise, measured, person, inflation, seen, n, located, tmp
                 prior[a, b] = inflation * prior_m2[j, a, b]
         is_known[j] = known > 0
         if known:
-            locate_joint(cameras, noise, seen, n, prior, located, j, tmp)
+            begin_em(prior, located, j, tmp)
+            locate_joint(cameras, noise, seen, n, located, j, tmp)
         else:
-            clear(located, j)
+            clear(located.info[j], located.rhs[j], located.knot_time[j], located.weight[j])
         spread(person.match, located.inlier, is_known[j], person.inlier, j)
 
 

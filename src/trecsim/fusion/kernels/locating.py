@@ -138,46 +138,6 @@ def add_image(info, rhs, weight, du, dv, eu, ev, shift_m):
 
 
 @inner
-def clear(located, j):
-    """Set the sums of joint `j` to zero; loops compile much faster than array expressions."""
-    info, rhs, knot_time, weight = located.info, located.rhs, located.knot_time, located.weight
-    for m in range(weight.shape[1]):
-        knot_time[j, m] = weight[j, m] = 0.0
-        for p in range(3):
-            rhs[j, m, p] = 0.0
-            for q in range(3):
-                info[j, m, p, q] = 0.0
-
-
-@inner
-def locate_joint(cameras, noise, seen, n, prior_m2, located, j, tmp):
-    """Find one joint from its key points in several images and its predicted place, by EM.
-
-    Parameters
-    ----------
-    cameras, noise
-        `Cameras` and `Noise`.
-    seen, n
-        The `Observed` key points; only the first `n` count.
-    prior_m2
-        Covariance of the prediction, (3, 3).
-    located, j
-        Result: `Located`, of which the part of joint `j` is written.
-    tmp
-        `Scratch`.
-
-    Notes
-    -----
-    E step: thesis eq. 33 with a clutter term. M step: one Gauss-Newton step of eq. 37 with the
-    Jacobian of eq. 42-46. The images of a frame set share one shift of the predicted curve.
-    """
-    begin_em(prior_m2, located, j, tmp)
-    for _ in range(EM_STEPS):
-        if em_step(cameras, noise, seen, n, located, j, tmp) < STILL_M2:
-            return
-
-
-@inner
 def begin_em(prior_m2, located, j, tmp):
     """Put a joint where it was predicted."""
     shift_m = located.shift_m[j]
@@ -188,68 +148,103 @@ def begin_em(prior_m2, located, j, tmp):
 
 
 @inner
-def em_step(cameras, noise, seen, n, located, j, tmp):
-    """Take one step of EM; return how far the joint moved, squared [m^2]. See `locate_joint`."""
-    weigh_images(cameras, noise, seen, n, located, j)
-    return newton_step(located, j, tmp)
+def locate_joint(cameras, noise, seen, n, located, j, tmp):
+    """Find one joint from its key points in several images by EM, from where it is now.
 
+    Parameters
+    ----------
+    cameras, noise
+        `Cameras` and `Noise`.
+    seen, n
+        The `Observed` key points; only the first `n` count.
+    located, j
+        Result: `Located`, of which the part of joint `j` is written; `begin_em` prepares it.
+    tmp
+        `Scratch`.
 
-@inner
-def weigh_images(cameras, noise, seen, n, located, j):
-    """Write responsibilities and sums of one joint at its present shift: the E step of EM."""
-    # Out of the tuples once, as every access to one of their arrays costs more than its use.
+    Notes
+    -----
+    E step: thesis eq. 33 with a clutter term. M step: one Gauss-Newton step of eq. 37 with the
+    Jacobian of eq. 42-46. The images of a frame set share one shift of the predicted curve.
+    """
+    # Out of the tuples once, as every access to one of their arrays costs more than its use; and
+    # all steps in one function, as a call with these tuples costs as much as a camera.
     P, focal_px = cameras.P, cameras.focal_px
     cam, moment, knot_time, credit = seen.cam, seen.moment, seen.knot_time, seen.credit
     xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
-    info, rhs, sum_time, sum_weight = located.info, located.rhs, located.knot_time, located.weight
-    shift_m, cov_m2, inlier = located.shift_m[j], located.cov_m2[j], located.inlier
+    info, rhs, inlier = located.info[j], located.rhs[j], located.inlier
+    sum_time, sum_weight = located.knot_time[j], located.weight[j]
+    shift_m, cov_m2, known, total, vector = (
+        located.shift_m[j], located.cov_m2[j], tmp.known, tmp.info, tmp.x,
+    )  # fmt: skip
     white_share = noise.white_share
     tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
-    clear(located, j)
-    for v in range(n):
-        inlier[v] = 0.0
-        if math.isnan(xy_px[v, 0]):
-            continue
-        w, u, v_, du, dv = project(
-            P, cam[v], xyz_m[v, 0] + shift_m[0], xyz_m[v, 1] + shift_m[1],
-            xyz_m[v, 2] + shift_m[2],
-        )  # fmt: skip
-        if not w > NEAR_M:
-            continue
-        eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
-        var = (sigma_m[v] / m_per_px) ** 2 + least_px2
-        uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px)
-        odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
-        inlier[v] = odds / (1.0 + odds)
-        # Student's t as a scale mixture of Gaussians, in two dimensions.
-        heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
-        weight = inlier[v] * credit[v] * heavy / (white_share * var)
-        m = moment[v]
-        size = add_image(info[j, m], rhs[j, m], weight, du, dv, eu, ev, shift_m)
-        sum_time[j, m] += size * knot_time[v]
-        sum_weight[j, m] += size
+    for _ in range(EM_STEPS):
+        clear(info, rhs, sum_time, sum_weight)
+        for v in range(n):
+            inlier[v] = 0.0
+            if math.isnan(xy_px[v, 0]):
+                continue
+            w, u, v_, du, dv = project(
+                P, cam[v], xyz_m[v, 0] + shift_m[0], xyz_m[v, 1] + shift_m[1],
+                xyz_m[v, 2] + shift_m[2],
+            )  # fmt: skip
+            if not w > NEAR_M:
+                continue
+            eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
+            var = (sigma_m[v] / m_per_px) ** 2 + least_px2
+            uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px)
+            odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
+            inlier[v] = odds / (1.0 + odds)
+            # Student's t as a scale mixture of Gaussians, in two dimensions.
+            heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
+            weight = inlier[v] * credit[v] * heavy / (white_share * var)
+            m = moment[v]
+            size = add_image(info[m], rhs[m], weight, du, dv, eu, ev, shift_m)
+            sum_time[m] += size * knot_time[v]
+            sum_weight[m] += size
+        copy(known, total)
+        if newton_step(info, rhs, total, vector, shift_m, cov_m2) < STILL_M2:
+            return
 
 
 @inner
-def newton_step(located, j, tmp):
+def clear(info, rhs, knot_time, weight):
+    """Set the sums of one joint to zero; loops compile much faster than array expressions."""
+    for m in range(weight.shape[0]):
+        knot_time[m] = weight[m] = 0.0
+        for p in range(3):
+            rhs[m, p] = 0.0
+            for q in range(3):
+                info[m, p, q] = 0.0
+
+
+@inner
+def newton_step(info, rhs, total, vector, shift_m, cov_m2):
     """Write the best shift and its covariance given all moments; return how far it moved [m^2].
 
-    The information of the prediction is in ``tmp.known``.
+    Parameters
+    ----------
+    info, rhs
+        Information of one joint's shift from each moment, (moment, 3, 3) and (moment, 3).
+    total
+        Information of the prediction, (3, 3); overwritten by that of all.
+    vector
+        Scratch, (3,).
+    shift_m, cov_m2
+        The shift so far, (3,), and results.
     """
-    info, rhs, sum_info, sum_rhs = tmp.info, tmp.x, located.info, located.rhs
-    shift_m, cov_m2 = located.shift_m[j], located.cov_m2[j]
-    copy(tmp.known, info)
     for a in range(3):
-        rhs[a] = 0.0
-    for m in range(sum_rhs.shape[1]):
+        vector[a] = 0.0
+    for m in range(rhs.shape[0]):
         for p in range(3):
-            rhs[p] += sum_rhs[j, m, p]
+            vector[p] += rhs[m, p]
             for q in range(3):
-                info[p, q] += sum_info[j, m, p, q]
-    invert3(info, cov_m2)
+                total[p, q] += info[m, p, q]
+    invert3(total, cov_m2)
     moved = 0.0
     for a in range(3):
-        there = cov_m2[a, 0] * rhs[0] + cov_m2[a, 1] * rhs[1] + cov_m2[a, 2] * rhs[2]
+        there = cov_m2[a, 0] * vector[0] + cov_m2[a, 1] * vector[1] + cov_m2[a, 2] * vector[2]
         moved += (there - shift_m[a]) ** 2
         shift_m[a] = there
     return moved
