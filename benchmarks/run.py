@@ -29,6 +29,7 @@ _IN_ORDER = (
     "soak",
     "startup",
     "streams",
+    "page",
     "real_video",
     "estimator_speed",
     "pipeline_cost",

@@ -8,7 +8,7 @@ from typing import Literal
 from harness.figures import Path_, Result, leaves
 from recorded import AUTHORS_CROWDED, AUTHORS_SCENES
 
-TIMED = ("speed", "simulating", "evaluating", "startup", "pipeline_cost")
+TIMED = ("page", "speed", "simulating", "evaluating", "startup", "pipeline_cost")
 
 Relation = Literal["<=", ">="]
 
@@ -268,6 +268,10 @@ OTHERS: tuple[Target, ...] = (
            ("pipeline_cost", "whole pipeline / estimation alone", "wall time"), "<=", 1.15),
     Target(_COST, "peak memory, four videos of 1920 x 1080",
            ("pipeline_cost", "peak memory", "*"), "<=", 1500, "MB"),
+    Target("live page", "tracking time with 20 viewers and one that reads nothing, change",
+           ("page", "tracking", "change with viewers"), "<=", 5, "%"),
+    Target("live page", "12 cameras, 50 people at 25 Hz, newest image to the page, p99",
+           ("page", "image to page", "p99"), "<=", 100, "ms"),
     Target("start", "`trecsim --help`", ("startup", "wall time", "trecsim --help"), "<=", 0.4,
            "s"),
     Target("start", "`trecsim demo`, kernels compiled on the way",
