@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import closing, suppress
 from fractions import Fraction
 from threading import Event, Thread
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 import pytest
@@ -93,10 +93,12 @@ class MadeCamera:
     def _serve(self, connection: socket.socket) -> None:
         with closing(connection), suppress(OSError, av.FFmpegError):
             while not self._over.is_set():
-                with closing(_Encoder(connection, self.size_px, self.fps)) as encoder:
+                with closing(
+                    Encoder(connection.makefile("wb", buffering=0), self.size_px, self.fps)
+                ) as encoder:
                     self._send(connection, encoder)
 
-    def _send(self, connection: socket.socket, encoder: "_Encoder") -> None:
+    def _send(self, connection: socket.socket, encoder: "Encoder") -> None:
         """Send images of one size."""
         number = 0
         while encoder.size_px == self.size_px and not self._over.is_set():
@@ -109,12 +111,12 @@ class MadeCamera:
             self._over.wait(1.0 / self.fps)
 
 
-class _Encoder:
-    """Writes images as MPEG-TS into a socket; their stamps go on as time does."""
+class Encoder:
+    """Writes images as MPEG-TS into a file; their stamps go on as time does."""
 
-    def __init__(self, connection: socket.socket, size_px: tuple[int, int], fps: int) -> None:
+    def __init__(self, file: BinaryIO, size_px: tuple[int, int], fps: int) -> None:
         self.size_px = size_px
-        self._file = av.open(connection.makefile("wb", buffering=0), "w", format="mpegts")
+        self._file = av.open(file, "w", format="mpegts")
         self._stream = self._file.add_stream("libx264", rate=fps)
         self._stream.width, self._stream.height = size_px
         self._stream.pix_fmt = "yuv420p"

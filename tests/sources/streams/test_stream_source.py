@@ -1,12 +1,15 @@
 """Live cameras that break: each fault is told, counted and outlived."""
 
 import time
+from contextlib import closing
+from random import Random
 
 import numpy as np
 import pytest
 
+from hostile_camera import HostileCamera, clip, mutated
 from made_cameras import MadeCamera, until
-from trecsim.sources.streams import NetworkAddress, StreamSource, frozen_image
+from trecsim.sources.streams import NetworkAddress, StreamSource, frozen_image, retrying
 from trecsim.sources.streams.frozen_image import FrozenImage
 from trecsim.sources.streams.live_frame import Developer
 from watched_streams import Watched, watched
@@ -84,6 +87,22 @@ def test_garbage_is_told_and_outlived(camera: MadeCamera) -> None:
         camera.says = bytes(range(256)) * 40
         until(lambda: north.counters.fault, "a fault was told")
         camera.says = b""
+        north.images()
+        until(lambda: north.counters.fault is None, "the fault was over")
+
+
+def test_whatever_a_hostile_camera_sends_the_source_goes_on(
+    camera: MadeCamera, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(retrying, "FIRST_S", 0.001)
+    monkeypatch.setattr(retrying, "SOON_S", 0.001)
+    good, random = clip(), Random(4711)
+    texts = [mutated(good, random) for _ in range(150)]
+    with (
+        closing(HostileCamera(texts, camera)) as hostile,
+        watched(hostile.url, SIZE_PX) as north,
+    ):
+        until(lambda: not hostile.left, "all was sent")
         north.images()
         until(lambda: north.counters.fault is None, "the fault was over")
 

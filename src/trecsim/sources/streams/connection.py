@@ -16,7 +16,7 @@ import av
 import numpy as np
 from jaxtyping import UInt8
 
-from trecsim.sources.streams.connection_faults import explained, is_refusal
+from trecsim.sources.streams.connection_faults import NO_VIDEO, explained, is_refusal
 from trecsim.sources.streams.image_dates import ImageDate, ImageDates
 from trecsim.sources.streams.stream_address import MAX_IMAGE_PX, Address
 from trecsim.sources.streams.stream_counters import StreamCounters
@@ -160,7 +160,7 @@ class Connection:
                 fault = explained(error, self._address, waited=waited)
         except Exception as error:  # the boundary of a camera: whatever it sends, it is told
             logger.debug("camera %r", self._counters.camera, exc_info=True)
-            fault = f"reading {self._address} failed: {type(error).__name__}"
+            fault = f"{NO_VIDEO.format(address=self._address)} ({type(error).__name__})"
         with self._changed:
             self.fault = self.fault or fault
             self._changed.notify_all()

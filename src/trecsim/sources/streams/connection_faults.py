@@ -41,6 +41,9 @@ def explained(error: Exception, address: Address, *, waited: bool) -> str:
     return f"cannot read {address}: {reason}"
 
 
+NO_VIDEO = (
+    "what {address} sends is no video that can be read here; set the camera to H.264 over RTSP"
+)
 _TEXTS: tuple[tuple[type[Exception], str], ...] = (
     (
         ConnectionRefusedError,
@@ -61,10 +64,9 @@ _TEXTS: tuple[tuple[type[Exception], str], ...] = (
         "the camera at {place} does not play {address}: there may be no video in it, or it needs "
         'the other transport, "tcp" or "udp"',
     ),
-    (
-        av.InvalidDataError,
-        "what {address} sends is no video that can be read here; set the camera to H.264 over RTSP",
-    ),
+    (av.InvalidDataError, NO_VIDEO),
+    (av.ArgumentError, NO_VIDEO),
+    (EOFError, NO_VIDEO),
     (ConnectionResetError, "the camera at {place} ended the connection"),
     (BrokenPipeError, "the camera at {place} ended the connection"),
 )
