@@ -135,3 +135,48 @@ class Encoder:
     def close(self) -> None:
         with suppress(OSError, av.FFmpegError):
             self._file.close()
+
+
+class JpegCamera:
+    """Sends JPEG images over HTTP, as simple cameras do."""
+
+    def __init__(self, fps: int, size_px: tuple[int, int] = (64, 48)) -> None:
+        images = [np.full((size_px[1], size_px[0], 3), grey, np.uint8) for grey in (50, 90, 130)]
+        self._parts = [_jpeg(image) for image in images]
+        self._fps, self._over = fps, Event()
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.url = f"http://127.0.0.1:{self._listener.getsockname()[1]}/video.mjpg"
+        Thread(target=self._accept, daemon=True).start()
+
+    def close(self) -> None:
+        self._over.set()
+        with suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+
+    def _accept(self) -> None:
+        with suppress(OSError):
+            while True:
+                connection, _ = self._listener.accept()
+                Thread(target=self._serve, args=(connection,), daemon=True).start()
+
+    def _serve(self, connection: socket.socket) -> None:
+        with closing(connection), suppress(OSError):
+            connection.recv(1 << 16)
+            kind = b"Content-Type: multipart/x-mixed-replace; boundary=part"
+            connection.sendall(b"HTTP/1.0 200 OK\r\n" + kind + b"\r\n\r\n")
+            number = 0
+            while not self._over.wait(1.0 / self._fps):
+                part = self._parts[number % len(self._parts)]
+                head = f"--part\r\nContent-Type: image/jpeg\r\nContent-Length: {len(part)}\r\n\r\n"
+                connection.sendall(head.encode() + part + b"\r\n")
+                number += 1
+
+
+def _jpeg(image: np.ndarray) -> bytes:
+    context = av.CodecContext.create("mjpeg", "w")
+    context.height, context.width = image.shape[:2]
+    context.pix_fmt, context.time_base = "yuvj420p", Fraction(1, 25)
+    frame = av.VideoFrame.from_ndarray(image, format="rgb24").reformat(format="yuvj420p")
+    frame.pts = 0
+    return b"".join(bytes(packet) for packet in [*context.encode(frame), *context.encode(None)])

@@ -162,3 +162,23 @@ def test_a_reading_of_the_clock_that_was_interrupted_sets_nothing() -> None:
     assert clock.now_s() == 1002.5
     assert clock.now_s() == 1003.0
     assert clock.settings == 0
+
+
+@pytest.mark.parametrize("rate", [0.25, 0.8, 1.2, 4.0])
+def test_stamps_that_only_count_images_are_left_aside(rate: float) -> None:
+    dates = ImageDates(delay_s=0.05)
+    found = [dates.date(rate * n / FPS, NOW_S + n / FPS) for n in range(200)]
+    late_s = [date.late_s for date in found]
+    assert max(late_s[100:]) == 0.0
+    np.testing.assert_allclose(
+        [date.t_s for date in found[100:]],
+        [NOW_S + n / FPS - 0.05 for n in range(100, 200)],
+        atol=1e-6,
+    )
+
+
+def test_stamps_are_not_left_aside_after_gaps() -> None:
+    dates = ImageDates(delay_s=0.05)
+    arrived_s = [NOW_S + max(n / FPS, 4.0 * math.ceil(n / FPS / 4.0 - 0.5)) for n in range(1000)]
+    late_s = [dates.date(n / FPS, at_s).late_s for n, at_s in enumerate(arrived_s)]
+    assert max(late_s[500:]) > 1.9  # each gap of 2 s is seen as such

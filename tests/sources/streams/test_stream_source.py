@@ -8,10 +8,17 @@ import numpy as np
 import pytest
 
 from hostile_camera import HostileCamera, clip, mutated
-from made_cameras import MadeCamera, until
-from trecsim.sources.streams import NetworkAddress, StreamSource, frozen_image, retrying
+from made_cameras import JpegCamera, MadeCamera, until
+from trecsim.sources.streams import (
+    DeviceAddress,
+    NetworkAddress,
+    StreamSource,
+    frozen_image,
+    retrying,
+)
 from trecsim.sources.streams.frozen_image import FrozenImage
 from trecsim.sources.streams.live_frame import Developer
+from trecsim.sources.streams.stream_address import Opening
 from watched_streams import Watched, watched
 
 SIZE_PX = (64, 48)
@@ -105,6 +112,27 @@ def test_whatever_a_hostile_camera_sends_the_source_goes_on(
         until(lambda: not hostile.left, "all was sent")
         north.images()
         until(lambda: north.counters.fault is None, "the fault was over")
+
+
+def test_a_device_delivers_raw_images(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Opening("testsrc=size=64x48:rate=20,realtime", "lavfi", {})
+    monkeypatch.setattr(DeviceAddress, "opening", lambda self, size_px: made)
+    north = Watched(StreamSource("north", DeviceAddress("/dev/video0"), SIZE_PX))
+    frames = north.images(5)
+    north.source.close()
+    assert {frame.image.shape for frame in frames} == {(48, 64, 3)}
+    assert frames[0].image.std() > 10.0
+    assert north.counters.codec == "wrapped_avframe"
+
+
+def test_motion_jpeg_over_http_is_read_at_any_rate() -> None:
+    with closing(JpegCamera(fps=8)) as camera, watched(camera.url, SIZE_PX) as north:
+        frames = north.images(40)  # FFmpeg counts them as 25 images per second
+        assert north.counters.codec == "mjpeg"
+        assert north.counters.fault is None
+        assert north.counters.dropped.get("late", 0) < 10
+    times_s = [frame.t_s for frame in frames]
+    assert times_s == sorted(times_s)
 
 
 def test_images_of_another_size_are_left_out_until_the_size_is_back(camera: MadeCamera) -> None:

@@ -27,7 +27,9 @@ logger = logging.getLogger(__name__)
 OPEN_S = 5.0  # a camera that does not answer within this is given up
 SILENT_S = 3.0  # so is one that sends nothing for as long
 NO_IMAGE_S = 10.0  # or nothing that can be decoded
+NO_TIME_S = 5.0  # or only images that are late
 LATE_S = 1.0  # an image that comes later than this after the soonest is left out
+COUNTING = ("mpjpeg", "mjpeg", "h264", "hevc")  # formats without stamps: FFmpeg counts images
 _EVERY_PX = 8
 _TOLERATED_S = 1.0  # a time that falls back by more is a clock that was set, not a late image
 
@@ -100,7 +102,8 @@ class Connection:
         self._newest: Taken | None = None
         self._closed = False
         self._opened = self._has_decoded = False
-        self._heard_s = self._decoded_s = self._opened_s = time.monotonic()
+        self._heard_s = self._decoded_s = self._opened_s = self._timely_s = time.monotonic()
+        self._has_stamps = True
         self._thread = Thread(target=self._run, name=f"camera-{counters.camera}", daemon=True)
         self._thread.start()
 
@@ -137,6 +140,12 @@ class Connection:
             return f"{self._address} does not answer" if late else None
         if now_s - self._heard_s > SILENT_S:
             return self._nothing_came()
+        if self._decoded_s - self._timely_s > NO_TIME_S:
+            return (
+                f"the images of {self._address} come more than {LATE_S:.0f} s late all the time: "
+                "the network or this machine is too slow for them; set a lower bit rate, fewer "
+                "images per second or a smaller stream"
+            )
         if now_s - self._decoded_s > NO_IMAGE_S:
             return (
                 f"no image from {self._address} could be decoded for {NO_IMAGE_S:.0f} s; set the "
@@ -180,7 +189,9 @@ class Connection:
             self._counters.codec = stream.codec_context.name
             with self._changed:
                 self._opened = True
+                self._has_stamps = container.format.name not in COUNTING
                 self._heard_s = self._decoded_s = self._opened_s = time.monotonic()
+                self._timely_s = self._heard_s
             for packet in container.demux(stream):
                 if self._closed:
                     return "closed"
@@ -220,7 +231,7 @@ class Connection:
         if date.late_s > LATE_S or 0.0 <= falls_back_s < _TOLERATED_S:
             self._counters.drop("late")
             return
-        self._last_s = date.t_s
+        self._last_s, self._timely_s = date.t_s, self._decoded_s
         with self._changed:
             if self._newest is not None:
                 self._counters.drop("late")
@@ -232,7 +243,8 @@ class Connection:
         if self._wall_clock.settings != self._settings:
             self._settings = self._wall_clock.settings
             self._dates.clock_was_set()
-        stamp_s = None if picture.pts is None else float(picture.pts * picture.time_base)
+        known = self._has_stamps and picture.pts is not None
+        stamp_s = float(picture.pts * picture.time_base) if known else None
         return self._dates.date(stamp_s, arrived_s)
 
 

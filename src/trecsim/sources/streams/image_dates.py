@@ -16,6 +16,7 @@ AHEAD_S = 0.5  # a sender's clock may be ahead of ours by this [s]
 BEHIND_S = 5.0  # and its images may arrive so late by it [s]; beyond, it is not believed
 STEP_S = 0.5  # a larger change between two reports is a step of the sender's clock [s]
 BROKEN_S = 5.0  # stamps that fall back by more have begun anew [s]
+_LOOK_S, _WRONG_LOOKS, _RATE_OFF = 1.5, 3, 0.1  # stamps so far off time's rate for 3 looks count
 _LEAK = 1e-3  # the soonest arrival is forgotten so fast, so that the offset follows a drift [s/s]
 
 
@@ -61,6 +62,37 @@ class SoonestArrival:
         return late_s
 
 
+class EvenStamps:
+    """Tells whether stamps run as time does; some senders only count images."""
+
+    def __init__(self) -> None:
+        self._began: tuple[float, float] | None = None
+        self._wrong, self._direction = 0, 0
+
+    def are_even(self, stamp_s: float, arrived_s: float) -> bool:
+        """Take in an image; tell whether the stamps ran with time so far.
+
+        One gap makes them slow and then fast; only what goes on in one direction is a wrong rate.
+
+        Parameters
+        ----------
+        stamp_s, arrived_s
+            Its time in the stream, and Unix time when it arrived [s].
+        """
+        if self._wrong >= _WRONG_LOOKS:
+            return False
+        if self._began is None:
+            self._began = stamp_s, arrived_s
+        passed_s = arrived_s - self._began[1]
+        if passed_s >= _LOOK_S:
+            rate = (stamp_s - self._began[0]) / passed_s
+            direction = (rate > 1.0 + _RATE_OFF) - (rate < 1.0 - _RATE_OFF)
+            again = direction != 0 and direction == self._direction
+            self._wrong = self._wrong + 1 if again else abs(direction)
+            self._direction, self._began = direction, (stamp_s, arrived_s)
+        return self._wrong < _WRONG_LOOKS
+
+
 class ImageDates:
     """Dates the images of one connection.
 
@@ -91,6 +123,7 @@ class ImageDates:
         self._used_s = math.nan
         self._stamp_s = -math.inf
         self._arrivals, self._delays = SoonestArrival(), SoonestArrival()
+        self._stamps = EvenStamps()
         self._stepped = False
 
     def report(self, stamp_s: float, sent_s: float) -> None:
@@ -122,6 +155,8 @@ class ImageDates:
             When it arrived, Unix time [s].
         """
         if stamp_s is None or not math.isfinite(stamp_s):
+            return ImageDate(arrived_s - self.delay_s, 0.0)
+        if self.clock == "arrival" and not self._stamps.are_even(stamp_s, arrived_s):
             return ImageDate(arrived_s - self.delay_s, 0.0)
         late_s = self._arrivals.late_s(stamp_s, arrived_s)
         sent_s = self._sent_s(stamp_s, arrived_s)
