@@ -1,0 +1,154 @@
+"""Parts of the page by themselves: what takes too long to wait for, and what ends by a clock."""
+
+import asyncio
+import socket
+from typing import Any
+
+import pytest
+
+from made_page import event, next_of, running_page
+from trecsim.page import stream as stream_module
+from trecsim.page.address import PageAddress
+from trecsim.page.event_log import EVENTS_KEPT, EventLog
+from trecsim.page.hub import Hub
+from trecsim.page.page_data import PageData
+from trecsim.page.rates import KEYS_KEPT, Rates
+from trecsim.page.sessions import IDLE_S, KEPT, LONGEST_S, Sessions
+from trecsim.store.ledger import Ledger
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def test_a_session_ends_when_it_is_not_used_and_at_last_in_any_case() -> None:
+    clock = Clock()
+    sessions = Sessions(clock)
+    key, session = sessions.begin("anna", "hash")
+    assert sessions.find(key) == session
+    assert sessions.find(key + "x") is None
+    clock.now_s += IDLE_S + 1
+    assert sessions.find(key) is None
+    key, _ = sessions.begin("anna", "hash")
+    while clock.now_s < LONGEST_S:
+        clock.now_s += 0.9 * IDLE_S
+        assert sessions.find(key) is not None or clock.now_s > LONGEST_S
+    clock.now_s += 2 * IDLE_S
+    assert sessions.find(key) is None
+
+
+def test_no_two_sessions_share_a_key_and_too_many_end_the_oldest() -> None:
+    sessions = Sessions(Clock())
+    keys = [sessions.begin("anna", "hash")[0] for _ in range(KEPT + 1)]
+    assert len(set(keys)) == len(keys)
+    assert sessions.find(keys[0]) is None
+    assert sessions.find(keys[1]) is not None
+
+
+def test_what_is_allowed_comes_back_with_time() -> None:
+    clock = Clock()
+    rates = Rates(0.1, 3.0, clock=clock)
+    assert [rates.allows("a") for _ in range(5)] == [True] * 3 + [False] * 2
+    assert rates.allows("b")
+    clock.now_s = 9.0
+    assert not rates.allows("a")
+    clock.now_s = 10.1
+    assert [rates.allows("a") for _ in range(2)] == [True, False]
+
+
+def test_rates_forget_who_asked_longest_ago_rather_than_grow() -> None:
+    rates = Rates(0.1, 1.0, clock=Clock())
+    assert rates.allows("first")
+    for number in range(KEYS_KEPT):
+        rates.allows(str(number))
+    assert rates.allows("first")  # it was forgotten
+    assert not rates.allows(str(KEYS_KEPT - 1))
+
+
+def test_the_log_keeps_the_newest_events_each_once() -> None:
+    log = EventLog()
+    assert log.after("e0") == log.after(None) == 0
+    for number in range(EVENTS_KEPT + 5):
+        assert log.append(event(f"e{number}"))
+        assert not log.append(event(f"e{number}"))
+    assert log.since(0)[0].event["id"] == "e5"
+    assert not log.knows("e4")
+    assert [one.event["id"] for one in log.since(log.after(f"e{EVENTS_KEPT + 2}"))] == [
+        f"e{EVENTS_KEPT + 3}", f"e{EVENTS_KEPT + 4}",
+    ]  # fmt: skip
+    assert log.since(log.after(None)) == []
+
+
+class Deaf:
+    """A WebSocket whose other end reads nothing and says nothing."""
+
+    def __init__(self) -> None:
+        self.query_params: dict[str, str] = {}
+        self.sent: list[str] = []
+
+    async def accept(self) -> None:
+        pass
+
+    async def send_text(self, text: str) -> None:
+        self.sent.append(text)
+        await asyncio.Event().wait()
+
+    async def receive(self) -> dict[str, Any]:
+        await asyncio.Event().wait()
+        return {}
+
+    async def close(self, code: int, reason: str) -> None:
+        raise AssertionError("the other end would not read that either")
+
+
+def test_a_viewer_that_takes_nothing_is_disconnected(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stream_module, "SLOWEST_S", 0.05)
+    deaf: Any = Deaf()
+
+    async def nothing(_: str) -> list[dict[str, Any]]:
+        return []
+
+    async def watch() -> None:
+        hub = Hub(EventLog())
+        hub.publish("snapshot", "1")
+        task = asyncio.create_task(stream_module.stream(deaf, hub, nothing, lambda: True))
+        await asyncio.sleep(0.02)
+        assert len(hub.viewers) == 1
+        for number in range(100):
+            hub.publish("snapshot", str(number))
+        await asyncio.wait_for(task, 20)
+        assert hub.viewers == set()
+
+    asyncio.run(watch())
+    assert deaf.sent == ["1"]
+
+
+def test_a_viewer_that_was_away_for_long_gets_all_it_missed_from_the_ledger(
+    tmp_path: Any,
+) -> None:
+    count = EVENTS_KEPT + 1500
+    with Ledger(tmp_path) as ledger:
+        for number in range(count):
+            ledger.append_event(event(f"e{number}"))
+    with (
+        running_page(data=PageData(ledger=tmp_path)) as page,
+        page.stream("?last_event_id=e10") as stream,
+    ):
+        got = [next_of(stream, "event")["event"]["id"] for _ in range(11, count)]
+        assert got == [f"e{number}" for number in range(11, count)]
+        page.process.event(event("new"))
+        assert next_of(stream, "event")["event"]["id"] == "new"
+
+
+def test_the_page_listens_on_ipv6_too() -> None:
+    try:
+        socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+    except OSError:
+        pytest.skip("this machine has no IPv6")
+    with running_page(PageAddress(host="::1", port=0)) as page:
+        assert page.process.url.startswith("http://[::1]:")
+        assert page.client.get("/").status_code == 200
