@@ -15,8 +15,6 @@ from threading import Event, Thread
 import numpy as np
 import pytest
 
-from made_cameras import until
-
 SYSTEM_PYTHON = "/usr/bin/python3"  # has the bindings of GStreamer, if any has
 SCRIPT = Path(__file__).parent / "servers" / "rtsp_camera.py"
 SIZE_PX = (320, 96)
@@ -115,10 +113,12 @@ class Network:
         Is added to the clock in the camera's sender reports [s].
     garbage
         Is sent once in place of the camera's next data.
+    slow_s
+        How long each packet takes [s].
     """
 
     def __init__(self, camera_port: int) -> None:
-        self.passes, self.step_s, self.garbage = Event(), 0.0, b""
+        self.passes, self.step_s, self.garbage, self.slow_s = Event(), 0.0, b"", 0.0
         self.passes.set()
         self._camera_port = camera_port
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -151,6 +151,7 @@ class Network:
                 if self.garbage:
                     part, self.garbage = self.garbage, b""
                 client.sendall(self._stepped(part))
+                time.sleep(self.slow_s)
 
     def _stepped(self, part: bytes) -> bytes:
         """Return a part with the time of a sender report changed."""
@@ -187,9 +188,3 @@ def _read(data: object, count: int) -> bytes:
     if len(found) < count:
         raise EOFError
     return bytes(found)
-
-
-def later(seconds: float) -> None:
-    """Wait for a time that a test is about; not for something to happen."""
-    end_s = time.monotonic() + seconds
-    until(lambda: time.monotonic() > end_s, "time passed")

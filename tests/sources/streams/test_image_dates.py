@@ -182,3 +182,14 @@ def test_stamps_are_not_left_aside_after_gaps() -> None:
     arrived_s = [NOW_S + max(n / FPS, 4.0 * math.ceil(n / FPS / 4.0 - 0.5)) for n in range(1000)]
     late_s = [dates.date(n / FPS, at_s).late_s for n, at_s in enumerate(arrived_s)]
     assert max(late_s[500:]) > 1.9  # each gap of 2 s is seen as such
+
+
+def test_images_that_come_ever_later_are_late_by_the_clock_of_the_sender() -> None:
+    dates = ImageDates()
+    dated(dates, range(40), sender_s=0.0)
+    late_s = [
+        dates.date(4711.0 + n / FPS, NOW_S + 40 / FPS + 2 * (n - 40) / FPS).late_s
+        for n in range(40, 600)
+    ]
+    assert late_s == sorted(late_s)
+    assert late_s[-1] > 20.0

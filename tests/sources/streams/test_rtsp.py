@@ -115,6 +115,18 @@ def test_a_long_gap_in_the_network_is_told(camera: RtspCamera, network: Network)
         assert north.counters.reconnects >= 1
 
 
+def test_a_network_that_is_too_slow_for_the_images_is_told(
+    camera: RtspCamera, network: Network
+) -> None:
+    with watched(camera.url(port=network.port), SIZE_PX) as north:
+        sender(north)
+        network.slow_s = 4.0 / FPS
+        assert "set a lower bit rate" in north.fault("late all the time")
+        network.slow_s = 0.0
+        frame = north.images(FPS)[-1]
+        assert frame.t_s - painted_s(frame.image) < 0.5
+
+
 @pytest.mark.parametrize("step_s", [3600.0, -3600.0, 2.0])
 def test_a_step_of_the_cameras_clock_moves_no_image(
     camera: RtspCamera, network: Network, step_s: float

@@ -37,10 +37,22 @@ class ImageDate:
 
 
 class SoonestArrival:
-    """The offset from stamps to arrivals, as the images with the shortest way show it."""
+    """The offset from stamps to arrivals, as the images with the shortest way show it.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    broken_s
+        An image that is later than this has stamps that begin anew [s].
+
+    Attributes
+    ----------
+    offset_s
+        From stamps to the soonest arrivals [s]; NaN before the first image.
+    """
+
+    def __init__(self, broken_s: float = math.inf) -> None:
         self.offset_s = math.nan
+        self._broken_s = broken_s
         self._seen_s = math.nan
 
     def late_s(self, stamp_s: float, arrived_s: float) -> float:
@@ -54,7 +66,9 @@ class SoonestArrival:
             When it arrived, Unix time [s].
         """
         late_s = arrived_s - stamp_s - self.offset_s
-        if not 0.0 < late_s < BROKEN_S:  # the first, the soonest so far, or stamps that begin anew
+        if (
+            not 0.0 < late_s < self._broken_s
+        ):  # the first, the soonest so far, or stamps that begin anew
             self.offset_s, late_s = arrived_s - stamp_s, 0.0
         else:
             self.offset_s += min(late_s, _LEAK * max(0.0, arrived_s - self._seen_s))
@@ -122,7 +136,7 @@ class ImageDates:
         self._reported_s: float | None = None  # from stamps to the sender's clock
         self._used_s = math.nan
         self._stamp_s = -math.inf
-        self._arrivals, self._delays = SoonestArrival(), SoonestArrival()
+        self._arrivals, self._delays = SoonestArrival(BROKEN_S), SoonestArrival()
         self._stamps = EvenStamps()
         self._stepped = False
 
@@ -140,7 +154,7 @@ class ImageDates:
 
     def clock_was_set(self) -> None:
         """Forget how clocks compared with the clock of this machine, which was set."""
-        self._arrivals, self._delays = SoonestArrival(), SoonestArrival()
+        self._arrivals, self._delays = SoonestArrival(BROKEN_S), SoonestArrival()
         if self.clock == "sender":
             self.clock = "arrival"  # until the next image shows whether they agree
 
@@ -159,13 +173,13 @@ class ImageDates:
         if self.clock == "arrival" and not self._stamps.are_even(stamp_s, arrived_s):
             return ImageDate(arrived_s - self.delay_s, 0.0)
         late_s = self._arrivals.late_s(stamp_s, arrived_s)
-        sent_s = self._sent_s(stamp_s, arrived_s)
+        sent = self._sent(stamp_s, arrived_s)
         self._stamp_s = stamp_s
-        if sent_s is not None:
-            return ImageDate(sent_s, late_s)
+        if sent is not None:
+            return sent
         return ImageDate(stamp_s + self._arrivals.offset_s - self.delay_s, late_s)
 
-    def _sent_s(self, stamp_s: float, arrived_s: float) -> float | None:
+    def _sent(self, stamp_s: float, arrived_s: float) -> ImageDate | None:
         """Return when an image was taken by the sender's clock; None where it is not believed."""
         if self._reported_s is None or self._stepped:
             return None
@@ -181,9 +195,9 @@ class ImageDates:
         if self.clock == "arrival" and not self._can_be_right(behind_s):
             return None
         self.clock, self.remark, self._used_s = "sender", None, self._reported_s
-        self._delays.late_s(sent_s, arrived_s)
+        late_s = self._delays.late_s(sent_s, arrived_s)
         self.delay_s = self._delays.offset_s
-        return sent_s
+        return ImageDate(sent_s, late_s)
 
     def _has_stepped(self, stamp_s: float, behind_s: float) -> bool:
         assert self._reported_s is not None
