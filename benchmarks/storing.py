@@ -1,8 +1,20 @@
 """How long writing and reading tracks takes, and how much room they need.
 
+The recording of a live site is measured on tracks of the tracker itself, of 20 simulated people
+before twelve cameras with the detector's usual errors. A part is written for each 1.5 s, parts are
+merged to a minute, and that to a segment: what the recorder's threads do, without waiting between.
+What a kill costs is measured on a recorder in a process of its own, at 25 Hz, killed at a random
+moment.
+
 Run: ``python benchmarks/storing.py``
 """
 
+import os
+import random
+import signal
+import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -20,9 +32,52 @@ if TYPE_CHECKING:
 PEOPLE, SECONDS, HZ = 20, 60.0, 25.0
 FILES = ("tracks.parquet", "tracks.csv")
 ROUNDS = 3
+KILLS = 5
+LIVE_SECONDS = 60.0  # of the tracks, after the first seconds in which people are found
+FOUND_AFTER_S = 2.0
+SKELETONS_AN_HOUR = PEOPLE * HZ * 3600.0
+DETAILS = ("state", "vx_mps", "vy_mps", "vz_mps", "cxx_m2", "cxy_m2", "cxz_m2", "cyy_m2",
+           "cyz_m2", "czz_m2")  # fmt: skip
+SCENE = """
+format = "trecsim.scene/1"
+seconds = {seconds}
+[rig]
+pattern = "hall"
+cameras = 12
+width_m = 24.0
+depth_m = 16.0
+height_m = 4.5
+view_deg = 75.0
+[clock]
+fps = 25.0
+start_spread_s = 0.04
+[[wanderers]]
+people = {people}
+width_m = 20.0
+depth_m = 13.0
+"""
+KILLED = """
+import sys, time
+from pathlib import Path
+from storing import moments
+from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.precision import rounded
+from trecsim.store.recorder import Recorder
+from dataclasses import replace
+made = list(moments(4.0))
+writer = Recorder(Path(sys.argv[1]), TracksInfo())
+told = False
+while True:
+    for moment in made:
+        writer.write(rounded(replace(moment, t_s=time.time())))
+        time.sleep(0.04)
+        if writer.stored_s > 0.0 and not told:
+            told = True
+            print("stored", flush=True)
+"""
 
 
-def moments() -> "Iterator[Snapshot]":
+def moments(seconds: float = SECONDS) -> "Iterator[Snapshot]":
     """Yield made moments with everybody there, with covariances of any direction."""
     import numpy as np
 
@@ -30,7 +85,7 @@ def moments() -> "Iterator[Snapshot]":
 
     rng = np.random.default_rng(1000)
     xyz_m = rng.uniform(-5.0, 5.0, (PEOPLE, 1, 3)) + rng.normal(0.0, 0.4, (PEOPLE, 17, 3))
-    for number in range(int(SECONDS * HZ)):
+    for number in range(int(seconds * HZ)):
         step_m = rng.normal(0.0, 0.02, xyz_m.shape)
         xyz_m = xyz_m + step_m
         root_m = rng.normal(0.0, 0.02, (PEOPLE, 17, 3, 4))
@@ -50,8 +105,108 @@ def measure(options: Options) -> Figures:
     options.input.update(data=f"{PEOPLE} made people, {SECONDS:g} s at {HZ:g} Hz", rounds=ROUNDS)
     with tempfile.TemporaryDirectory() as folder:
         figures = {name: of_file(Path(folder) / name, made) for name in FILES}
+        live = tracked(10.0 if options.quick else LIVE_SECONDS)
+        options.tell("tracked")
+        rounds = [of_live(Path(folder) / f"live-{n}", live) for n in range(ROUNDS)]
+        lost_s = [lost_by_kill(Path(folder) / f"killed-{n}", n) for n in range(KILLS)]
     options.tell("done")
+    figures["live"] = {
+        **rounds[0][0],
+        "writing, share of one core": median_of([share for _, share in rounds], "%"),
+        "lost by a kill, worst": once(max(lost_s), "s"),
+    }
     return figures
+
+
+def tracked(seconds: float) -> "list[Snapshot]":
+    """Return what the tracker makes of 20 simulated people, rounded as a live site does."""
+    from trecsim.lab.simulation import read_scene, simulate
+    from trecsim.store.precision import rounded
+    from trecsim.tracking import follow
+
+    with tempfile.TemporaryDirectory() as folder:
+        scene = Path(folder) / "twenty.toml"
+        scene.write_text(SCENE.format(seconds=seconds + FOUND_AFTER_S, people=PEOPLE))
+        made = simulate(read_scene(scene), 1000)
+    found = [rounded(one) for one in follow(made.poses, made.rig)]
+    return [one for one in found if one.t_s >= found[0].t_s + FOUND_AFTER_S]
+
+
+def of_live(folder: Path, live: "list[Snapshot]") -> tuple[Figures, float]:
+    """Record moments as a live site does; return room and reading, and the share of a core [%]."""
+    from trecsim.skeleton import COCO17
+    from trecsim.store.compact import compact_table
+    from trecsim.store.compact_file import write_compact
+    from trecsim.store.compaction import complete_segment
+    from trecsim.store.parquet_file import TracksInfo
+    from trecsim.store.parquet_reading import read_parquet
+    from trecsim.store.recorder import PART_S
+
+    info, step = TracksInfo(), round(PART_S * HZ)
+    parts = folder / "00000001"
+    parts.mkdir(parents=True)
+    began = time.process_time()
+    for number, first in enumerate(range(0, len(live), step), start=1):
+        table = compact_table(live[first : first + step], COCO17)
+        write_compact(parts / f"{number:06d}.parquet", [table], info)
+    complete_segment(folder, 1, info, frozenset(), 40)
+    share = 100.0 * (time.process_time() - began) / (len(live) / HZ)
+    path = folder / "00000001.parquet"
+    began = time.perf_counter()
+    count = sum(1 for _ in read_parquet(path))
+    read_ms = 1e3 * (time.perf_counter() - began) / count
+    scale = SKELETONS_AN_HOUR / sum(len(one.id) for one in live) / 1e6
+    share *= PEOPLE * len(live) / sum(len(one.id) for one in live)
+    sizes = column_sizes(path)
+    details = sum(size for name, size in sizes.items() if name in DETAILS)
+    return {
+        "an hour of 20 people": once(scale * path.stat().st_size, "MB"),
+        "an hour, without state, velocity, covariance": once(
+            scale * (path.stat().st_size - details), "MB"
+        ),
+        "reading a moment": once(read_ms, "ms"),
+    }, share
+
+
+def column_sizes(path: Path) -> dict[str, int]:
+    """Return the bytes that each column of a Parquet file takes."""
+    from pyarrow import parquet
+
+    metadata = parquet.ParquetFile(path).metadata
+    sizes: dict[str, int] = {}
+    for group in range(metadata.num_row_groups):
+        for number in range(metadata.num_columns):
+            column = metadata.row_group(group).column(number)
+            name = column.path_in_schema
+            sizes[name] = sizes.get(name, 0) + column.total_compressed_size
+    return sizes
+
+
+def lost_by_kill(folder: Path, seed: int) -> float:
+    """Return how much of a recording a kill at a random moment costs [s]."""
+    from trecsim.store.parquet_reading import read_parquet
+
+    folder.mkdir()
+    path = folder / "tracks.parquet"
+    here = [str(Path(__file__).parent), *sys.path]
+    with subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(path)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(here)},
+        stdout=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        process.stdout.readline()
+        time.sleep(random.Random(seed).uniform(0.0, 3.0))
+        os.kill(process.pid, signal.SIGKILL)
+        killed_s = time.time()
+        process.wait()
+    *_, last = read_parquet(path)
+    return killed_s - last.t_s
+
+
+def median_of(rounds: list[float], unit: str) -> Figure:
+    """Return the median of a few rounds."""
+    return once(statistics.median(rounds), unit)
 
 
 def of_file(path: Path, made: "list[Snapshot]") -> Figures:

@@ -15,6 +15,7 @@ from trecsim.store.recordings import (
     timing_recorder,
     tracks_recorder,
 )
+from trecsim.store.site_store import SiteStore
 from trecsim.values import Poses2D
 
 
@@ -46,10 +47,11 @@ def live_sinks(
     files: ExitStack,
     *,
     resume: bool,
+    store: SiteStore | None = None,
 ) -> tuple[Sinks, Recorder]:
     """Open the files of a live site, none of which can stop it, beside those who watch."""
-    info = tracks_info(checked.rig)
-    tracks = files.enter_context(live_recorder(folder, info, resume=resume))
+    record = live_recorder if store is None else store.recorder
+    tracks = files.enter_context(record(folder, tracks_info(checked.rig), resume=resume))
     steps = Forgiving(files.enter_context(timing_recorder(folder, resume=resume)))
     kept: list[Sink[Poses2D]] = [Taken(watch.count)]
     if checked.file.site.output.poses:

@@ -28,6 +28,7 @@ from trecsim.store.recordings import (
     claim_folder,
     discard_recording,
 )
+from trecsim.store.site_store import SiteStore
 from trecsim.tracking import Follower, Tally
 from trecsim.values import Poses2D
 from trecsim.warming import WarmUp, warm_up_in_background
@@ -44,6 +45,7 @@ def run(
     *,
     feed: Feed | None = None,
     watchers: Sinks = NOBODY,
+    store: SiteStore | None = None,
     recording: Callable[[Recorder], None] = lambda recorder: None,
     resume: bool = False,
     seconds: float | None = None,
@@ -64,6 +66,8 @@ def run(
         Live cameras; None reads the recordings that the site file names.
     watchers
         Who else takes what, besides the files.
+    store
+        Records live cameras, and deletes what is old; without it nothing is deleted.
     recording
         Is told what records a live site, once it does.
     resume
@@ -96,7 +100,7 @@ def run(
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
         watch.gaps_s = gaps_before(folder) if resume else ()
         try:
-            fault = _record(checked, folder, watch, feed, watchers, recording, resume=resume)
+            fault = _record(checked, folder, watch, feed, watchers, store, recording, resume=resume)
             if fault is not None and watch.tally.frame_sets == 0:
                 if not watch.resumed:
                     discard_recording(folder)
@@ -118,6 +122,7 @@ def _record(
     watch: RunWatch,
     feed: Feed | None,
     watchers: Sinks,
+    store: SiteStore | None,
     recording: Callable[[Recorder], None],
     *,
     resume: bool,
@@ -127,7 +132,9 @@ def _record(
     with ExitStack() as files:
         try:
             if feed is not None:
-                sinks, recorder = live_sinks(checked, folder, watch, watchers, files, resume=resume)
+                sinks, recorder = live_sinks(
+                    checked, folder, watch, watchers, files, resume=resume, store=store
+                )
                 recording(recorder)
                 _run_live(checked, watch, feed, sinks)
             else:

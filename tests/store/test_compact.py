@@ -1,5 +1,6 @@
 """Compact files: what is read has the same bits as what was written, in whatever pieces."""
 
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from made_live import any_snapshots, assert_same_bits, live_moments
@@ -16,6 +17,7 @@ from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.compact import COMPACT_SCHEMA, compact_table, moments_in
 from trecsim.store.compact_file import merged, write_compact
+from trecsim.store.compaction import complete_segment, merge_parts
 from trecsim.store.parquet_file import TracksInfo, read_contents
 from trecsim.store.parquet_reading import read_info, read_parquet
 from trecsim.store.precision import rounded
@@ -35,6 +37,33 @@ def test_a_table_gives_back_every_bit(made: list[Snapshot]) -> None:
     moments = sorted((rounded(one) for one in made), key=lambda one: one.t_s)
 
     assert_same_bits(list(moments_in(compact_table(moments, COCO17), COCO17)), moments)
+
+
+@settings(max_examples=30)
+@given(
+    st.lists(any_snapshots(), min_size=1, max_size=8, unique_by=lambda one: one.t_s),
+    st.lists(st.integers(1, 3), min_size=8, max_size=8),
+    st.lists(st.integers(2, 4), max_size=3),
+    st.booleans(),
+)
+def test_parts_of_any_size_merged_in_any_way_give_back_every_bit(
+    made: list[Snapshot], sizes: list[int], merges: list[int], complete: bool
+) -> None:
+    moments = sorted((rounded(one) for one in made), key=lambda one: one.t_s)
+    with tempfile.TemporaryDirectory() as place:
+        parts = Path(place) / "00000001"
+        parts.mkdir()
+        first = 0
+        for number, size in enumerate(sizes, start=1):
+            if part := moments[first : first + size]:
+                write(parts / f"{number:06d}.parquet", part)
+            first += size
+        for at_least in merges:
+            merge_parts(parts, INFO, at_least)
+        if complete:
+            complete_segment(Path(place), 1, INFO, frozenset(), 3)
+
+        assert_same_bits(list(read_parquet(Path(place))), moments)
 
 
 def test_a_file_gives_back_every_bit_and_moments_without_people(tmp_path: Path) -> None:

@@ -6,10 +6,11 @@ import pytest
 
 from made_live import assert_same_bits, live_moments
 from trecsim.store.ledger import Ledger
+from trecsim.store.names import LIVE
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.playback import recordings, snapshots
 from trecsim.store.recorder import Recorder
-from trecsim.store.retention import LIVE, Retention, tidy
+from trecsim.store.retention import Retention, tidy
 from trecsim.store.site_store import SiteStore
 from trecsim.values import Snapshot
 

@@ -21,7 +21,7 @@ def tell_page(url: str, *, json: bool) -> None:
 
 
 @contextmanager
-def site_page(site: Path, *, json: bool) -> Iterator["PageProcess | None"]:
+def site_page(site: Path, out: Path | None, *, json: bool) -> Iterator["PageProcess | None"]:
     """Open the page of a site file before anything else is done; None if it has none.
 
     What is wrong with the file is left to those who check it all.
@@ -30,12 +30,14 @@ def site_page(site: Path, *, json: bool) -> Iterator["PageProcess | None"]:
     ----------
     site
         The site file.
+    out
+        Directory of this run, if it is not where the site file says.
     json
         Whether stdout belongs to a JSON object.
     """
     from trecsim.service.viewing import page_of_site
 
-    page = page_of_site(site)
+    page = page_of_site(site, out)
     if page is None:
         yield None
         return

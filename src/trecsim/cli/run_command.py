@@ -73,7 +73,7 @@ def run(
         raise InputError("--resume needs the directory of the recording: give --out DIRECTORY")
     if seconds is not None and not seconds > 0.0:
         raise InputError(f"--seconds: expected a time above 0, found {seconds:g}")
-    with site_page(site, json=json) as page, stopping_in_order() as stop:
+    with site_page(site, out, json=json) as page, stopping_in_order() as stop:
         checked = check_site(site)
         for remark in checked.remarks:
             note(remark)

@@ -20,6 +20,7 @@ from trecsim.service.site_service import SiteService
 from trecsim.sites.check import check_site
 from trecsim.sources.streams.as_live import Pace, PosesStream
 from trecsim.store.atomic import atomic_write, disk_faults
+from trecsim.store.ledger_file import discard_ledger
 from trecsim.store.names import POSES, RIG
 from trecsim.store.recordings import discard_recording
 from trecsim.store.tracks import read_tracks
@@ -183,6 +184,7 @@ def _make_room(folder: Path) -> None:
         for path in made:
             path.unlink(missing_ok=True)
         discard_recording(folder / RUN)
+        discard_ledger(folder / RUN)
 
 
 def _is_ours(folder: Path) -> bool:

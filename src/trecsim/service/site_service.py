@@ -24,9 +24,10 @@ from trecsim.service.reloading import Reloading
 from trecsim.service.systemd import Heartbeat, notify
 from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.service.viewing import site_view
-from trecsim.site_run import run
+from trecsim.site_run import recordings_folder, run
 from trecsim.sites.check import CheckedSite
 from trecsim.sites.site_reading import SiteFile
+from trecsim.store.site_store import SiteStore
 
 
 class SiteService:
@@ -101,11 +102,13 @@ class SiteService:
             ending.enter_context(Pulse(judged, tuple(told)))
             if inputs is not None:
                 ending.callback(inputs.close)
+            store = None if feed is None else ending.enter_context(_store(checked, out))
             summary = run(
                 checked,
                 out,
                 feed=feed,
                 watchers=watchers,
+                store=store,
                 recording=monitor.take_recorder,
                 stop=asked,
                 picture=drawn,
@@ -128,6 +131,12 @@ class SiteService:
             monitor.restarts["page"] = self._page.restarts
             if any(request.kind == "reload" for request in self._page.requests()):
                 self.reload()
+
+
+def _store(checked: CheckedSite, out: Path | None) -> SiteStore:
+    """Open what a live site stores: beside its recordings, or in the directory of this run."""
+    retention = checked.file.site.retention.limits()
+    return SiteStore(out or recordings_folder(checked.file), retention)
 
 
 def _feed(inputs: LiveInputs, monitor: Monitor) -> Feed:

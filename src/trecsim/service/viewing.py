@@ -41,7 +41,7 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
     )
 
 
-def page_of_site(path: Path) -> PageProcess | None:
+def page_of_site(path: Path, out: Path | None = None) -> PageProcess | None:
     """Return the page of a site, which listens at once, before anything else is looked at.
 
     None where the file has no page, or is not right: whoever checks the file tells what is wrong.
@@ -50,6 +50,8 @@ def page_of_site(path: Path) -> PageProcess | None:
     ----------
     path
         The site file.
+    out
+        Directory of this run, if it is not where the site file says.
 
     Raises
     ------
@@ -67,12 +69,12 @@ def page_of_site(path: Path) -> PageProcess | None:
         rig = file.site.rig.read(_checked_later)
     except Error:
         return None
-    return PageProcess(page_address(table), site_view(file, rig), page_data(file))
+    return PageProcess(page_address(table), site_view(file, rig), page_data(file, out))
 
 
-def page_data(file: SiteFile) -> PageData:
+def page_data(file: SiteFile, out: Path | None = None) -> PageData:
     """Return where the page finds the recordings and the ledger of a site."""
-    folder = recordings_folder(file)
+    folder = out or recordings_folder(file)
     return PageData(recordings=folder, ledger=folder, site_file=file.path)
 
 

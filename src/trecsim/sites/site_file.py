@@ -31,6 +31,7 @@ from trecsim.sources.streams.stream_address import (
     check_device,
     check_url,
 )
+from trecsim.store.retention import Retention
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
 from trecsim.toml_models.described import fields_of
 
@@ -213,6 +214,25 @@ class OutputTable(Table):
     """Length of the paths in the picture of paths, up to the end of the run [s]."""
 
 
+class RetentionTable(Table):
+    """How long a site with live cameras keeps what it stores; the oldest goes first."""
+
+    tracks_h: float = Field(default=72.0, gt=0.0, le=1e6)
+    """Tracks are deleted when they are older [h]."""
+    events_d: float = Field(default=90.0, gt=0.0, le=1e5)
+    """Events, and the tracks they point to, are deleted when they are older [days]."""
+    tracks_gb: float | None = Field(default=None, gt=0.0, le=1e9)
+    """The oldest tracks are deleted when all take more room [GB]; no limit if not given."""
+
+    def limits(self) -> Retention:
+        """Return the limits as the store takes them."""
+        return Retention(
+            3600.0 * self.tracks_h,
+            86400.0 * self.events_d,
+            None if self.tracks_gb is None else 1e9 * self.tracks_gb,
+        )
+
+
 def _file_table(given: Any) -> Any:
     return {"file": given} if isinstance(given, str) else given
 
@@ -257,6 +277,8 @@ class Site(Table):
     """Settings of the association and the fit."""
     output: OutputTable = OutputTable()
     """What is kept of a run."""
+    retention: RetentionTable = RetentionTable()
+    """How long a site with live cameras keeps what it stores."""
     timezone: TimeZone = "UTC"
     """Time zone of the site, for the page and reports: an IANA name as `Europe/Zurich`."""
     zones: dict[Name, ZoneTable] = Field(default_factory=dict)

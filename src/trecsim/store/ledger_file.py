@@ -196,3 +196,15 @@ def copy_ledger(source: Path, target: Path) -> None:
     ):
         here.backup(there, pages=256)
         there.execute("PRAGMA journal_mode = DELETE")  # one file
+
+
+def discard_ledger(folder: Path) -> None:
+    """Remove the ledger of a folder, with all events and the audit log.
+
+    Raises
+    ------
+    OSError
+        When it cannot be removed.
+    """
+    for suffix in ("", *_BESIDE):
+        (folder / f"{NAME}{suffix}").unlink(missing_ok=True)

@@ -3,3 +3,5 @@
 POSES_FORMAT = "trecsim.poses2d/1"
 RIG, POSES, TRUTH = "rig.toml", "poses.jsonl", "truth.npz"
 TRACKS = "tracks.parquet"
+LIVE = ".live"
+"""Marks the recording of a live site, which retention may delete."""

@@ -16,7 +16,9 @@ from pathlib import Path
 from trecsim.errors import InputError
 from trecsim.store.atomic import partial_path
 from trecsim.store.claiming import FolderClaim
-from trecsim.store.names import POSES, RIG, TRACKS
+from trecsim.store.gaps import NAME as GAPS
+from trecsim.store.ledger_file import NAME as LEDGER
+from trecsim.store.names import LIVE, POSES, RIG, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.poses_writer import PosesWriter
@@ -60,13 +62,13 @@ def claim_folder(folder: Path, *, resume: bool = False) -> FolderClaim:
     Raises
     ------
     InputError
-        When another run uses the folder, when it is not empty, or, with `resume`, when it holds
-        something else than a recording.
+        When another run uses the folder, when it holds more than a ledger, or, with `resume`, when
+        it holds something else than a recording.
     SetupError
         When the disk has no room.
     """
     claim = FolderClaim(folder)
-    names = [path.name for path in claim.content]
+    names = [path.name for path in claim.content if not path.name.startswith(LEDGER)]
     if not names or (resume and RIG in names):
         return claim
     claim.release()
@@ -151,7 +153,7 @@ def discard_recording(folder: Path) -> None:
     OSError
         When one of them cannot be removed.
     """
-    for name in (TRACKS, TIMING, POSES, RIG):
+    for name in (TRACKS, TIMING, POSES, RIG, GAPS, LIVE):
         for path in (folder / name, partial_path(folder / name), parts_of(folder / name)):
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)

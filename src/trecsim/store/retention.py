@@ -18,16 +18,15 @@ from jaxtyping import Bool
 from trecsim.store.claiming import is_claimed
 from trecsim.store.erasing import catalogue_anew, changing_tracks, keep_rows
 from trecsim.store.ledger import Ledger
-from trecsim.store.names import TRACKS
+from trecsim.store.ledger_file import NAME as LEDGER
+from trecsim.store.names import LIVE, TRACKS
 from trecsim.store.parquet_reading import parts_of, recording_segments
 from trecsim.store.playback import has_tracks
+from trecsim.store.recordings import discard_recording
 from trecsim.store.segments import Segment
 from trecsim.store.timing_csv import NAME as TIMING
 
 logger = logging.getLogger(__name__)
-
-LIVE = ".live"
-"""Marks a recording that retention may delete."""
 
 UNIX_FROM_S = 1e9  # smaller times have another origin; then the age of the file counts
 
@@ -85,7 +84,7 @@ def tidy(folder: Path, ledger: Ledger, limits: Retention, now_s: float) -> int:
     """
     events = ledger.forget_events(now_s - limits.events_s)
     evidence = ledger.evidence()
-    live = sorted(one.parent for one in folder.glob(f"*/{LIVE}"))
+    live = sorted(one for one in (folder, *folder.glob("*")) if (one / LIVE).exists())
     changed = 0
     everything = [old for one in live for old in _files_of(one)]
     everything.sort(key=lambda old: old.segment.contents.first_s)
@@ -173,5 +172,9 @@ def _remove_what_is_empty(recording: Path, before_s: float) -> None:
         for path in (recording / f"{TIMING}.parts").glob("[0-9]*.csv"):
             if path.stat().st_mtime < before_s:
                 path.unlink()
-    elif not has_tracks(recording) or not recording_segments(recording / TRACKS):
+    elif has_tracks(recording) and recording_segments(recording / TRACKS):
+        return
+    elif (recording / LEDGER).exists():
+        discard_recording(recording)
+    else:
         shutil.rmtree(recording)

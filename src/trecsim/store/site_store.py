@@ -9,10 +9,10 @@ from typing import Self
 from trecsim.health import StoreHealth
 from trecsim.store.atomic import PRIVATE_FILE, disk_faults
 from trecsim.store.ledger import Ledger
-from trecsim.store.names import TRACKS
+from trecsim.store.names import LIVE, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recorder import Recorder
-from trecsim.store.retention import LIVE, Retention, tidy
+from trecsim.store.retention import Retention, tidy
 
 
 class SiteStore:
