@@ -22,7 +22,7 @@ from trecsim.values import Snapshot
 
 PAGE = "[page]\nport = 0\n"
 ZONE = "[zones.door]\npolygon_m = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]\n"
-WAIT_S = 120.0
+WAIT_S = 240.0
 
 
 @dataclass
