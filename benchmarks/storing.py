@@ -1,7 +1,7 @@
 """How long writing and reading tracks takes, and how much room they need.
 
 The recording of a live site is measured on tracks of the tracker itself, of 20 simulated people
-before twelve cameras with the detector's usual errors. A part is written for each 1.5 s, parts are
+before twelve cameras with the detector's usual errors. A part is written for each second, parts are
 merged to a minute, and that to a segment: what the recorder's threads do, without waiting between.
 What a kill costs is measured on a recorder in a process of its own, at 25 Hz, killed at a random
 moment.
@@ -149,7 +149,7 @@ def of_live(folder: Path, live: "list[Snapshot]") -> tuple[Figures, float]:
     for number, first in enumerate(range(0, len(live), step), start=1):
         table = compact_table(live[first : first + step], COCO17)
         write_compact(parts / f"{number:06d}.parquet", [table], info)
-    complete_segment(folder, 1, info, frozenset(), 40)
+    complete_segment(folder, 1, info, frozenset(), 60)
     share = 100.0 * (time.process_time() - began) / (len(live) / HZ)
     path = folder / "00000001.parquet"
     began = time.perf_counter()

@@ -252,7 +252,7 @@ def file_groups(path: Path, columns: Sequence[str] | None = None) -> Iterator[pa
         everything = file.schema_arrow.names
         there = [name for name in everything if columns is None or name in columns]
         for group in range(file.num_row_groups):
-            yield file.read_row_group(group, columns=there)
+            yield file.read_row_group(group, columns=there, use_threads=False)
 
 
 def groups_between(file: pq.ParquetFile, from_s: float, until_s: float) -> list[int]:

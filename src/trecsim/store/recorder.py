@@ -1,15 +1,15 @@
 """Record the tracks of a live site in a thread of its own; the tracking never waits for the disk.
 
-Snapshots wait in memory until they are written as a part, every 1.5 s; so the end of the program at
-any moment costs less than 2 s. Another thread merges parts to minutes and hours. While the disk is
-full or does not work, snapshots wait for 30 s; later ones are lost, and the gap is listed in
+Snapshots wait in memory until they are written as a part, every second, so the end of the program
+at any moment costs less than 2 s. Another thread merges parts to minutes and hours. While the disk
+is full or does not work, snapshots wait for 30 s; later ones are lost, and the gap is listed in
 ``gaps.json`` beside the recording. Writing is tried again all the time.
 
 ::
 
     tracks.parquet.parts/00000001.parquet                  a segment: the first hour
-    tracks.parquet.parts/00000002/000001-000040.parquet    a minute of the second hour
-    tracks.parquet.parts/00000002/000041.parquet           a part of the minute after it
+    tracks.parquet.parts/00000002/000001-000060.parquet    a minute of the second hour
+    tracks.parquet.parts/00000002/000061.parquet           a part of the minute after it
 """
 
 import logging
@@ -17,6 +17,7 @@ import math
 import os
 import shutil
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
@@ -46,7 +47,7 @@ from trecsim.values import Snapshot
 logger = logging.getLogger(__name__)
 
 HOUR_S = 3600.0
-PART_S = 1.5
+PART_S = 1.0
 """Time from one part to the next; with the time that writing takes, a crash costs less than 2 s."""
 
 _WAITING_PEOPLE = 15_000  # of all waiting snapshots together: 20 people for 30 s, about 50 MB
@@ -100,7 +101,7 @@ class Recorder(KeepsPartial):
         *,
         segment_s: float = HOUR_S,
         part_s: float = PART_S,
-        parts_of_a_minute: int = 40,
+        parts_of_a_minute: int = 60,
         resume: bool = False,
         chores: Callable[[], None] = lambda: None,
     ) -> None:
@@ -167,7 +168,9 @@ class Recorder(KeepsPartial):
             self._last_s = snapshot.t_s
 
     def _write_parts(self) -> None:
-        while not self._stop.wait(self._part_s):
+        pause_s = self._part_s
+        while not self._stop.wait(pause_s):
+            began_s = time.monotonic()
             try:
                 self._flush()
             except Error as error:
@@ -176,6 +179,7 @@ class Recorder(KeepsPartial):
                 logger.exception("a part of the recording cannot be written; it is left out")
                 self._failed(f"{type(error).__name__}: {error}")
                 self._give_up_batch()
+            pause_s = max(0.0, self._part_s - (time.monotonic() - began_s))
 
     def _failed(self, fault: str) -> None:
         if self._fault is None:
