@@ -40,8 +40,8 @@ test: .venv/installed-test page  ## Run all tests, the same each time (4 min on 
 page: | $(BIN)/python  ## Build the operator page, if its sources are newer (needs Node.js, or the network).
 	@$(BIN)/python hatch_build.py
 
-page-pictures: .venv/installed-test page  ## Picture every state of the operator page with Chromium (minutes).
-	$(BIN)/python benchmarks/page_pictures.py
+page-pictures: .venv/installed-test page  ## Picture the operator page for the docs with Chromium (minutes).
+	$(BIN)/python benchmarks/page_pictures.py --docs
 
 test-random: .venv/installed-test  ## Run all tests with property tests drawn anew, as a nightly run does.
 	$(BIN)/python tests/compile_kernels.py

@@ -8,6 +8,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from harness.machine import ROOT
@@ -15,6 +16,7 @@ from page_shots.browser import chromium, opened
 from page_shots.fixture import LAG_S, fixture
 from page_shots.states import STATES, State
 
+PAGE = ROOT / "docs" / "operator-page.md"
 FOLDER = ROOT / "docs" / "pictures" / "page"
 SETTLE_MS = 700
 
@@ -28,6 +30,7 @@ def picture(browser: Browser, state: State, size: str, theme: str, folder: Path)
     ):
         settle(page, state)
         page.screenshot(path=path)
+        _compress(path)
         faults = [text for text in errors if not _is_expected(text, state)]
         if faults:
             raise SystemExit(f"{path.name}: the page reports: {faults[0]}")
@@ -47,6 +50,11 @@ def settle(page: Page, state: State) -> None:
         page.wait_for_timeout(SETTLE_MS)
 
 
+def _compress(path: Path) -> None:
+    with Image.open(path) as taken:
+        taken.convert("RGB").save(path, optimize=True)
+
+
 def _is_expected(text: str, state: State) -> bool:
     return "GPU stall" in text or ("401" in text and not state.situation.signed_in)
 
@@ -57,12 +65,14 @@ def main() -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help="states (default: all)")
     parser.add_argument("--out", type=Path, default=FOLDER, help="folder for the pictures")
     parser.add_argument("--size", choices=("wide", "tablet", "phone"), help="only this size")
+    parser.add_argument("--docs", action="store_true", help="only those that the docs show")
     parser.add_argument("--theme", choices=("light", "dark"), help="only this theme")
     asked = parser.parse_args()
     known = {state.name for state in STATES}
     if unknown := sorted(set(asked.names) - known):
         parser.error(f"no state is called {', '.join(unknown)}; there are {', '.join(known)}")
     asked.out.mkdir(parents=True, exist_ok=True)
+    shown = PAGE.read_text()
     fixture()  # before the browser waits for it
     with chromium() as browser:
         for state in STATES:
@@ -70,6 +80,8 @@ def main() -> int:
                 continue
             for size in state.sizes:
                 for theme in state.themes:
+                    if asked.docs and f"{state.name}-{size}-{theme}.png" not in shown:
+                        continue
                     if asked.size in (None, size) and asked.theme in (None, theme):
                         print(picture(browser, state, size, theme, asked.out), flush=True)
     return 0

@@ -55,7 +55,7 @@ def opened(
     errors: list[str] = []
     page.on("console", lambda m: errors.append(m.text) if m.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.clock.set_fixed_time(situation.now_s * 1000)
+    page.clock.set_fixed_time(situation.now_s)
     context.route("**/*", lambda route: _answer(route, situation))
     context.add_init_script(_STREAM % json.dumps(list(messages(situation))))
     page.goto(HOST + address)

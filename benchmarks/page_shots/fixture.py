@@ -1,6 +1,7 @@
 """A simulated site as the page gets it: the people of the scene `platform-edge`, tracked."""
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ EDGES = {"platform-edge": {"points_m": [[9, 0], [-9, 0]]}}
 FLOOR_M = [-10.0, -3.0, 10.0, 5.0]
 
 
+@cache
 def fixture() -> dict[str, Any]:
     """Return site and snapshots of the scene; made once, then read from `out/`."""
     if _CACHE.is_file():
@@ -105,6 +107,6 @@ def _straight_on(snapshot: trecsim.Snapshot, row: int) -> list[dict[str, Any]]:
     return forecast
 
 
-def cache() -> Path:
+def kept_in() -> Path:
     """Return the file that keeps the fixture; delete it to make it anew."""
     return _CACHE

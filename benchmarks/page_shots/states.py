@@ -61,8 +61,8 @@ class State:
 
 def _cut(page: Page) -> None:
     """Let the connection be lost for 38 s."""
-    now = page.evaluate("Date.now()")
-    page.clock.set_fixed_time(now + 38_000)
+    now_s = page.evaluate("Date.now() / 1000")
+    page.clock.set_fixed_time(now_s + 38)
     page.wait_for_selector(".status[data-row='1']")
 
 
@@ -96,7 +96,8 @@ STATES = [
     State("edge-view", Situation(AT_S), "/live?view=edge", themes=("light",)),
     State("top-view", Situation(AT_S), "/live?view=top", themes=("light",)),
     State("plan", Situation(AT_S), "/live?view=plan&p=4", ("wide", "tablet")),
-    State("review", Situation(AT_S, events=[*PAST, SILENT, ALARM, event("edge-1", "end", AT_S - 2)]),
+    State("review",
+          Situation(AT_S, events=[*PAST, SILENT, ALARM, event("edge-1", "end", AT_S - 2)]),
           "/review/edge-1", ("wide", "tablet")),
     State("zones", Situation(AT_S, rules=(0, 0)), "/zones/waiting-area", ("wide", "tablet")),
     State("system", Situation(AT_S, cameras=DOWN, events=[*PAST, SILENT]), "/system",

@@ -8,17 +8,17 @@ export type Pen = CanvasRenderingContext2D;
 
 const SHAPES: Record<string, string> = {
   // Boxes of 20 x 20, centre 10, 10.
-  disc: "M10 1.500a8.5 8.5 0 1 0 0 17a8.5 8.5 0 1 0 0-17z",
-  square: "M3.5 2.500h13a1 1 0 0 1 1 1v13a1 1 0 0 1-1 1h-13a1 1 0 0 1-1-1v-13a1 1 0 0 1 1-1z",
-  pill: "M10 .5a5.2 5.2 0 0 1 5.2 5.200v8.600a5.2 5.2 0 0 1-10.4 0V5.700A5.2 5.2 0 0 1 10 .5z",
-  plus: "M6.8 1.500h6.400v5.300h5.300v6.400h-5.300v5.300H6.800v-5.300H1.500V6.800h5.300z",
+  disc: "M10 1.5a8.5 8.5 0 1 0 0 17a8.5 8.5 0 1 0 0-17z",
+  square: "M3.5 2.5h13a1 1 0 0 1 1 1v13a1 1 0 0 1-1 1h-13a1 1 0 0 1-1-1v-13a1 1 0 0 1 1-1z",
+  pill: "M10 .5a5.2 5.2 0 0 1 5.2 5.2v8.6a5.2 5.2 0 0 1-10.4 0V5.7A5.2 5.2 0 0 1 10 .5z",
+  plus: "M6.8 1.5h6.4v5.3h5.3v6.4h-5.3v5.3H6.8v-5.3H1.5V6.8h5.3z",
 };
 
 export const GLYPHS: Record<Severity, string> = {
   critical: "M6.2 1h7.6L19 6.2v7.6L13.8 19H6.2L1 13.8V6.2z",
   alarm: "M10 .6 19.4 10 10 19.4.6 10z",
   warning: "M10 1.5 19 17.5H1z",
-  info: "M10 1.800a8.2 8.2 0 1 0 0 16.400a8.2 8.2 0 1 0 0-16.400z",
+  info: "M10 1.8a8.2 8.2 0 1 0 0 16.4a8.2 8.2 0 1 0 0-16.4z",
 };
 
 const cache = new Map<string, Path2D>();

@@ -2,7 +2,9 @@
 
 import type { Person, Snapshot } from "../state/people.ts";
 import type { Point, Site } from "../state/site.ts";
+import { slotOf } from "../state/marks.ts";
 import type { Severity } from "../state/messages.ts";
+import { named } from "../state/words.ts";
 import { ellipse, P90, showsForecast } from "./body.ts";
 import { halves } from "./halves.ts";
 import { drawGlyph, drawMark, drawUnsure, font, type Pen } from "./mark.ts";
@@ -22,6 +24,8 @@ export interface PlanInput {
   layers: { paths: boolean; forecasts: boolean; zones: boolean; cameras: boolean };
   /** Large plan: names of zones and cameras are written. */
   names: boolean;
+  /** The zone, line or edge that is chosen. */
+  chosen: string | null;
 }
 
 export interface PlanView {
@@ -110,13 +114,18 @@ function drawFloor(pen: Pen, c: Palette, view: PlanView, { site, names }: PlanIn
 function drawZones(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void {
   for (const zone of input.site.zones) {
     const severity = input.active.get(zone.name);
-    const ink = severity ? severityInk(c, severity) : c.zone;
+    const chosen = zone.name === input.chosen;
+    const ink = severity ? severityInk(c, severity) : chosen ? c.accent : c.zone;
     trace(pen, view, zone.polygon, true);
-    pen.fillStyle = alpha(ink, severity ? 0.16 : 0.08);
+    pen.fillStyle = alpha(ink, severity || chosen ? 0.16 : 0.08);
     pen.fill();
     pen.strokeStyle = ink;
-    pen.lineWidth = 1.3;
+    pen.lineWidth = chosen ? 2 : 1.3;
     pen.stroke();
+    if (input.names) {
+      const [x, y] = corner(view, zone.polygon);
+      write(pen, c, named(zone.name), x + 8, y + 13, chosen ? c.accent : c.text2, 12);
+    }
   }
   for (const line of input.site.lines) {
     trace(pen, view, line.points, false);
@@ -129,11 +138,17 @@ function drawZones(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void
   for (const edge of input.site.edges) {
     const severity = input.active.get(edge.name);
     trace(pen, view, edge.points, false);
-    pen.strokeStyle = severity ? severityInk(c, severity) : c.edge;
-    pen.lineWidth = 2;
+    const chosen = edge.name === input.chosen;
+    pen.strokeStyle = severity ? severityInk(c, severity) : chosen ? c.accent : c.edge;
+    pen.lineWidth = chosen ? 3 : 2;
     pen.stroke();
     drawTeeth(pen, view, edge.points);
   }
+}
+
+/** Return the corner of a polygon that lies uppermost left on the screen. */
+function corner(view: PlanView, polygon: readonly Point[]): Point {
+  return polygon.map(view.to).reduce((a, b) => (b[0] + b[1] < a[0] + a[1] ? b : a));
 }
 
 /** Draw short teeth to the left of the way along an edge: the side of the drop. */
@@ -187,7 +202,7 @@ function drawCameras(pen: Pen, c: Palette, view: PlanView, input: PlanInput): vo
     pen.lineTo(4.5, 3);
     pen.fill();
     pen.restore();
-    if (input.names) write(pen, c, camera.name, x, y - 10, c.text2, 11, "center");
+    if (input.names) write(pen, c, named(camera.name), x, y - 12, c.text2, 11, "center");
   }
 }
 
@@ -198,7 +213,7 @@ function inkOf(c: Palette, input: PlanInput, person: Person): string {
   const severity = input.alarmed.get(person.id);
   if (severity) return severityInk(c, severity);
   if (person.state === "provisional") return c.text3;
-  return c.marks[(input.slots.get(person.id) ?? 1) - 1] ?? c.text2;
+  return c.marks[slotOf(input.slots, person.id) - 1] ?? c.text2;
 }
 
 function drawTrace(pen: Pen, c: Palette, view: PlanView, input: PlanInput, person: Person): void {
@@ -248,25 +263,27 @@ function drawPerson(pen: Pen, c: Palette, view: PlanView, input: PlanInput, pers
     drawGlyph(pen, severity, x, y, 13, ink, c.floor);
   } else {
     pen.beginPath();
-    pen.arc(x, y, 6.5, 0, 2 * Math.PI);
+    const radius = input.names ? 6.5 : 4.6;
+    pen.arc(x, y, radius + 2, 0, 2 * Math.PI);
     pen.fillStyle = c.floor;
     pen.fill();
-    if (person.state === "provisional") drawUnsure(pen, ink, x, y, 4.6);
+    if (person.state === "provisional") drawUnsure(pen, ink, x, y, radius);
     else {
       pen.globalAlpha = person.state === "coasting" ? 0.55 : 1;
-      drawMark(pen, c, input.slots.get(person.id) ?? 1, x, y, 4.6);
+      drawMark(pen, c, slotOf(input.slots, person.id), x, y, radius);
       pen.globalAlpha = 1;
     }
     if (person.id === input.selected) {
       pen.beginPath();
-      pen.arc(x, y, 9, 0, 2 * Math.PI);
+      pen.arc(x, y, input.names ? 12 : 9, 0, 2 * Math.PI);
       pen.strokeStyle = c.accent;
       pen.lineWidth = 2;
       pen.stroke();
     }
   }
-  const right = severity ? 15 : 8;
-  write(pen, c, String(person.id), x + right, y - (severity ? 0 : 6), severity ? ink : c.text, 11);
+  const right = severity ? 15 : input.names ? 11 : 8;
+  const px = input.names ? 13 : 11;
+  write(pen, c, String(person.id), x + right, y - (severity ? 0 : 6), severity ? ink : c.text, px);
 }
 
 function write(

@@ -14,6 +14,7 @@ import {
 import { ground, halves } from "../draw/halves.ts";
 import { fit } from "../draw/mark.ts";
 import { mix, palette, rgb, type Palette, type Rgb } from "../draw/palette.ts";
+import { slotOf } from "../state/marks.ts";
 import type { Severity } from "../state/messages.ts";
 import { JOINTS, type Person, type Snapshot } from "../state/people.ts";
 import type { Camera, Point, Site } from "../state/site.ts";
@@ -201,7 +202,7 @@ export class Scene {
   #one(input: SceneInput, c: Palette, person: Person): void {
     const severity = input.alarmed.get(person.id) ?? null;
     const selected = person.id === input.selected;
-    const slot = input.slots.get(person.id) ?? ((person.id - 1) % 12) + 1;
+    const slot = slotOf(input.slots, person.id);
     const back = input.alarm !== null && input.alarm !== person.id;
     const tone = rgb(this.#tone(c, person, severity, selected, slot, back));
     const own = severity ? severityInk(c, severity) : (c.marks[slot - 1] ?? c.text2);
@@ -352,7 +353,7 @@ export class Scene {
       }
       return [{
         person: person.id,
-        slot: input.slots.get(person.id) ?? ((person.id - 1) % 12) + 1,
+        slot: slotOf(input.slots, person.id),
         state: person.state,
         unseen: person.unseen,
         x: top.x, y: top.y - 4,

@@ -49,3 +49,7 @@ export const mark = (slot: number): Mark => ({
   shape: SHAPES[(slot - 1) % 4] as Mark["shape"],
   fill: FILLS[Math.floor((slot - 1) / 4) % 3] as Mark["fill"],
 });
+
+/** Return the slot of a person; of one who has none now, the same each time. */
+export const slotOf = (slots: ReadonlyMap<number, number>, id: number): number =>
+  slots.get(id) ?? (Math.abs(id - 1) % 12) + 1;

@@ -12,7 +12,7 @@ import { store } from "../store.ts";
 export function Live() {
   const picked = use((s) => s.address.person !== null);
   return (
-    <div class={`live ${picked ? "picked" : ""}`}>
+    <div class={`live-page ${picked ? "picked" : ""}`}>
       <main class="left" aria-label="Live">
         <Stage />
         <Tiles />

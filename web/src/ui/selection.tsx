@@ -5,6 +5,7 @@ import { useStore } from "./use.ts";
 import { drawFigure } from "../draw/figure.ts";
 import { fit } from "../draw/mark.ts";
 import { palette } from "../draw/palette.ts";
+import { slotOf } from "../state/marks.ts";
 import {
   leastSure, nearest, positionSigma, seenBy, zoneAt, type Person,
 } from "../state/people.ts";
@@ -45,13 +46,13 @@ export function Selection() {
   const id = shop.address.person;
   if (id === null) return null;
   const person = shop.shown?.people.find((one) => one.id === id);
-  const slot = shop.slots.get(id);
+  const slot = slotOf(shop.slots, id);
   const unseen = person && person.state === "coasting" && Number.isFinite(person.unseen)
     ? ` for ${duration(person.unseen)}` : "";
   return (
     <section class={`selection ${person ? "" : "gone"}`} aria-label={`Person ${id}`}>
       <div class="head">
-        <span class="name">{slot && <MarkIcon slot={slot} size={16} />}<b>{id}</b></span>
+        <span class="name"><MarkIcon slot={slot} size={16} /><b>{id}</b></span>
         <span class="note">{person ? STATES[person.state] + unseen : "Left"}</span>
         <div class="end">
           <button type="button" class="button quiet icon" aria-label="Follow" title="Follow (T)"
@@ -90,7 +91,7 @@ function figure(canvas: HTMLCanvasElement): void {
   const person = store.shown?.people.find((one) => one.id === store.address.person);
   if (!sheet || !person) return;
   const c = palette();
-  const slot = store.slots.get(person.id) ?? 1;
+  const slot = slotOf(store.slots, person.id);
   const ink = concerned().alarmed.has(person.id)
     ? c.bodyAlarm
     : person.state === "provisional" ? c.bodyProvisional : (c.marks[slot - 1] ?? c.body);

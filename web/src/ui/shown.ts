@@ -55,5 +55,6 @@ export function planInput(names: boolean): PlanInput | null {
     ...concerned(),
     layers: own.layers,
     names,
+    chosen: address.page === "zones" ? address.subject : null,
   };
 }

@@ -1,6 +1,6 @@
 import { Glyph, Icon } from "./icons.tsx";
 import { useStore } from "./use.ts";
-import { isFault, title } from "../state/alerts.ts";
+import { isFault, title, type Alert } from "../state/alerts.ts";
 import type { CameraHealth, Health } from "../state/messages.ts";
 import type { State } from "../state/state.ts";
 import { count, duration, hourMinute, named } from "../state/words.ts";
@@ -17,11 +17,7 @@ export function System() {
         <div class="head"><h2>Cameras</h2><span class="note">{health ? camerasLive(state) : "unknown"}</span></div>
         {health && <Cameras health={health} state={state} />}
         <div class="head"><h2>Rules</h2></div>
-        <p class="empty">
-          {(state.site?.rules ?? 0) === 0
-            ? "No rules yet. How often each fires, and how often that was false, stands here once there are some."
-            : "No alert has been closed yet."}
-        </p>
+        <Rules state={state} />
         <div class="head"><h2>Events</h2></div>
         <Changes state={state} />
       </main>
@@ -84,6 +80,40 @@ function dropsInWords(camera: CameraHealth): string {
     .sort((a, b) => b[1] - a[1])
     .map(([reason, n]) => `${reason.replaceAll("_", " ")} ${n}`)
     .join(", ");
+}
+
+/** How often each rule fired, and how often that was false. */
+function Rules({ state }: { state: State }) {
+  const byRule = new Map<string, Alert[]>();
+  for (const alert of state.alerts.values()) {
+    if (!alert.camera && alert.rule) {
+      byRule.set(alert.rule, [...(byRule.get(alert.rule) ?? []), alert]);
+    }
+  }
+  if (byRule.size === 0) {
+    return (
+      <p class="empty">
+        {(state.site?.rules ?? 0) === 0
+          ? "No rules yet. How often each fires, and how often that was false, stands here."
+          : "No rule has fired yet."}
+      </p>
+    );
+  }
+  return (
+    <table class="grid">
+      <thead><tr><th>Rule</th><th>Where</th><th class="n">Alerts</th><th class="n">False</th></tr></thead>
+      <tbody>
+        {[...byRule].map(([rule, alerts]) => (
+          <tr key={rule}>
+            <td><span class="name"><Glyph severity={alerts[0]?.severity ?? "info"} open={false} />{named(rule)}</span></td>
+            <td class="soft">{named(alerts[0]?.place ?? "Everywhere")}</td>
+            <td class="n">{alerts.length}</td>
+            <td class="n">{alerts.filter((one) => one.closed?.reason === "false").length}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
 }
 
 function Changes({ state }: { state: State }) {
