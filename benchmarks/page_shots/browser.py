@@ -19,6 +19,8 @@ PATIENCE_MS = 120_000  # 3D without a graphics card takes seconds a picture on a
 _STREAM = """
   window.WebSocket = class {
     constructor() {
+      if (window.hasSpoken) return;
+      window.hasSpoken = true;
       setTimeout(() => {
         this.onopen?.();
         for (const data of %s) this.onmessage?.({ data });

@@ -16,7 +16,7 @@ POLICY = (
     "default-src 'self'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self' ws:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
 )
-HISTORY_S, SPARSE_S = 600, 4
+HISTORY_S, SPARSE_S = 600, 1
 PATH_EACH, FULL_RATE = 5, 10  # snapshots: every fifth for the paths, the newest ten in full
 
 

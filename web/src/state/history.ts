@@ -7,6 +7,7 @@ import type { Point } from "./site.ts";
 export const KEPT_S = 600;
 const MOST_BYTES = 150e6;
 const STATES: PersonState[] = ["provisional", "confirmed", "coasting"];
+const HELD_S = 2;
 const MISSING = -32768;
 
 /** One moment: joints in mm relative to the person's floor point, sigma in cm. */
@@ -221,6 +222,13 @@ export class History {
       counts[part] = Number.isFinite(before)
         ? Math.max(before, frame.ids.length)
         : frame.ids.length;
+    }
+    // A moment counts until the next one, if that comes soon.
+    const reach = Math.ceil(HELD_S / width);
+    let last = -Infinity;
+    for (let part = 0; part < parts; part++) {
+      if (Number.isFinite(counts[part])) last = part;
+      else if (part - last < reach) counts[part] = counts[last] ?? NaN;
     }
     return counts;
   }
