@@ -66,6 +66,14 @@ def _cut(page: Page) -> None:
     page.wait_for_selector(".status[data-row='1']")
 
 
+def _stand_still(page: Page) -> None:
+    """Stop the replay at the moment of the alert."""
+    page.wait_for_selector(".review .item[aria-current='true']")
+    page.keyboard.press(" ")
+    for _ in range(7):
+        page.keyboard.press("ArrowRight")
+
+
 ALL_SIZES = ("wide", "tablet", "phone")
 
 STATES = [
@@ -76,7 +84,7 @@ STATES = [
         "alarm",
         Situation(AT_S, cameras={"canopy": ("stale", 6.4)}, events=[
             *PAST, SILENT, event("camera-1", "ack", AT_S - 3, by="k.meier"), ALARM]),
-        "/live?view=alarm&p=4", ALL_SIZES,
+        "/live?view=alarm", ALL_SIZES,
     ),
     State(
         "acknowledged",
@@ -98,7 +106,7 @@ STATES = [
     State("plan", Situation(AT_S), "/live?view=plan&p=4", ("wide", "tablet")),
     State("review",
           Situation(AT_S, events=[*PAST, SILENT, ALARM, event("edge-1", "end", AT_S - 2)]),
-          "/review/edge-1", ("wide", "tablet")),
+          "/review/edge-1", ("wide", "tablet"), act=_stand_still),
     State("zones", Situation(AT_S, rules=(0, 0)), "/zones/waiting-area", ("wide", "tablet")),
     State("system", Situation(AT_S, cameras=DOWN, events=[*PAST, SILENT]), "/system",
           ("wide", "tablet")),

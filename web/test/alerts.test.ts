@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  cameraAlerts, cards, figures, handled, handling, openAlerts, title, where, withEvent,
+  cameraAlerts, cards, figures, handled, handling, openAlerts, pastOutages, title, where, withEvent,
   type Alert, type Alerts,
 } from "../src/state/alerts.ts";
 import type { CloudEvent } from "../src/state/messages.ts";
@@ -88,4 +88,16 @@ test("a silent camera is an alert, once: not beside one that the server tells of
   });
   assert.deepEqual(cameraAlerts(sick, told, T), []);
   assert.match(where(only(told), T), /^No picture for 6 s\./);
+});
+
+test("a camera that is back is told with how long it was silent, unless the server tells it", () => {
+  const outages = new Map([["north", [{ from: T - 60, to: T - 50 }, { from: T - 5, to: Infinity }]]]);
+  const past = pastOutages(outages, none);
+  assert.deepEqual(past.map((a) => [a.start, a.end]), [[T - 60, T - 50]]);
+  assert.equal(title(past[0] as Alert), "Camera North sent no picture");
+  const told = fold({
+    id: "c", type: "trecsim.camera.silent.v1",
+    data: { event: "c", phase: "new", seq: 0, camera: "north", severity: "warning" },
+  });
+  assert.deepEqual(pastOutages(outages, told), []);
 });

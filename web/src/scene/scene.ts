@@ -145,7 +145,7 @@ export class Scene {
     const c = palette();
     this.#renderer.setClearColor(new Color(...rgb(c.sky)), 1);
     if (input?.site) {
-      const person = this.#person(input, input.selected ?? input.alarm);
+      const person = this.#person(input, input.view === "alarm" ? input.alarm : input.selected);
       this.#eye.set(input.site, input.view, person ? person.floor : null);
       if (this.#eye.step()) this.#soon();
       this.#build(input, input.site, c);

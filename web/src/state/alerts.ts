@@ -191,15 +191,27 @@ export function cameraAlerts(health: Health | null, alerts: Alerts, now: number)
   );
   return Object.entries(health.cameras)
     .filter(([name, camera]) => !told.has(name) && isFault(camera.state))
-    .map(([name, camera]) => {
-      const start = camera.age_s === null ? NaN : now - camera.age_s;
-      return {
-        id: `camera/${name}`, kind: "camera.silent", rule: "", severity: "warning" as const,
-        raisedFrom: null, predicted: false, start, detected: start, end: null, ack: null,
-        shelved: null, closed: null, probability: null, people: [], place: null, camera: name,
-        count: null, measures: {}, cameras: [], stored: false,
-      };
-    });
+    .map(([name, camera]) => ({
+      ...silent(name, camera.age_s === null ? NaN : now - camera.age_s, null),
+      id: `camera/${name}`,
+    }));
+}
+
+const silent = (camera: string, start: number, end: number | null): Alert => ({
+  id: `camera/${camera}/${start}`, kind: "camera.silent", rule: "", severity: "warning",
+  raisedFrom: null, predicted: false, start, detected: start, end, ack: null, shelved: null,
+  closed: null, probability: null, people: [], place: null, camera, count: null, measures: {},
+  cameras: [], stored: false,
+});
+
+/** Return when cameras were silent and came back, as this page saw it; not what the server tells. */
+export function pastOutages(
+  outages: ReadonlyMap<string, readonly { from: number; to: number }[]>, alerts: Alerts,
+): Alert[] {
+  const told = new Set([...alerts.values()].map((alert) => alert.camera));
+  return [...outages].filter(([camera]) => !told.has(camera)).flatMap(([camera, spans]) =>
+    spans.filter((span) => Number.isFinite(span.to))
+      .map((span) => silent(camera, span.from, span.to)));
 }
 
 export const isFault = (state: string): boolean => state === "stale" || state === "down";

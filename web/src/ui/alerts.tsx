@@ -3,10 +3,10 @@ import { Card } from "./card.tsx";
 import { Glyph } from "./icons.tsx";
 import { useStore } from "./use.ts";
 import {
-  cards, closedAlerts, handling, REASONS, title, type Alert,
+  cards, closedAlerts, handling, pastOutages, REASONS, title, type Alert,
 } from "../state/alerts.ts";
 import { dataTime, open, type State } from "../state/state.ts";
-import { hourMinute, clock } from "../state/words.ts";
+import { clock, duration, hourMinute } from "../state/words.ts";
 import { store } from "../store.ts";
 
 const HOLD_MS = 500;
@@ -108,11 +108,18 @@ function None({ state }: { state: State }) {
   );
 }
 
+function how(alert: Alert): string {
+  if (alert.closed) return REASONS[alert.closed.reason];
+  return alert.camera && alert.end !== null ? `for ${duration(alert.end - alert.start)}` : "Acknowledged";
+}
+
 const PAST_SHOWN = 30;
 
 function Past({ state, dimmed }: { state: State; dimmed: boolean }) {
   const now = dataTime(state);
-  const past = closedAlerts(state.alerts, now).slice(0, PAST_SHOWN);
+  const past = [...closedAlerts(state.alerts, now), ...pastOutages(state.outages, state.alerts)]
+    .sort((a, b) => b.start - a.start)
+    .slice(0, PAST_SHOWN);
   if (past.length === 0) return null;
   return (
     <section class={dimmed ? "dimmed" : ""}>
@@ -123,7 +130,7 @@ function Past({ state, dimmed }: { state: State; dimmed: boolean }) {
             <time>{hourMinute(alert.start, state.site?.timezone ?? "UTC")}</time>
             <Glyph severity={alert.severity} open={false} />
             <span class="what">{title(alert)}</span>
-            <span class="how">{alert.closed ? REASONS[alert.closed.reason] : "Acknowledged"}</span>
+            <span class="how">{how(alert)}</span>
           </li>
         ))}
       </ul>

@@ -37,7 +37,7 @@ const LIVE: Record<string, Act> = {
   r: onCard(replay),
   g: onCard((alert) => {
     const person = alert.people[0];
-    if (person !== undefined) store.go({ view: "alarm", person, t: null });
+    if (person !== undefined) store.go({ view: "alarm", t: null });
     else if (alert.camera) store.go({ view: `camera:${alert.camera}` });
   }),
   l: () => store.go({ t: null }, true),

@@ -45,9 +45,9 @@ function Glance({ shop }: { shop: Store }) {
   const now = dataTime(state);
   const alerts = open(state);
   const first = alerts.find((alert) => handling(alert, now) !== "shelved");
-  const best = bestView(state)?.name;
+  const best = bestView(state);
   const site = state.site;
-  const camera = site?.cameras.find((one) => one.name === best)
+  const camera = site?.cameras.find((one) => one.name === best?.name)
     ?? site?.cameras.find((one) => state.health?.cameras[one.name]?.state === "live")
     ?? site?.cameras[0];
   const people = state.snapshot?.people.length;
@@ -56,7 +56,7 @@ function Glance({ shop }: { shop: Store }) {
       <About shop={shop} alert={first ?? null} now={now} people={people} />
       {site && <section class="planbox" aria-label="Plan"><div class="body"><Plan large={false} /></div></section>}
       {camera && (
-        <Tile camera={camera} state={state} best={best === camera.name ? "alarm" : null} />
+        <Tile camera={camera} state={state} best={best?.name === camera.name ? best.severity : null} tagged />
       )}
       <Rows shop={shop} />
     </main>

@@ -69,12 +69,13 @@ export function Plan({ large }: { large: boolean }) {
 
 export function PlanBox() {
   const site = use((s) => s.state.site);
+  const lost = use((s) => s.state.link === "lost" && !s.replaying);
   const [w, h] = site
     ? [site.floor.high[0] - site.floor.low[0], site.floor.high[1] - site.floor.low[1]]
     : [0, 0];
   const size = site ? `${Math.max(w, h).toFixed(0)} × ${Math.min(w, h).toFixed(0)} m` : "";
   return (
-    <section class="planbox" aria-label="Plan">
+    <section class={`planbox ${lost ? "old" : ""}`} aria-label="Plan">
       <div class="head">
         <h2>Plan</h2><span class="note">{size}</span>
         <div class="end">

@@ -157,7 +157,7 @@ function Tools({ shop }: { shop: Store }) {
         <div class="segments views" role="group" aria-label="View">
           {alarm && (
             <button type="button" class="first alarm-view" aria-pressed={view === "alarm"} title="G"
-              onClick={() => store.go({ view: "alarm", person: alarm.person })}>
+              onClick={() => store.go({ view: "alarm" })}>
               <Glyph severity={alarm.severity} size={14} />Alarm
             </button>
           )}

@@ -1,6 +1,6 @@
 import { Glyph, Icon } from "./icons.tsx";
 import { useStore } from "./use.ts";
-import { isFault, title, type Alert } from "../state/alerts.ts";
+import { isFault, pastOutages, title, type Alert } from "../state/alerts.ts";
 import type { CameraHealth, Health } from "../state/messages.ts";
 import type { State } from "../state/state.ts";
 import { count, duration, hourMinute, named } from "../state/words.ts";
@@ -118,7 +118,7 @@ function Rules({ state }: { state: State }) {
 
 function Changes({ state }: { state: State }) {
   const zone = state.site?.timezone ?? "UTC";
-  const all = [...state.alerts.values()].sort((a, b) => b.start - a.start).slice(0, 20);
+  const all = [...state.alerts.values(), ...pastOutages(state.outages, state.alerts)].sort((a, b) => b.start - a.start).slice(0, 20);
   if (all.length === 0) return <p class="empty">Nothing has happened since the start.</p>;
   return (
     <ul class="past">

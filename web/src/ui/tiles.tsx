@@ -77,7 +77,8 @@ export function tileState(state: State, health: CameraHealth | undefined): TileS
 }
 
 export function Tile(
-  { camera, state, best }: { camera: Camera; state: State; best: Severity | null },
+  { camera, state, best, tagged = false }:
+  { camera: Camera; state: State; best: Severity | null; tagged?: boolean },
 ) {
   const health = state.health?.cameras[camera.name];
   const how = tileState(state, health);
@@ -91,7 +92,8 @@ export function Tile(
         <Age state={state} health={health} how={how} />
         {best && (
           <span class={`tag best ${best}`}>
-            <Glyph severity={best} size={14} reversed />Best view
+            <Glyph severity={best} size={14} reversed />
+            {tagged ? `${named(camera.name)}, best view` : "Best view"}
           </span>
         )}
         {!best && how === "live" && health?.clock === "arrival" && state.site?.recording === false && (
