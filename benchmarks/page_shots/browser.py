@@ -15,7 +15,7 @@ FLAGS = (
     "--mute-audio", "--force-color-profile=srgb",
 )  # fmt: skip
 PATIENCE_MS = 120_000  # 3D without a graphics card takes seconds a picture on a busy machine
-# A stream that has said everything at once: the page then draws the last moment only.
+# A stream that says everything at once, so that the page draws the last moment only.
 _STREAM = """
   window.WebSocket = class {
     constructor() {
@@ -23,7 +23,9 @@ _STREAM = """
       window.hasSpoken = true;
       setTimeout(() => {
         this.onopen?.();
-        for (const data of %s) this.onmessage?.({ data });
+        const said = %s;
+        for (const data of said) this.onmessage?.({ data });
+        if (%s) setInterval(() => this.onmessage?.({ data: said.at(-1) }), 1000);
       }, 300);
     }
     close() {}
@@ -59,7 +61,9 @@ def opened(
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.clock.set_fixed_time(situation.now_s)
     context.route("**/*", lambda route: _answer(route, situation))
-    context.add_init_script(_STREAM % json.dumps(list(messages(situation))))
+    said = json.dumps(list(messages(situation)))
+    goes_on = json.dumps(situation.messages == "all")
+    context.add_init_script(_STREAM % (said, goes_on))
     page.goto(HOST + address)
     yield page, errors
     context.close()

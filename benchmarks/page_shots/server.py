@@ -39,7 +39,7 @@ class Situation:
     signed_in
         Whether the page may read anything.
     messages
-        Whether the stream sends anything; "none" leaves the page connecting.
+        "all", "none", which leaves the page connecting, or "end": nothing comes after the first.
     states
         State per person where it is not the tracker's.
     """

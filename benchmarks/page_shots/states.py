@@ -93,7 +93,7 @@ STATES = [
     ),
     State("unarmed", Situation(AT_S, rules=(0, 0)), sizes=("wide", "phone")),
     State("stopped", Situation(AT_S, fusion="stalled")),
-    State("disconnected", Situation(AT_S, events=PAST), sizes=ALL_SIZES, act=_cut),
+    State("disconnected", Situation(AT_S, events=PAST, messages="end"), sizes=ALL_SIZES, act=_cut),
     State("connecting", Situation(AT_S, messages="none")),
     State("nobody", Situation(AT_S, nobody=True)),
     State("replay", Situation(AT_S, events=PAST), "/live",

@@ -197,13 +197,13 @@ function Shelve({ alert, done, now }: { alert: Alert; done: () => void; now: num
   );
 }
 
-export function Close({ alert, done }: { alert: Alert; done: () => void }) {
+export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
   const [reason, setReason] = useState<Reason>("true");
   const [note, setNote] = useState("");
   const missing = reason === "false" && note.trim() === "";
   const close = () => {
     void store.act(alert.id, { phase: "close", reason, note: note.trim() }, "Closed.");
-    done();
+    done?.();
   };
   return (
     <form onSubmit={(event) => { event.preventDefault(); if (!missing) close(); }}>
@@ -221,7 +221,7 @@ export function Close({ alert, done }: { alert: Alert; done: () => void }) {
       <div class="row">
         <button type="submit" class="button primary" disabled={missing}
           title={missing ? "A false alarm needs a note" : ""}>Close alert</button>
-        <button type="button" class="button quiet" onClick={done}>Cancel</button>
+        {done && <button type="button" class="button quiet" onClick={done}>Cancel</button>}
       </div>
     </form>
   );

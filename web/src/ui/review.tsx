@@ -358,7 +358,7 @@ function Why({ alert, recording }: { alert: Alert | null; recording: Recording |
           {(how === "new" || how === "ended") && (
             <button type="button" class="button" onClick={() => acknowledge([alert])}>Acknowledge</button>
           )}
-          {!alert.closed && alert.end !== null && <Close key={alert.id} alert={alert} done={() => undefined} />}
+          {!alert.closed && alert.end !== null && <Close key={alert.id} alert={alert} />}
           {alert.closed && (
             <button type="button" class="button"
               onClick={() => void store.act(alert.id, { phase: "reopen" }, "Open again.")}>Reopen</button>
