@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from trecsim.service.monitor import Monitor
-from trecsim.service.rates import Recent
+from trecsim.service.recent import Recent
 from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Frame, Poses2D, Snapshot

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from trecsim.cli.moments import moment_s
+from trecsim.cli.given_times import moment_s
 from trecsim.cli.terminal import finish, note
 
 

@@ -15,7 +15,7 @@ from trecsim.health import (
     camera_state,
     fusion_state,
 )
-from trecsim.service.rates import Recent
+from trecsim.service.recent import Recent
 from trecsim.sinks import Sinks, Taken
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Poses2D, Snapshot

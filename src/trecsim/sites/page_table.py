@@ -42,8 +42,6 @@ class PageTable(Table):
     """IP address of the reverse proxy whose `X-Forwarded-For` and `X-Forwarded-Proto` count."""
     insecure: bool = False
     """Whether passwords and tokens may come over plain HTTP from other machines."""
-    pictures: bool = False
-    """Whether the page may show pictures of the cameras."""
 
     @model_validator(mode="after")
     def _certificate_with_key(self) -> Self:
