@@ -1,6 +1,6 @@
 // The store: state, its history, and who wants to know when it changes.
 
-import { act, getEvents, getHealth, getMe, getSite, SignedOut, type Act } from "./net/api.ts";
+import { act, getEvents, getMe, getSite, SignedOut, type Act } from "./net/api.ts";
 import { Connection } from "./net/connection.ts";
 import { home, parse, write, type Address } from "./state/address.ts";
 import { assign, noMarks } from "./state/marks.ts";
@@ -30,6 +30,9 @@ export const LAYERS: Record<Layer, string> = {
   paths: "Last 10 s", forecasts: "Next 4 s", zones: "Zones and edges", cameras: "Cameras",
   numbers: "Numbers", uncertainty: "Uncertainty",
 };
+
+/** How often the site is asked for again [s]: while it is not complete, and later. */
+const [ASK_SOON_S, ASK_S] = [2, 20];
 
 type Kept = Pick<Own, "theme" | "sound" | "layers">;
 
@@ -113,13 +116,34 @@ export class Store {
   }
 
   async refresh(): Promise<void> {
-    const [site, health, events] = await Promise.allSettled([getSite(), getHealth(), getEvents()]);
-    for (const one of [site, health, events]) {
+    this.#askedAt = now();
+    const [site, events] = await Promise.allSettled([getSite(), getEvents()]);
+    for (const one of [site, events]) {
       if (one.status === "rejected" && one.reason instanceof SignedOut) throw one.reason;
     }
     if (site.status === "fulfilled") this.dispatch({ type: "site", site: readSite(site.value) });
-    if (health.status === "fulfilled") this.dispatch({ type: "health", health: health.value });
     if (events.status === "fulfilled") this.dispatch({ type: "events", ...events.value });
+  }
+
+  #askedAt = -Infinity;
+
+  /** Ask for the site again: at once while cameras are missing, else now and then. */
+  #keepSite(): void {
+    const { access, health, link, site, local } = this.state;
+    if (access !== "in" || link !== "open") return;
+    const known = new Set(site?.cameras.map((camera) => camera.name));
+    const missing = Object.keys(health?.cameras ?? {}).some((name) => !known.has(name));
+    if (local - this.#askedAt < (missing ? ASK_SOON_S : ASK_S)) return;
+    this.#askedAt = local;
+    getSite().then(
+      (body) => {
+        const next = readSite(body);
+        const now = this.state.site;
+        const same = now?.version === next.version && now.cameras.length === next.cameras.length;
+        if (!same) this.dispatch({ type: "site", site: next });
+      },
+      () => undefined, // no connection: the stream tells that
+    );
   }
 
   async #stillSignedIn(): Promise<void> {
@@ -151,6 +175,7 @@ export class Store {
       this.#soon();
       return;
     }
+    if (action.type === "tick") this.#keepSite();
     this.changed();
   }
 

@@ -1,6 +1,6 @@
 // Requests of the page. Each error says what could not be done, in the server's words.
 
-import type { CloudEvent, Health, Me, Reason } from "../state/messages.ts";
+import type { CloudEvent, Me, Reason } from "../state/messages.ts";
 
 export class SignedOut extends Error {}
 
@@ -37,7 +37,6 @@ async function send(path: string, body: unknown, csrf: string | null): Promise<u
 }
 
 export const getSite = (): Promise<unknown> => json("/api/site");
-export const getHealth = (): Promise<Health> => json("/api/health", [200, 503]);
 
 /** Return who is signed in; null where the server has no users. */
 export async function getMe(): Promise<Me | null> {

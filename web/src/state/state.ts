@@ -48,7 +48,6 @@ export type Action =
   | { type: "message"; message: StreamMessage; local: number }
   | { type: "tick"; local: number }
   | { type: "site"; site: Site }
-  | { type: "health"; health: Health }
   | { type: "events"; events: CloudEvent[]; last: string | number | null }
   | { type: "access"; access: Access; me?: Me | null }
   | { type: "opened"; local: number }
@@ -97,8 +96,6 @@ export function reduce(state: State, action: Action): State {
       return ticked({ ...state, local: action.local });
     case "site":
       return { ...state, site: action.site };
-    case "health":
-      return withHealth(state, action.health);
     case "events":
       return {
         ...state,
@@ -172,8 +169,9 @@ function withHealth(state: State, health: Health): State {
     const last = spans[spans.length - 1];
     const running = last?.to === Infinity;
     const bad = camera.state === "stale" || camera.state === "down";
-    if (bad && !running) {
-      outages.set(name, [...spans, { from: t - Math.min(camera.age_s ?? 0, 600), to: Infinity }]);
+    // A camera that has sent nothing yet is starting: that is no outage of the past.
+    if (bad && !running && camera.age_s !== null) {
+      outages.set(name, [...spans, { from: t - Math.min(camera.age_s, 600), to: Infinity }]);
     } else if (!bad && running) {
       outages.set(name, [...spans.slice(0, -1), { from: last.from, to: t }]);
     }
