@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import reference_fusion as reference
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.motion import extend
+from trecsim.fusion.kernels.body_motion import extend
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import KEPT, UNSEEN_WEIGHT
 

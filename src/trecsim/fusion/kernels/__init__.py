@@ -37,7 +37,7 @@ from trecsim.fusion.kernels.matching import (
     score_view,
 )
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
-from trecsim.fusion.kernels.motion import extend_all, start_all
+from trecsim.fusion.kernels.body_motion import extend_all, start_all
 from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
 from trecsim.fusion.kernels.pairing import midpoints, pair_scores, ray_midpoint
 from trecsim.fusion.kernels.prefilter import prefilter
