@@ -24,6 +24,8 @@ _IN_ORDER = (
     "evaluating",
     "reading",
     "storing",
+    "long_recordings",
+    "consistency_cost",
     "memory",
     "arrival",
     "soak",

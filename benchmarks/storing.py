@@ -77,25 +77,25 @@ while True:
 """
 
 
-def moments(seconds: float = SECONDS) -> "Iterator[Snapshot]":
+def moments(seconds: float = SECONDS, people: int = PEOPLE, hz: float = HZ) -> "Iterator[Snapshot]":
     """Yield made moments with everybody there, with covariances of any direction."""
     import numpy as np
 
     from trecsim.values import Snapshot
 
     rng = np.random.default_rng(1000)
-    xyz_m = rng.uniform(-5.0, 5.0, (PEOPLE, 1, 3)) + rng.normal(0.0, 0.4, (PEOPLE, 17, 3))
-    for number in range(int(seconds * HZ)):
+    xyz_m = rng.uniform(-5.0, 5.0, (people, 1, 3)) + rng.normal(0.0, 0.4, (people, 17, 3))
+    for number in range(int(seconds * hz)):
         step_m = rng.normal(0.0, 0.02, xyz_m.shape)
         xyz_m = xyz_m + step_m
-        root_m = rng.normal(0.0, 0.02, (PEOPLE, 17, 3, 4))
+        root_m = rng.normal(0.0, 0.02, (people, 17, 3, 4))
         yield Snapshot(
-            number / HZ,
-            np.arange(PEOPLE),
+            number / hz,
+            np.arange(people),
             xyz_m,
             root_m @ root_m.swapaxes(-1, -2),
-            np.full((PEOPLE, 17), 3),
-            velocity_mps=step_m * HZ,
+            np.full((people, 17), 3),
+            velocity_mps=step_m * hz,
         )
 
 
