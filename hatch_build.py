@@ -95,24 +95,30 @@ def _node_from_pypi() -> tuple[Path, list[str]]:
     node = home / ("node.exe" if sys.platform == "win32" else "bin/node")
     if not node.is_file():
         install = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-        _run([*install, "--target", str(folder), NODE_FROM_PYPI], dict(os.environ), "Node.js")
+        _run(
+            [*install, "--target", str(folder), NODE_FROM_PYPI],
+            dict(os.environ),
+            "Node.js could not be installed",
+        )
     modules = "node_modules" if sys.platform == "win32" else "lib/node_modules"
     # The package's own `npm` command does not find its files; the script itself does.
     return node, [str(node), str(home / modules / "npm" / "bin" / "npm-cli.js")]
 
 
-def _run(command: list[str], environment: dict[str, str], what: str = "the page") -> None:
+def _run(
+    command: list[str], environment: dict[str, str], failure: str = "the build failed"
+) -> None:
     try:
         done = subprocess.run(
             command, cwd=WEB, env=environment, capture_output=True, text=True,
             timeout=60 * _MINUTES, check=False,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
-        raise NotBuiltError(f"{what} could not be made: {error}") from error
+        raise NotBuiltError(f"{failure}: {error}") from error
     if done.returncode != 0:
         lines = [line.removeprefix("npm error").strip() for line in done.stderr.splitlines()]
         why = next((line for line in lines if line and not line.startswith("code ")), "no reason")
-        raise NotBuiltError(f"{what} could not be made: {why}")
+        raise NotBuiltError(f"{failure}: {why}")
 
 
 def _say(error: NotBuiltError) -> None:
