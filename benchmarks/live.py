@@ -37,13 +37,13 @@ sys.path.append(str(ROOT / "tests"))
 from rtsp_servers import SYSTEM_PYTHON, is_installed
 
 SIZE_PX, FPS = (720, 1280), 20
-ROUNDS = 12  # each to and fro
+ROUNDS = 12  # each forwards and backwards
 SETTLE_S, SECONDS, QUICK_SECONDS = 15.0, 60.0, 15.0
 SERVER = Path(__file__).parent / "servers" / "rtsp_files.py"
 
 
 def encode(video: Path, out: Path) -> None:
-    """Write a recording smaller and slower, to and fro again and again, as a camera sends it."""
+    """Write a recording smaller and slower, forwards and backwards again and again, as a camera sends it."""
     import av
 
     with av.open(str(video)) as source:
