@@ -57,7 +57,7 @@ check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/codespell --skip docs/_build src tests docs benchmarks *.md
+	$(BIN)/codespell --skip docs/_build,src/trecsim/page/static src tests docs benchmarks *.md
 
 bench: .venv/installed-test  ## Run all benchmarks, store the results, make the tables anew (15 min).
 	@$(BIN)/python benchmarks/run.py; status=$$?; $(BIN)/python benchmarks/tables.py && exit $$status

@@ -43,7 +43,7 @@ SERVER = Path(__file__).parent / "servers" / "rtsp_files.py"
 
 
 def encode(video: Path, out: Path) -> None:
-    """Write a recording smaller and slower, forwards and backwards again and again, as a camera sends it."""
+    """Write a recording as a camera sends it: smaller and slower, forwards and backwards."""
     import av
 
     with av.open(str(video)) as source:
