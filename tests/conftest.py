@@ -13,6 +13,9 @@ settings.register_profile("random", deadline=None, print_blob=True)
 settings.load_profile("repeatable")
 
 
+collect_ignore = ["servers"]  # run by the system's Python, which has GStreamer
+
+
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """Return the folder of test data beside the repository, or skip."""

@@ -1,11 +1,13 @@
 """A page process on a free port, and what a tracking process would tell it."""
 
+import asyncio
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Coroutine, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from time import monotonic, sleep, time
-from typing import Any
+from typing import Any, TypeVar
 
 import httpx
 from websockets.sync.client import ClientConnection, connect
@@ -18,6 +20,7 @@ from trecsim.page.site_view import SiteView
 
 SITE = SiteView("hall", version="a" * 64, cameras={"north": {}, "south": {}})
 WAIT_S = 20.0
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True)
@@ -84,3 +87,9 @@ def until(holds: Callable[[], bool]) -> None:
     while not holds():
         assert monotonic() < end_s, "waited for too long"
         sleep(0.02)
+
+
+def run_apart(work: Coroutine[Any, Any, Result]) -> Result:
+    """Run a coroutine in a thread of its own: browsers of other tests keep a loop in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, work).result()

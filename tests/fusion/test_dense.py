@@ -8,7 +8,13 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels, tuning
-from trecsim.fusion.kernels import information, lengths, locating, motion, small_matrices
+from trecsim.fusion.kernels import (
+    body_motion,
+    information,
+    lengths,
+    locating,
+    small_matrices,
+)
 from trecsim.fusion.kernels.fitting_kernels import fold_moments
 from trecsim.fusion.kernels.locating import newton_step
 
@@ -70,7 +76,7 @@ def test_moving_on_takes_out_the_oldest_point_and_ties_the_newest(seed, memory, 
     rows, right = reference.motion_rows(N, stiffness, memory, drift_m)
     expected = np.pad(past, (0, 3)) + rows.T @ rows
     expected_vector = np.pad(vector, (0, 3)) + rows.T @ right
-    motion.extend(R, z, c, stiffness, memory, drift_m, np.empty(N))
+    body_motion.extend(R, z, c, stiffness, memory, drift_m, np.empty(N))
     scale = np.abs(expected).max()
     np.testing.assert_allclose(R.T @ R, expected, atol=1e-9 * scale)
     np.testing.assert_allclose(R.T @ z, expected_vector, atol=1e-8 * scale * (1 + np.abs(c).max()))
@@ -134,7 +140,7 @@ def test_a_trajectory_stays_sound_through_thousands_of_frames():
     cov = np.empty((1, 1, 3, 3))
     for step in range(3000):
         if step % 3 == 0:
-            motion.extend(R[0, 0], z[0, 0], c[0, 0], 15.0, 0.85, np.zeros(3), np.empty(N))
+            body_motion.extend(R[0, 0], z[0, 0], c[0, 0], 15.0, 0.85, np.zeros(3), np.empty(N))
         direction = rng.normal(size=(rng.integers(0, 4), 3)) * 10 ** rng.uniform(-3, 6)
         info = direction.T @ direction
         span, weights = placed(rng.uniform(0, 5))

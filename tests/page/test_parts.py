@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from made_page import event, next_of, running_page
+from made_page import event, next_of, run_apart, running_page
 from trecsim.page import stream as stream_module
 from trecsim.page.address import PageAddress
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
@@ -123,7 +123,7 @@ def test_a_viewer_that_takes_nothing_is_disconnected(monkeypatch: pytest.MonkeyP
         await asyncio.wait_for(task, 20)
         assert hub.viewers == set()
 
-    asyncio.run(watch())
+    run_apart(watch())
     assert deaf.sent == ["1"]
 
 

@@ -19,7 +19,7 @@ from argon2 import PasswordHasher, extract_parameters
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import trecsim
-from made_page import SITE, RunningPage, event, next_of, running_page, until
+from made_page import SITE, RunningPage, event, next_of, run_apart, running_page, until
 from made_tracks import snapshot
 from trecsim.errors import InputError
 from trecsim.page import passwords
@@ -236,7 +236,7 @@ def test_a_few_passwords_are_checked_at_once_and_too_many_are_refused(
         go_on.set()
         return await asyncio.gather(*tries, return_exceptions=True)
 
-    found = asyncio.run(all_of_them())
+    found = run_apart(all_of_them())
     assert found.count(True) == 8
     assert [type(one) for one in found].count(TooManyLoginsError) == 4
     assert most[0] == 2
