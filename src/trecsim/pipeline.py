@@ -211,7 +211,7 @@ class Feed:
             return poses.arrivals()
         from trecsim.estimators.pool import estimate_live
 
-        frames: Mailbox[Frame] = Mailbox()
+        frames: Mailbox[Frame] = Mailbox(depth=1)  # an image that waits only gets older
         deliver(cast(Sequence[Source[Frame]], self._sources), frames, self.fault)
         poses = estimate_live(frames, self._estimator, self.fault)
         self._boxes = [frames, poses]
