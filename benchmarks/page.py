@@ -151,7 +151,7 @@ def quantiles(delays_s: list[float]) -> dict[str, Figure]:
 
 
 async def view(url: str, count: int) -> list[tuple[float, float]]:
-    """Read as so many viewers until a line on stdin; return what the first of them saw.
+    """Read with `count` viewers until a line arrives on stdin; return what the first one saw.
 
     That is the time of each snapshot, and when it was parsed; both Unix time [s].
     """

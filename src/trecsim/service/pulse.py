@@ -33,7 +33,6 @@ class Pulse:
     ) -> None:
         self._health, self._tell = health, tell
         self._ending = Event()
-        self._faults: tuple[str, ...] = ()
         self._thread = Thread(target=self._run, name="pulse", daemon=True)
 
     def __enter__(self) -> Self:
