@@ -90,19 +90,17 @@ def _best_offset(
 ) -> Pixels:
     """Return where beside `point` a text of half the size `half` fits best, outwards if it can."""
     start = np.arctan2(outwards[1], outwards[0]) if np.any(outwards) else np.pi / 2
-    best, least = np.zeros(2), np.inf
-    for distance in DISTANCES_PT:
-        for turn in range(DIRECTIONS):
-            turned = 2 * np.pi * turn / DIRECTIONS
-            direction = np.array([np.cos(start + turned), np.sin(start + turned)])
-            offset = direction * (distance * dots) + direction * half * [1.0, 0.6]
-            box = _box(point + offset, *half)
-            overlaps = sum(box.overlaps(other) for other in taken)
-            inside = frame.containsx(box.x0) and frame.containsx(box.x1)
-            inside = inside and frame.containsy(box.y0) and frame.containsy(box.y1)
-            penalty = 1000 * overlaps + 300 * (not inside) + distance + 10 * (1 - np.cos(turned))
-            if penalty < least:
-                best, least = offset, penalty
+    turned = np.tile(2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS, len(DISTANCES_PT))
+    distance = np.repeat(np.array(DISTANCES_PT, float), DIRECTIONS)
+    direction = np.column_stack((np.cos(start + turned), np.sin(start + turned)))
+    offsets = direction * (distance[:, None] * dots) + direction * half * [1.0, 0.6]
+    low, high = point + offsets - half, point + offsets + half
+    others = np.array([[one.p0, one.p1] for one in taken])
+    apart = (high[:, None] < others[:, 0]) | (low[:, None] > others[:, 1])
+    overlaps = (~apart.any(axis=-1)).sum(axis=-1)
+    outside = (low < frame.p0).any(axis=-1) | (high > frame.p1).any(axis=-1)
+    penalty = 1000 * overlaps + 300 * outside + distance + 10 * (1 - np.cos(turned))
+    best: Pixels = offsets[np.argmin(penalty)]
     return best
 
 
