@@ -5,11 +5,15 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from often import DAILY, NIGHTLY
+
 # Machines are shared and kernels compile at their first call: time says nothing about a law.
 # Examples are the same in every run, so that a change alone decides whether tests pass; nightly
-# runs (`make test-random`) draw others, and print how to repeat what fails.
-settings.register_profile("repeatable", deadline=None, derandomize=True, print_blob=True)
-settings.register_profile("random", deadline=None, print_blob=True)
+# runs (`make test-random`) draw others, and more of them, and print how to repeat what fails.
+settings.register_profile(
+    "repeatable", deadline=None, derandomize=True, print_blob=True, max_examples=DAILY
+)
+settings.register_profile("random", deadline=None, print_blob=True, max_examples=NIGHTLY)
 settings.load_profile("repeatable")
 
 

@@ -13,7 +13,7 @@ from trecsim.cli import demo_command
 def test_the_command_tells_what_came_of_it(
     trecsim: Callable[..., tuple[int, str, str]], tmp_path: Path
 ) -> None:
-    small = ("--seconds", 3, "--people", 1, "--cameras", 2)
+    small = ("--seconds", 1, "--people", 1, "--cameras", 2)
     code, out, _ = trecsim("demo", "--out", tmp_path / "a room", *small)
     assert code == 0
     assert out.startswith("page: http://127.0.0.1:")
@@ -24,7 +24,7 @@ def test_the_command_tells_what_came_of_it(
     assert err.startswith("page: http://127.0.0.1:")
     facts = json.loads(out)
     assert abs(facts["frame_sets"] - facts["truth"]["frames"]) < 5
-    assert facts["frame_sets"] > 60
+    assert facts["frame_sets"] > 20
     assert facts["fusion_ms"]["median"] > 0
     code, out, err = trecsim("demo", "--out", tmp_path, *small)
     assert code == 2

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from made_site import make_site
+from often import often
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
 from trecsim.sites.check import check_site
@@ -84,7 +85,7 @@ PIECES = [
 
 
 @given(start=st.integers(0, 400), length=st.integers(0, 30), piece=st.sampled_from(PIECES))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=often(150))
 def test_a_mangled_site_file_is_checked_or_refused_without_its_secrets(start, length, piece, site):
     whole = site.read_text()
     mangled = site.with_name("mangled.toml")

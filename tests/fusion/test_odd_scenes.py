@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from fusion.made import NOISE, frame_sets, made, outcome, path
+from often import often
 from trecsim.errors import InputError
 from trecsim.fusion import Tracker
 from trecsim.geometry import Camera, Rig
@@ -146,7 +147,7 @@ def garbage(draw):
 GOOD = frame_sets(made([ACROSS, BESIDE], seconds=3.0, detector=PERFECT))
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=often(8))
 @given(st.data())
 def test_no_garbage_between_good_images_raises_or_makes_anybody_infinite(data):
     tracker = Tracker(CORNERS)
@@ -161,7 +162,7 @@ def test_no_garbage_between_good_images_raises_or_makes_anybody_infinite(data):
     assert tracker.held.unassigned < 100
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=often(30))
 @given(st.lists(garbage(), min_size=1, max_size=40), st.sampled_from([0.0, 0.3]))
 def test_garbage_alone_raises_nothing_and_makes_nobody_infinite(images, lag_s):
     tracker = Tracker(CORNERS, lag_s=lag_s)
@@ -169,7 +170,7 @@ def test_garbage_alone_raises_nothing_and_makes_nobody_infinite(images, lag_s):
         assert_finite([tracker.step(FrameSet(image.t_s, (image,)))])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=often(20))
 @given(st.integers(1, 30).filter(lambda n: n != 17), st.sampled_from([0.0, np.nan, np.inf]))
 def test_what_cannot_be_a_pose_is_refused_and_changes_nothing(joints, t_s):
     tracker = Tracker(CORNERS)

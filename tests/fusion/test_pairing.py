@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.made import made, path
 from fusion.somebody import MODEL
+from often import often
 from trecsim.fusion import kernels
 from trecsim.lab.simulation.detector import PERFECT
 
@@ -57,7 +58,7 @@ def two_images(xy_px, factor):
     return kernels.Measurements(np.array([0, 1]), np.array([0, 3, 6]), xy_px, factor)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=often(10))
 @given(SEEDS)
 def test_pairs_of_detections_are_scored_as_by_the_reference(seed):
     eyes, xy_px, factor, _ = drawn(np.random.default_rng(seed))
@@ -80,7 +81,7 @@ def test_pairs_of_detections_are_scored_as_by_the_reference(seed):
     assert np.isfinite(score[:3, 3:]).any()
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=often(10))
 @given(SEEDS)
 def test_evidence_for_other_pairs_grows_as_the_twin_says(seed):
     rng = np.random.default_rng(seed)
@@ -115,7 +116,7 @@ def test_two_people_made_of_the_wrong_halves_are_found_out():
         assert evidence[2] == 0
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=often(20))
 @given(SEEDS)
 def test_who_is_needless_is_as_the_twin_says(seed):
     rng = np.random.default_rng(seed)

@@ -1,5 +1,6 @@
 """The demo: a whole run on a synthetic scene, and what it does with directories."""
 
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -8,20 +9,37 @@ import pytest
 
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
-from trecsim.lab.demo import DemoScene, demo
+from trecsim.lab.demo import DemoScene, DemoSummary, demo
 from trecsim.lab.demo_poses import demo_scene, without_end
 from trecsim.lab.simulation.scene import simulate
 from trecsim.sources import read_poses
 
+SHOWN = DemoScene(people=1, cameras=2)  # in a second: a demo lasts as long as its scene
+
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("demo") / "room"
-    demo(folder, seconds=4.0, shown=DemoScene(people=2, cameras=3))
-    return folder
+def room(tmp_path_factory: pytest.TempPathFactory) -> tuple[DemoSummary, list[tuple]]:
+    """Run a demo; return its result and what was told of its progress."""
+    told: list[tuple[int, int | None]] = []
+    result = demo(
+        tmp_path_factory.mktemp("demo") / "room",
+        seconds=3.0,
+        shown=DemoScene(people=2, cameras=3),
+        progress=lambda done, total: told.append((done, total)),
+    )
+    return result, told
 
 
-def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(folder: Path) -> None:
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing, which takes longer than all the rest."""
+    monkeypatch.setattr("trecsim.lab.plots.paths_plot.plot_paths", lambda *_, **__: None)
+
+
+def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(
+    room: tuple[DemoSummary, list[tuple]],
+) -> None:
+    folder = room[0].folder
     assert sorted(path.name for path in folder.iterdir()) == [
         "paths.png",
         "poses.jsonl",
@@ -31,21 +49,17 @@ def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(folder: Path) -> No
         "truth.npz",
     ]
     assert len(read_rig(folder / "rig.toml")) == 3
-    assert len(list(read_poses(folder / "poses.jsonl"))) == 280  # one camera fails for 0.8 s
+    assert len(list(read_poses(folder / "poses.jsonl"))) == 210  # one camera fails for 0.6 s
     with np.load(folder / "truth.npz") as truth:
         assert set(truth.files) == {"t_s", "xyz_m"}
         assert truth["xyz_m"].shape == (2, len(truth["t_s"]), 17, 3)
 
 
-def test_the_error_against_the_truth_is_that_of_a_good_tracker(folder: Path) -> None:
-    told: list[tuple[int, int | None]] = []
-    result = demo(
-        folder,
-        seconds=4.0,
-        shown=DemoScene(people=2, cameras=3),
-        progress=lambda n, m: told.append((n, m)),
-    )
-    assert told[-1] == (280, 280)
+def test_the_error_against_the_truth_is_that_of_a_good_tracker(
+    room: tuple[DemoSummary, list[tuple]],
+) -> None:
+    result, told = room
+    assert told[-1] == (210, 210)
     assert result.run.people == 2
     assert result.comparison is not None
     assert result.comparison.switches == 0
@@ -53,12 +67,12 @@ def test_the_error_against_the_truth_is_that_of_a_good_tracker(folder: Path) -> 
     assert result.comparison.recall_15cm > 0.9
 
 
-def test_the_same_seed_gives_the_same_result(folder: Path, tmp_path: Path) -> None:
-    demo(tmp_path / "again", seconds=4.0, shown=DemoScene(people=2, cameras=3))
-    demo(tmp_path / "other", seconds=4.0, shown=DemoScene(people=2, cameras=3, seed=1))
+@pytest.mark.usefixtures("without_pictures")
+def test_the_same_seed_gives_the_same_poses(tmp_path: Path) -> None:
+    for name, seed in (("first", 0), ("again", 0), ("other", 1)):
+        demo(tmp_path / name, seconds=1.0, shown=replace(SHOWN, seed=seed))
     first, again, other = (
-        (path / "poses.jsonl").read_bytes()
-        for path in (folder, tmp_path / "again", tmp_path / "other")
+        (tmp_path / name / "poses.jsonl").read_bytes() for name in ("first", "again", "other")
     )
     assert first == again != other
 
@@ -74,13 +88,17 @@ def test_a_folder_with_something_else_in_it_is_left_alone(tmp_path: Path) -> Non
     }
 
 
-def test_what_others_put_beside_an_earlier_demo_stays(folder: Path) -> None:
+@pytest.mark.usefixtures("without_pictures")
+def test_what_others_put_beside_an_earlier_demo_stays(
+    room: tuple[DemoSummary, list[tuple]],
+) -> None:
+    folder = room[0].folder
     (folder / "notes.txt").write_text("mine")
     (folder / "run" / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match=r"run is not empty"):
-        demo(folder, seconds=2.0, shown=DemoScene(people=1, cameras=2))
+        demo(folder, seconds=1.0, shown=SHOWN)
     (folder / "run" / "notes.txt").unlink()
-    demo(folder, seconds=2.0, shown=DemoScene(people=1, cameras=2))
+    demo(folder, seconds=1.0, shown=SHOWN)
     assert (folder / "notes.txt").read_text() == "mine"
 
 
@@ -102,12 +120,13 @@ def test_numbers_that_cannot_be_are_told_at_once(
 
 
 def test_a_room_without_anybody_is_a_demo_too(tmp_path: Path) -> None:
-    result = demo(tmp_path / "empty", seconds=2.0, shown=DemoScene(people=0, cameras=2))
+    result = demo(tmp_path / "empty", seconds=1.0, shown=DemoScene(people=0, cameras=2))
     assert result.comparison is not None
     assert (result.run.people, result.comparison.person_frames) == (0, 0)
     assert result.picture is not None
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_without_scipy_the_demo_runs_and_says_what_the_scores_need(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -116,26 +135,27 @@ def test_without_scipy_the_demo_runs_and_says_what_the_scores_need(
 
     monkeypatch.setattr("trecsim.lab.demo.compare_moments", without)
     told: list[str] = []
-    result = demo(
-        tmp_path / "room", seconds=2.0, shown=DemoScene(people=1, cameras=2), remark=told.append
-    )
+    result = demo(tmp_path / "room", seconds=1.0, shown=SHOWN, remark=told.append)
     assert result.comparison is None
     assert result.run.people == 1
     assert told == ["evaluation against ground truth needs SciPy"]
 
 
-def test_it_ends_early_when_it_is_told_to_and_keeps_what_there_was(tmp_path: Path) -> None:
+@pytest.mark.usefixtures("without_pictures")
+def test_it_ends_early_when_it_is_told_to_and_keeps_what_there_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trecsim.lab.demo.CHAPTER_S", 5.0)
     asked = 0
 
     def stop() -> bool:
         nonlocal asked
         asked += 1
-        return asked > 150
+        return asked > 60
 
-    shown = DemoScene(people=1, cameras=2)
-    result = demo(tmp_path / "room", seconds=None, shown=shown, stop=stop)
+    result = demo(tmp_path / "room", seconds=None, shown=SHOWN, stop=stop)
     assert result.run.ended == "stopped"
-    assert result.run.frame_sets > 20
+    assert result.run.frame_sets > 10
     assert result.comparison is None
 
 

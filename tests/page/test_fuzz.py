@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from made_page import RunningPage, event, next_of, running_page, until
+from often import often
 from page_processes import linux, process_of
 from trecsim.page.address import PageAddress
 from trecsim.page.page_data import PageData
@@ -122,7 +123,7 @@ def check_alive(page: RunningPage, log: Path, answer: bytes) -> None:
 
 
 @linux
-@settings(max_examples=EXAMPLES)
+@settings(max_examples=often(EXAMPLES))
 @given(route=st.sampled_from(ROUTES), tail=tails, more=headers, body=st.just(b"") | bodies)
 def test_no_request_makes_the_page_fail(
     fuzzed: tuple[RunningPage, Path], route: str, tail: str, more: dict[str, str], body: bytes
@@ -132,7 +133,7 @@ def test_no_request_makes_the_page_fail(
 
 
 @linux
-@settings(max_examples=EXAMPLES)
+@settings(max_examples=often(EXAMPLES))
 @given(route=st.sampled_from([one for one in ROUTES if one[0] == "P"]), body=values)
 def test_no_json_makes_the_page_fail(
     fuzzed: tuple[RunningPage, Path], route: str, body: object
@@ -156,7 +157,7 @@ def test_no_plain_request_makes_the_page_fail(
 
 
 @linux
-@settings(max_examples=EXAMPLES)
+@settings(max_examples=often(EXAMPLES))
 @given(
     st.binary(max_size=300)
     | st.tuples(st.sampled_from([b"GET / HTTP/1.1\r\n", b"POST /api/login "]), st.binary()).map(
@@ -175,7 +176,7 @@ UPGRADE = {
 
 
 @linux
-@settings(max_examples=EXAMPLES)
+@settings(max_examples=often(EXAMPLES))
 @given(
     query=st.sampled_from(["", "?last_event_id=", "?last_event_id=%00%ff", "?last_event_id=one"]),
     frames=st.lists(

@@ -16,6 +16,7 @@ from websockets.sync.client import ClientConnection
 
 from made_page import RunningPage, event, next_of, running_page, until, well
 from made_tracks import recordings, snapshot
+from often import often
 from page_processes import linux, process_of
 from trecsim.page.last_seen import LastSeen, snapshot_part
 from trecsim.page.messages import message, snapshot_body
@@ -78,7 +79,7 @@ def test_the_published_schema_accepts_the_messages_and_nothing_that_differs(
             assert VALIDATOR.is_valid({**got, "more": 1}) == (kind == "health")
 
 
-@settings(max_examples=20)
+@settings(max_examples=often(20))
 @given(recordings())
 def test_every_snapshot_fits_the_schema(made: list[Snapshot]) -> None:
     seen = LastSeen()

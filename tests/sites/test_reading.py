@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from often import often
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
 from trecsim.sites import fusion_settings, read_site, site_schema
@@ -136,7 +137,7 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
 
 
 @given(st.integers(0, len(GOOD)), st.integers(0, 40), st.text(max_size=20))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=often(200))
 def test_a_mangled_file_never_gives_anything_but_a_clear_error(
     tmp_path_factory: pytest.TempPathFactory, start: int, length: int, put: str
 ) -> None:

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from often import often
 from sources.made_poses import flat, made_poses, mmpose_frames, write_coco, write_openpose
 from trecsim.errors import InputError
 from trecsim.sources import json_stream, read_poses, strict_json
@@ -47,7 +48,7 @@ EACH = {
 
 @pytest.mark.parametrize("name", EACH)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=often(60))
 def test_a_damaged_file_gives_images_or_a_clear_message(name, seed, count, folder):
     rng = np.random.default_rng(seed)
     path = folder / name

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from made_live import any_snapshots, assert_same_bits, live_moments
+from often import often
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.compact import COMPACT_SCHEMA, compact_table, moments_in
@@ -39,7 +40,7 @@ def test_a_table_gives_back_every_bit(made: list[Snapshot]) -> None:
     assert_same_bits(list(moments_in(compact_table(moments, COCO17), COCO17)), moments)
 
 
-@settings(max_examples=30)
+@settings(max_examples=often(30))
 @given(
     st.lists(any_snapshots(), min_size=1, max_size=8, unique_by=lambda one: one.t_s),
     st.lists(st.integers(1, 3), min_size=8, max_size=8),

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 
 from made_tracks import assert_same, recordings, snapshot, walk
+from often import often
 from trecsim.errors import InputError
 from trecsim.store.parquet_reading import read_info
 from trecsim.store.tracks import TracksInfo, export_tracks, read_tracks, tracks_writer
@@ -25,7 +26,7 @@ def write(path: Path, made: list[Snapshot]) -> Path:
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 @given(made=recordings())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=often(20))
 def test_what_is_written_is_read(suffix: str, made: list[Snapshot]) -> None:
     with TemporaryDirectory() as folder:
         path = write(Path(folder) / f"tracks{suffix}", made)
@@ -33,7 +34,7 @@ def test_what_is_written_is_read(suffix: str, made: list[Snapshot]) -> None:
 
 
 @given(made=recordings())
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=often(20))
 def test_export_there_and_back_gives_the_same_bytes(made: list[Snapshot]) -> None:
     with TemporaryDirectory() as name:
         folder = Path(name)

@@ -6,6 +6,7 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from often import often
 from trecsim.toml_models.lines import KeyPath, key_lines, line_of
 
 DOCUMENT = '''\
@@ -108,7 +109,7 @@ def documents(draw: st.DrawFn) -> str:
 
 
 @given(documents())
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=often(200))
 def test_every_value_of_any_document_is_found_on_its_line(text: str) -> None:
     lines = key_lines(text)
     for path, line in leaves(tomllib.loads(text)):

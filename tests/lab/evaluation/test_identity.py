@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from lab.evaluation import reference_scores
 from lab.evaluation.scored_cases import moments_of, places, scores_of, truth_of
+from often import often
 from trecsim.errors import SetupError
 from trecsim.lab.evaluation.identity import Identity, IdentityCount
 
@@ -120,7 +121,7 @@ def as_moments(people: list[list[complex]], found: list[dict[int, complex]]) -> 
     return moments
 
 
-@settings(max_examples=40)
+@settings(max_examples=often(40))
 @given(st.integers(0, 2**32 - 1), st.integers(1, 14))
 def test_scores_equal_their_twins(seed: int, people: int) -> None:
     people_m, found = random_scene(seed, people)

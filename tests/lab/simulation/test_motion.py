@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from often import often
 from trecsim.errors import InputError
 from trecsim.lab.simulation.actions import (
     Action,
@@ -298,7 +299,7 @@ def test_a_whole_motion_turns_and_shifts_with_its_start() -> None:
     np.testing.assert_allclose(back, plain, atol=1e-5)
 
 
-@settings(max_examples=8)
+@settings(max_examples=often(8))
 @given(names=st.lists(st.sampled_from(sorted(ACTIONS)), min_size=2, max_size=4))
 def test_any_order_of_actions_keeps_the_laws(names: list[str]) -> None:
     motion = motion_of(SHORT, (0.0, 0.0), 0.0, [ACTIONS[name] for name in names])

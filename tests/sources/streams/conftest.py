@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from made_cameras import MadeCamera
+from trecsim.sources.streams import connection, retrying
 
 
 @pytest.fixture
@@ -13,3 +14,13 @@ def camera() -> Iterator[MadeCamera]:
     made = MadeCamera()
     yield made
     made.close()
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Give a camera up, and try it again, after a third of the usual time."""
+    for module, name in (
+        *((connection, name) for name in ("SILENT_S", "NO_IMAGE_S", "NO_TIME_S")),
+        *((retrying, name) for name in ("FIRST_S", "SOON_S")),
+    ):
+        monkeypatch.setattr(module, name, getattr(module, name) / 3.0)

@@ -43,6 +43,7 @@ def test_images_are_dated_by_the_clock_of_the_camera(camera: RtspCamera, transpo
     assert north.counters.fault is None
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_camera_that_is_killed_and_comes_back_delivers_again() -> None:
     with rtsp_camera() as camera, watched(camera.url(), SIZE_PX) as north:
         last_s = north.images()[-1].t_s
@@ -54,6 +55,7 @@ def test_a_camera_that_is_killed_and_comes_back_delivers_again() -> None:
         assert north.counters.fault is None
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_camera_that_freezes_is_given_up_and_delivers_again() -> None:
     with rtsp_camera() as camera, watched(camera.url(), SIZE_PX) as north:
         north.images()
@@ -104,6 +106,7 @@ def test_a_gap_in_the_network_is_outlived_and_old_images_are_left_out(
         assert times_s == sorted(times_s)
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_long_gap_in_the_network_is_told(camera: RtspCamera, network: Network) -> None:
     with watched(camera.url(port=network.port), SIZE_PX) as north:
         north.images()
@@ -115,6 +118,7 @@ def test_a_long_gap_in_the_network_is_told(camera: RtspCamera, network: Network)
         assert north.counters.reconnects >= 1
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_network_that_is_too_slow_for_the_images_is_told(
     camera: RtspCamera, network: Network
 ) -> None:
@@ -154,6 +158,7 @@ def test_a_camera_whose_clock_is_wrong_is_dated_by_arrival(
     assert abs(frame.t_s - painted_s(frame.image)) < 1.0
 
 
+@pytest.mark.usefixtures("impatient")
 def test_garbage_between_the_packets_is_outlived(camera: RtspCamera, network: Network) -> None:
     with watched(camera.url(port=network.port), SIZE_PX) as north:
         north.images()

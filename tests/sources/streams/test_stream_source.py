@@ -59,6 +59,7 @@ def test_images_that_nobody_looks_at_are_not_converted(
     assert first.dtype == np.uint8
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_camera_that_is_switched_off_and_on_again_comes_back(camera: MadeCamera) -> None:
     with watched(camera.url, SIZE_PX) as north:
         last_s = north.images()[-1].t_s
@@ -71,6 +72,7 @@ def test_a_camera_that_is_switched_off_and_on_again_comes_back(camera: MadeCamer
         assert north.counters.reconnects >= 1
 
 
+@pytest.mark.usefixtures("impatient")
 def test_the_end_of_a_live_stream_is_a_fault(camera: MadeCamera) -> None:
     with watched(camera.url, SIZE_PX) as north:
         north.images()
@@ -78,6 +80,7 @@ def test_the_end_of_a_live_stream_is_a_fault(camera: MadeCamera) -> None:
         assert "tcp://127.0.0.1" in north.fault("ended the")
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_camera_that_falls_silent_is_given_up_and_comes_back(camera: MadeCamera) -> None:
     with watched(camera.url, SIZE_PX) as north:
         north.images()
@@ -88,6 +91,7 @@ def test_a_camera_that_falls_silent_is_given_up_and_comes_back(camera: MadeCamer
         assert north.counters.fault is None
 
 
+@pytest.mark.usefixtures("impatient")
 def test_garbage_is_told_and_outlived(camera: MadeCamera) -> None:
     with watched(camera.url, SIZE_PX) as north:
         north.images()
@@ -126,11 +130,11 @@ def test_a_device_delivers_raw_images(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_motion_jpeg_over_http_is_read_at_any_rate() -> None:
-    with closing(JpegCamera(fps=8)) as camera, watched(camera.url, SIZE_PX) as north:
-        frames = north.images(40)  # FFmpeg counts them as 25 images per second
+    with closing(JpegCamera(fps=5)) as camera, watched(camera.url, SIZE_PX) as north:
+        frames = north.images(15)  # FFmpeg counts them as 25 images per second
         assert north.counters.codec == "mjpeg"
         assert north.counters.fault is None
-        assert north.counters.dropped.get("late", 0) < 10
+        assert north.counters.dropped.get("late", 0) < 5
     times_s = [frame.t_s for frame in frames]
     assert times_s == sorted(times_s)
 

@@ -1,0 +1,11 @@
+"""How often a test tries what is drawn by chance."""
+
+from hypothesis import settings
+
+NIGHTLY = 100  # examples of a property that says nothing else, in nightly runs
+DAILY = 25  # and in others: they are the same in every run, so that more of them find little
+
+
+def often(count: int) -> int:
+    """Return `count` in nightly runs (`make test-random`), in others a quarter of it."""
+    return -(-count * settings.default.max_examples // NIGHTLY)
