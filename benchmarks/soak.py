@@ -303,30 +303,30 @@ def figures_of(seen: Seen, memory_mb: list[float]) -> Figures:
     }  # fmt: skip
 
 
-def _hours(text: str) -> float:
+def hours(text: str) -> float:
     """Return `text` as a length of recording that has a first and a last tenth [h]."""
     try:
-        hours = float(text)
+        length_h = float(text)
     except ValueError:
-        hours = math.nan
-    if not SHORTEST_HOURS <= hours <= LONGEST_HOURS:
+        length_h = math.nan
+    if not SHORTEST_HOURS <= length_h <= LONGEST_HOURS:
         raise argparse.ArgumentTypeError(
             f"expected {SHORTEST_HOURS:g} to {LONGEST_HOURS:g} hours, got {text}"
         )
-    return hours
+    return length_h
 
 
 def main() -> int:
     """Run it for as many hours as asked."""
     parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument("--hours", type=_hours, metavar="N")
+    parser.add_argument("--hours", type=hours, metavar="N")
     given, others = parser.parse_known_args()
 
     def measure(options: Options) -> Figures:
         """Follow people for long, with cameras that fail; watch memory, time and who is lost."""
-        hours = given.hours or (QUICK_HOURS if options.quick else HOURS)
-        options.input.update(hours=hours, data="a simulated room, 3 failing cameras", fps=FPS)
-        return follow(scene(), 3600.0 * hours, options)
+        length_h = given.hours or (QUICK_HOURS if options.quick else HOURS)
+        options.input.update(hours=length_h, data="a simulated room, 3 failing cameras", fps=FPS)
+        return follow(scene(), 3600.0 * length_h, options)
 
     if "--help" in others:
         print("soak.py takes --hours N, of recording, besides what all benchmarks take:\n")

@@ -154,7 +154,7 @@ def peak_mb() -> float:
     return int(status.partition("VmHWM:")[2].split()[0]) / 1024
 
 
-def held_mb() -> float:
-    """Return the memory this program holds now [MB]."""
-    status = Path("/proc/self/status").read_text(encoding="utf-8")
+def held_mb(process: int | str = "self") -> float:
+    """Return the memory that a process holds now [MB]; of this program, if not told."""
+    status = Path(f"/proc/{process}/status").read_text(encoding="utf-8")
     return int(status.partition("VmRSS:")[2].split()[0]) / 1024
