@@ -88,7 +88,8 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))
         for name in ("memory", "arrival", "soak", "simulating", "evaluating", "real_video",
-                     "pipeline_cost", "reading", "storing")
+                     "pipeline_cost", "reading", "storing", "live", "soak_live", "page",
+                     "page_start", "streams")
     },
 }  # fmt: skip
 """Every table: the benchmark it needs, and what makes it."""

@@ -226,6 +226,9 @@ ABOUT = {
     "fusion per frame set": "from 2D key points to people in 3D, one thread, warm",
     "real video": "the sample recording of Pose2Sim",
     "pipeline": "videos in, people in 3D out",
+    "live site": "RTSP cameras in, people on the page out; all of it on two cores",
+    "live page": "the operator page and its process",
+    "storing": "what a live site writes",
 }
 """What the groups are, in a line."""
 
@@ -233,6 +236,7 @@ FUSION: tuple[Target, ...] = (*_shelf(), *_thesis(), *_rooms(), *_speed())
 """What the fusion is to reach."""
 
 _VIDEO, _COST, _LONG = "real video", "pipeline", "an hour of failing cameras"
+_LIVE, _PAGE, _STORE = "live site", "live page", "storing"
 OTHERS: tuple[Target, ...] = (
     Target("simulating", "4 cameras x 4 people",
            ("simulating", "4 cameras, 4 people", "times real time"), ">=", 50, "x real time"),
@@ -268,10 +272,28 @@ OTHERS: tuple[Target, ...] = (
            ("pipeline_cost", "whole pipeline / estimation alone", "wall time"), "<=", 1.15),
     Target(_COST, "peak memory, four videos of 1920 x 1080",
            ("pipeline_cost", "peak memory", "*"), "<=", 1500, "MB"),
-    Target("live page", "tracking time with 20 viewers and one that reads nothing, change",
+    Target(_LIVE, "rate of the estimator alone that is fused, 4 x 720p at 20 images/s",
+           ("live", "*", "of the estimator alone"), ">=", 85, "%"),
+    Target(_LIVE, "image to program beyond the estimate, median",
+           ("live", "*", "beyond the estimate, median"), "<=", 250, "ms"),
+    Target(_LIVE, "image to program beyond the estimate, p95",
+           ("live", "*", "beyond the estimate, 95th percentile"), "<=", 500, "ms"),
+    Target(_LIVE, "hours of video at full load, memory, growth",
+           ("soak_live", "memory, *", "growth"), "<=", 3, "%"),
+    Target(_PAGE, "tracking time with 20 viewers and one that reads nothing, change",
            ("page", "tracking", "change with viewers"), "<=", 5, "%"),
-    Target("live page", "12 cameras, 50 people at 25 Hz, newest image to the page, p99",
+    Target(_PAGE, "12 cameras, 50 people at 25 Hz, newest image to the page, p99",
            ("page", "image to page", "p99"), "<=", 100, "ms"),
+    Target(_PAGE, "first paint in Chromium", ("page_start", "*", "first paint"), "<=", 1000, "ms"),
+    Target(_PAGE, "size, compressed", ("page_start", "*", "size"), "<=", 250, "kB"),
+    Target(_PAGE, "draw calls with 50 people", ("page_start", "*", "draw calls"), "<=", 20),
+    Target(_STORE, "an hour of 20 people at 25 Hz, with state, velocity, covariance",
+           ("storing", "live", "an hour of 20 people"), "<=", 250, "MB"),
+    Target(_STORE, "an hour of 20 people at 25 Hz, without them",
+           ("storing", "live", "an hour, without*"), "<=", 120, "MB"),
+    Target(_STORE, "writing, share of one core", ("storing", "live", "writing, share*"), "<=", 2,
+           "%"),
+    Target(_STORE, "lost by kill -9, worst", ("storing", "live", "lost by a kill*"), "<=", 2, "s"),
     Target("start", "`trecsim --help`", ("startup", "wall time", "trecsim --help"), "<=", 0.4,
            "s"),
     Target("start", "`trecsim demo`, kernels compiled on the way",
