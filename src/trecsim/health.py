@@ -90,6 +90,18 @@ class CameraHealth:
         """Number of images that were left out."""
         return sum(self.dropped_by.values())
 
+    def said(self, name: str) -> str | None:
+        """Return what is wrong with the camera in a few words; None where nothing is.
+
+        Examples
+        --------
+        >>> CameraHealth("down", fault="connection refused").said("north")
+        'camera north is down: connection refused'
+        """
+        if self.state not in ("stale", "down"):
+            return None
+        return f"camera {name} is {self.state}" + (f": {self.fault}" if self.fault else "")
+
     def to_json(self) -> dict[str, Any]:
         """Return the entry of a camera in `/api/health`."""
         return {**asdict(self), "dropped": self.dropped}
@@ -119,6 +131,12 @@ class FusionHealth:
     age_s: float | None = None
     people: int = 0
 
+    @property
+    def said(self) -> str | None:
+        """What is wrong with the fusion in a few words; None where nothing is."""
+        texts = {"starting": "the fusion has not begun", "stalled": "the fusion has stopped"}
+        return texts.get(self.state)
+
 
 @dataclass(frozen=True, slots=True)
 class StoreHealth:
@@ -134,6 +152,11 @@ class StoreHealth:
 
     state: StoreState = "off"
     fault: str | None = None
+
+    @property
+    def said(self) -> str | None:
+        """What is wrong with the store in a few words; None where nothing is."""
+        return f"storage fails: {self.fault}" if self.state == "failing" else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,19 +201,8 @@ class Health:
     @property
     def faults(self) -> tuple[str, ...]:
         """What is wrong, each in a few words."""
-        cameras = [
-            f"camera {name} is {camera.state}" + (f": {camera.fault}" if camera.fault else "")
-            for name, camera in self.cameras.items()
-            if camera.state in ("stale", "down")
-        ]
-        fusion = {
-            "starting": ["the fusion has not begun"],
-            "stalled": ["the fusion has stopped"],
-        }.get(self.fusion.state, [])
-        store = (
-            [f"nothing is recorded: {self.store.fault}"] if self.store.state == "failing" else []
-        )
-        return (*cameras, *fusion, *store)
+        cameras = [camera.said(name) for name, camera in self.cameras.items()]
+        return tuple(filter(None, [*cameras, self.fusion.said, self.store.said]))
 
     @property
     def is_well(self) -> bool:

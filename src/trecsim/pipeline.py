@@ -184,6 +184,8 @@ class Feed:
     ----------
     restarts
         How often the fusion of these poses failed and began anew.
+    is_read
+        Whether the sources are read now.
     """
 
     def __init__(
@@ -194,6 +196,7 @@ class Feed:
     ) -> None:
         self.fault = fault or _log_fault
         self.restarts = 0
+        self.is_read = False
         self._sources, self._estimator = sources, estimator
         self._boxes: list[Mailbox[Poses2D] | Mailbox[Frame]] = []
 
@@ -204,6 +207,7 @@ class Feed:
 
     def arrivals(self) -> Iterator[Arrival[Poses2D]]:
         """Begin to read the sources; yield 2D poses as they come, and that none comes."""
+        self.is_read = True
         if self._estimator is None:
             poses: Mailbox[Poses2D] = Mailbox(depth=16)
             self._boxes = [poses]
@@ -261,7 +265,7 @@ def live(
     tally = tally if tally is not None else Tally()
     warm_up(losing=True)  # a kernel that is compiled later would stop everything for seconds
     arrivals = usable(_until(feed.arrivals(), stop), rig, feed.fault)
-    while True:
+    while feed.is_read:
         follower = Follower(
             rig,
             settings,
@@ -274,13 +278,14 @@ def live(
         try:
             flow(arrivals, follower, sinks)
         except Error:
+            feed.is_read = False
             raise
         except Exception as error:  # the boundary of the fusion: people are tracked anew
             logger.exception("the fusion failed, and begins anew")
             feed.restarts += 1
             feed.fault(error)
         else:
-            return
+            feed.is_read = False
 
 
 def _until(

@@ -14,6 +14,7 @@ from made_tracks import walk
 from trecsim.errors import InputError
 from trecsim.page.page_data import PageData
 from trecsim.page.site_text import with_places
+from trecsim.store.ledger import Ledger
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recordings import tracks_recorder
 
@@ -133,6 +134,34 @@ def test_events_are_listed_after_one_and_at_most_so_many(
     ]  # fmt: skip
     for query in ({"limit": "x"}, {"limit": 0}, {"from_s": "nan"}, {"after": "a" * 500}):
         assert changing.client.get("/api/events", params=query).status_code == 400
+
+
+def test_an_event_that_the_ledger_has_later_is_listed_once_and_can_be_acted_upon(
+    tmp_path: Path,
+) -> None:
+    with running_page(data=PageData(ledger=tmp_path)) as page, Ledger(tmp_path) as ledger:
+        happened(page, "first")
+        happened(page, "second")
+        assert ledger.events() == []  # the tracking process writes them, once it can
+        ledger.append_event(event("first"))
+        assert [one["id"] for one in listed(page)] == ["first", "second"]
+        assert [one["id"] for one in listed(page, after="first")] == ["second"]
+        assert [one["id"] for one in listed(page, event="second")] == ["second"]
+        assert page.client.post("/api/events/second", json={"phase": "ack"}).status_code == 200
+        ledger.append_event(event("second"))
+        rows = [(one.event["data"]["event"], one.event["data"]["phase"]) for one in ledger.events()]
+        assert rows == [("first", "new"), ("second", "new"), ("second", "ack")]
+        assert [one["id"] for one in listed(page)] == [one.event["id"] for one in ledger.events()]
+
+
+def test_an_event_that_the_ledger_has_is_written_by_nobody_else(tmp_path: Path) -> None:
+    with running_page(data=PageData(ledger=tmp_path)) as page, Ledger(tmp_path) as ledger:
+        with page.stream() as stream:
+            next_of(stream, "health")
+            ledger.append_event(event("kept"))
+            page.process.event(event("kept"), kept=True)
+            assert next_of(stream, "event")["event"]["id"] == "kept"
+        assert [one["id"] for one in listed(page)] == ["kept"]
 
 
 def test_what_a_user_has_reviewed_is_kept(changing: RunningPage) -> None:

@@ -53,6 +53,41 @@ def test_an_event_that_is_sent_again_is_kept_once(tmp_path: Path) -> None:
         assert len(ledger.events()) == 1
 
 
+def test_the_next_event_of_an_episode_follows_what_people_did(tmp_path: Path) -> None:
+    unnumbered = {"source": "site/hall", "data": {"event": "e0", "phase": "end", "t_end_s": 7.0}}
+    with Ledger(tmp_path) as ledger:
+        ledger.append_event(event(0))
+        ledger.act("e0", "ack", "kim")
+        made = ledger.append_next(unnumbered)
+        assert made.event["data"]["seq"] == 2
+        assert ledger.events()[-1] == made
+        assert ledger.append_next(unnumbered).event["id"] != made.event["id"]
+
+
+def test_episodes_without_an_end_are_found_with_their_newest_event(tmp_path: Path) -> None:
+    zone, camera = "trecsim.zone.enter.v1", "trecsim.camera.health.v1"
+    with Ledger(tmp_path) as ledger:
+        for number, (episode, phase, kind) in enumerate(
+            [
+                ("a", "new", zone), ("b", "new", camera), ("c", "new", camera), ("d", "new", zone),
+                ("a", "end", zone), ("b", "update", camera), ("c", "end", camera),
+            ]
+        ):  # fmt: skip
+            one = event(number, phase)
+            one["data"]["event"] = episode
+            ledger.append_event({**one, "type": kind})
+        ledger.act("c", "ack", "kim")
+        ledger.act("d", "ack", "kim")
+
+        def found(*types: str) -> list[tuple[str, str]]:
+            data = [one.event["data"] for one in ledger.open_events(types)]
+            return [(one["event"], one["phase"]) for one in data]
+
+        assert found(camera) == [("b", "update")]
+        assert found(zone, camera) == [("b", "update"), ("d", "ack")]
+        assert found() == []
+
+
 def test_events_are_found_after_a_number_by_time_and_by_episode(tmp_path: Path) -> None:
     with Ledger(tmp_path) as ledger:
         for number in range(6):

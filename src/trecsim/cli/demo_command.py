@@ -57,11 +57,13 @@ def demo(
         Print the summary as one JSON object.
     """
     from trecsim.cli.page_line import demo_page
-    from trecsim.lab.demo import DemoScene
+    from trecsim.lab.demo import DemoScene, prepare
     from trecsim.lab.demo import demo as run_demo
 
     if seconds is None and not sys.stdout.isatty():
         seconds = SECONDS
+    shown = DemoScene(scene, people, cameras, seed)
+    ready = prepare(out, seconds, shown)
     with demo_page(out, json=json) as page, stopping_in_order() as stop:
         compile_first(quiet=json)
         if seconds is None:
@@ -71,7 +73,8 @@ def demo(
             result = run_demo(
                 out,
                 seconds=seconds,
-                shown=DemoScene(scene, people, cameras, seed),
+                shown=shown,
+                ready=ready,
                 page=page,
                 stop=stop,
                 progress=bar,

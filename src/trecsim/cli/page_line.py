@@ -83,15 +83,17 @@ def demo_page(folder: Path, *, json: bool) -> Iterator["PageProcess | None"]:
     Parameters
     ----------
     folder
-        Of the demo.
+        Of the demo, ready.
     json
         Whether stdout belongs to a JSON object.
     """
+    from trecsim.lab.demo_folder import RUN
     from trecsim.page.page_data import PageData
     from trecsim.page.site_view import SiteView
 
+    data = PageData(recordings=folder, ledger=folder / RUN)
     try:
-        page = page_anywhere(SiteView("demo"), PageData(recordings=folder), None)
+        page = page_anywhere(SiteView("demo"), data, None)
     except SetupError as error:
         note(f"the demo runs without its page: {error}")
         yield None

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from trecsim.callbacks import Progress
-from trecsim.errors import InputError, SetupError
-from trecsim.extras import has_extra
+from trecsim.errors import SetupError
+from trecsim.lab.demo_folder import RUN, make_room
 from trecsim.lab.demo_poses import CHAPTER_S, demo_scene, with_outage, without_end
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
 from trecsim.lab.evaluation.moments import Recorded, read_moments, with_empty_moments
@@ -19,26 +19,8 @@ from trecsim.service.live_inputs import LiveInputs
 from trecsim.service.site_service import SiteService
 from trecsim.sites.check import check_site
 from trecsim.sources.streams.as_live import Pace, PosesStream
-from trecsim.store.atomic import atomic_write, disk_faults
-from trecsim.store.ledger_file import discard_ledger
-from trecsim.store.names import POSES, RIG
-from trecsim.store.recordings import discard_recording
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth
-
-MARK = "# Made by trecsim demo."
-SITE = f"""{MARK} Run it again as any other site: trecsim run site.toml
-format = "trecsim.site/1"
-name = "demo"
-rig = "{RIG}"
-poses = "{POSES}"
-"""
-PAGE = """
-[page]
-port = 0      # takes a free port
-"""
-RUN = "run"
-RUN_FILES = ("tracks.parquet", RIG, "timing.csv", "summary.json", "paths.png")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,11 +70,27 @@ class DemoSummary:
     comparison: Comparison | None
 
 
+def prepare(folder: Path, seconds: float | None, shown: DemoScene) -> Scene:
+    """Check what is to be shown and make the folder ready, before its page opens; see `demo`.
+
+    Raises
+    ------
+    InputError
+        A number that cannot be, or a folder with something else in it.
+    SetupError
+        The disk is full.
+    """
+    scene = _scene(shown, seconds)
+    make_room(folder)
+    return scene
+
+
 def demo(
     folder: Path,
     *,
     seconds: float | None = 20.0,
     shown: DemoScene = DemoScene(),
+    ready: Scene | None = None,
     page: PageProcess | None = None,
     stop: Callable[[], bool] = lambda: False,
     progress: Progress | None = None,
@@ -109,6 +107,8 @@ def demo(
         Length [s]; None goes on until `stop` says so.
     shown
         The scene.
+    ready
+        What `prepare` returned for the same folder, length and scene; None does that now.
     page
         Shows it.
     stop
@@ -125,10 +125,9 @@ def demo(
     SetupError
         The disk is full.
     """
-    scene = _scene(shown, seconds)
-    _make_room(folder)
+    scene = prepare(folder, seconds, shown) if ready is None else ready
     made = simulate(scene, shown.seed)
-    _write(folder, made)
+    write_simulation(made, folder)
     total = len(made.poses) if seconds is not None else None
     poses = made.poses if seconds is not None else without_end(made, scene, shown.seed)
     pace = Pace(0.0)
@@ -163,43 +162,6 @@ def _scene(shown: DemoScene, seconds: float | None) -> Scene:
         return demo_scene(length_s, shown.people, shown.cameras, shown.seed)
     scene = read_scene(shown.scene)
     return scene if seconds is None else with_outage(replace(scene, seconds=seconds))
-
-
-def _make_room(folder: Path) -> None:
-    """Make the folder, or clear away what an earlier demo left there, and nothing else.
-
-    Raises
-    ------
-    InputError
-        There is something in it that no demo has made.
-    """
-    with disk_faults(folder):
-        if folder.exists() and any(folder.iterdir()) and not _is_ours(folder):
-            raise InputError(
-                f"{folder} holds something that trecsim demo has not made; nothing is "
-                "overwritten: give another directory with --out"
-            )
-        folder.mkdir(parents=True, exist_ok=True)
-        made = [folder / "paths.png", *(folder / RUN / name for name in RUN_FILES)]
-        for path in made:
-            path.unlink(missing_ok=True)
-        discard_recording(folder / RUN)
-        discard_ledger(folder / RUN)
-
-
-def _is_ours(folder: Path) -> bool:
-    site = folder / "site.toml"
-    if not site.is_file():
-        return False
-    with site.open("rb") as file:
-        return file.read(len(MARK)) == MARK.encode()
-
-
-def _write(folder: Path, made: Simulation) -> None:
-    """Write what a site needs; the site file first, since it marks the folder as ours."""
-    with atomic_write(folder / "site.toml") as file:
-        file.write(SITE + (PAGE if has_extra("page") else ""))
-    write_simulation(made, folder)
 
 
 def _draw(folder: Path, made: Simulation, comparison: Comparison | None) -> Path | None:

@@ -5,9 +5,13 @@ With a folder all of it is in the ledger of the site; without one, in memory unt
 
 import asyncio
 import logging
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
+from threading import Lock
 from time import time
 from typing import Any, TypeVar
 
@@ -37,6 +41,8 @@ class Journal:
     def __init__(self, folder: Path | None, log: EventLog) -> None:
         self._log = log
         self._ledger = None if folder is None else _opened(folder)
+        self._lock = Lock()
+        self._waiting: deque[Event] = deque(maxlen=EVENTS_KEPT)  # the ledger has them later
         self._reviewed: dict[str, dict[str, None]] = {}
         if self._ledger is not None:
             for kept in self._ledger.events(limit=EVENTS_KEPT, newest=True):
@@ -56,17 +62,11 @@ class Journal:
         except SetupError as error:
             logger.error("not in the audit log: %s by %s: %s", act, who, error)  # noqa: TRY400
 
-    async def keep(self, event: Event) -> None:
-        """Keep an event that the tracking process tells, if it has not done so itself.
-
-        A full disk is logged and stops nobody: viewers get the event all the same.
-        """
-        if self._ledger is None:
-            return
-        try:
-            await _apart(partial(self._ledger.append_event, event))
-        except Error as error:
-            logger.error("not in the ledger: event %s: %s", event.get("id"), error)  # noqa: TRY400
+    def waits(self, event: Event) -> None:
+        """Take an event that the tracking process shows before the ledger has it."""
+        if self._ledger is not None:
+            with self._lock:
+                self._waiting.append(event)
 
     async def act(self, episode: str, phase: str, by: str, said: Mapping[str, Any]) -> Event:
         """Keep what somebody does to an event, and show it to all viewers; return its event.
@@ -77,7 +77,7 @@ class Journal:
             There is no such event, or the act is not complete.
         """
         if self._ledger is not None:
-            event = (await _apart(partial(self._ledger.act, episode, phase, by, **said))).event
+            event = await _apart(partial(self._act, self._ledger, episode, phase, by, said))
         else:
             event = self._acted_in_memory(episode, phase, by, said)
         self._log.append(event)
@@ -93,17 +93,11 @@ class Journal:
         limit: int = 1000,
     ) -> Sequence[Event]:
         """Return events in their order: the oldest `after` one, else the newest."""
+        wanted = _Wanted(episode, from_s, until_s)
         if self._ledger is not None:
-            number = 0 if after is None else await _apart(partial(self._ledger.number_of, after))
-            find = partial(
-                self._ledger.events, number or 0, episode=episode, from_s=from_s, until_s=until_s,
-                limit=limit, newest=number in (0, None),
-            )  # fmt: skip
-            return [kept.event for kept in await _apart(find)]
+            return await _apart(partial(self._listed, self._ledger, after, wanted, limit))
         kept = self._log.since(0 if after is None else self._log.after(after))
-        found = [
-            one.event for one in kept if _is_wanted(_data(one.event), episode, from_s, until_s)
-        ]
+        found = [one.event for one in kept if wanted.holds(one.event)]
         return found[:limit] if after is not None else found[-limit:]
 
     async def missed(self, last_event_id: str) -> Sequence[Event]:
@@ -132,6 +126,40 @@ class Journal:
             return await _apart(partial(self._ledger.reviewed, who))
         return list(self._reviewed.get(who, {}))
 
+    def _act(
+        self, ledger: Ledger, episode: str, phase: str, by: str, said: Mapping[str, Any]
+    ) -> Event:
+        """Keep an act, after what it is about."""
+        for event in self._still_waiting(ledger):
+            if _data(event).get("event") == episode:
+                ledger.append_event(event)
+        return ledger.act(episode, phase, by, **said).event
+
+    def _listed(
+        self, ledger: Ledger, after: str | None, wanted: "_Wanted", limit: int
+    ) -> list[Event]:
+        """Return events of the ledger, and after them those that it does not have yet."""
+        waiting = self._still_waiting(ledger)
+        ids = [event.get("id") for event in waiting]
+        shown = [event for event in waiting if wanted.holds(event)]
+        if after in ids:
+            later = waiting[ids.index(after) + 1 :]
+            return [event for event in later if wanted.holds(event)][:limit]
+        number = (0 if after is None else ledger.number_of(after)) or 0
+        found = ledger.events(number, **asdict(wanted), limit=limit, newest=number == 0)
+        both = [*(one.event for one in found if one.event["id"] not in ids), *shown]
+        return both[:limit] if number else both[-limit:]
+
+    def _still_waiting(self, ledger: Ledger) -> list[Event]:
+        """Return the events that the ledger does not have yet."""
+        with self._lock:
+            waiting = list(self._waiting)
+        kept = list(takewhile(lambda one: ledger.number_of(str(one.get("id"))), waiting))
+        with self._lock:
+            while self._waiting and any(self._waiting[0] is one for one in kept):
+                self._waiting.popleft()
+        return waiting[len(kept) :]
+
     def _acted_in_memory(
         self, episode: str, phase: str, by: str, said: Mapping[str, Any]
     ) -> dict[str, Any]:
@@ -151,15 +179,23 @@ def _data(event: Event) -> Mapping[str, Any]:
     return data if isinstance(data, Mapping) else {}
 
 
-def _is_wanted(
-    data: Mapping[str, Any], episode: str | None, from_s: float | None, until_s: float | None
-) -> bool:
-    t_s = data.get("t_detect_s") or data.get("t_start_s") or 0.0
-    return (
-        (episode is None or data.get("event") == episode)
-        and (from_s is None or t_s >= from_s)
-        and (until_s is None or t_s <= until_s)
-    )
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """Which events are asked for; see `Ledger.events`."""
+
+    episode: str | None
+    from_s: float | None
+    until_s: float | None
+
+    def holds(self, event: Event) -> bool:
+        """Tell whether an event is one of them."""
+        data = _data(event)
+        t_s = data.get("t_detect_s") or data.get("t_start_s") or 0.0
+        return (
+            (self.episode is None or data.get("event") == self.episode)
+            and (self.from_s is None or t_s >= self.from_s)
+            and (self.until_s is None or t_s <= self.until_s)
+        )
 
 
 def _opened(folder: Path) -> Ledger | None:

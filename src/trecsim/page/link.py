@@ -67,10 +67,11 @@ class HealthPart(msgspec.Struct, frozen=True, tag="health"):
 
 
 class EventPart(msgspec.Struct, frozen=True, tag="event"):
-    """An event, with its running number in this run."""
+    """An event, with its running number in this run, and whether the ledger has it."""
 
     number: int
     event: dict[str, Any]
+    kept: bool
 
 
 class SitePart(msgspec.Struct, frozen=True, tag="site"):

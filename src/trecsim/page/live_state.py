@@ -46,7 +46,7 @@ class LiveState:
             case HealthPart(health):
                 self._health, self._health_at_s = health, self._heard_s
                 self.tell_health()
-            case EventPart(_, event):
+            case EventPart(_, event, _):
                 if self.hub.events.append(event):
                     self.hub.wake()
             case SitePart(body):

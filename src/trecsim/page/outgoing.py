@@ -59,10 +59,10 @@ class Outgoing:
             self._fresh.add("site")
             self._changed.notify()
 
-    def put_event(self, event: dict[str, Any]) -> None:
-        """Add an event."""
+    def put_event(self, event: dict[str, Any], kept: bool) -> None:
+        """Add an event, and whether the ledger has it."""
         with self._changed:
-            self._events.append(EventPart(self._count, event))
+            self._events.append(EventPart(self._count, event, kept))
             self._count += 1
             self._changed.notify()
 

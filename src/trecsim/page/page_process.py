@@ -126,9 +126,18 @@ class PageProcess:
         """Show a site that has changed."""
         self._outgoing.put_site(SitePart(site.to_json()))
 
-    def event(self, event: Mapping[str, Any]) -> None:
-        """Show an event: a CloudEvent as in ``events.jsonl``."""
-        self._outgoing.put_event(dict(event))
+    def event(self, event: Mapping[str, Any], *, kept: bool = False) -> None:
+        """Show an event: a CloudEvent as in ``events.jsonl``.
+
+        Parameters
+        ----------
+        event
+            The event.
+        kept
+            Whether it is in the ledger of the site. The page writes no event there but those of
+            what people do, and, before these, the ones that they are about.
+        """
+        self._outgoing.put_event(dict(event), kept)
 
     def requests(self) -> list[PageRequest]:
         """Return what people at the page have asked for since the last call."""

@@ -104,9 +104,9 @@ async def _take(
         while True:
             size = int.from_bytes(await reader.readexactly(4), "big")
             part = TO_PAGE.decode(await reader.readexactly(size))
+            if isinstance(part, EventPart) and not part.kept:
+                parts.journal.waits(part.event)
             parts.state.take(part)
-            if isinstance(part, EventPart):
-                await parts.journal.keep(part.event)
             if isinstance(part, PulsePart):  # it has told everything there was before
                 ready.set()
     except (asyncio.IncompleteReadError, ConnectionError):

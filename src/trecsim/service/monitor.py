@@ -96,6 +96,7 @@ class Monitor:
         self._people = 0
         self.restarts: Counter[str] = Counter()
         self.queue_drops: Mapping[str, int] = {}
+        self.ledger_fault: str | None = None
         self.ended = False
 
     def sinks(self) -> Sinks:
@@ -134,7 +135,7 @@ class Monitor:
             t_s=self._wall_clock(),
             cameras={name: self._camera(name, now_s) for name in self._images},
             fusion=self._fusion(now_s, stages["fusion"]),
-            store=self._recorder.health if self._recorder is not None else StoreHealth(),
+            store=self._store(),
             stages={name: stage for name, stage in stages.items() if stage is not None},
             restarts=dict(self.restarts),
         )
@@ -156,6 +157,12 @@ class Monitor:
             dropped_by=dict(+dropped),
             fault=stream.fault if stream else None,
         )
+
+    def _store(self) -> StoreHealth:
+        store = self._recorder.health if self._recorder is not None else StoreHealth()
+        if self.ledger_fault is None or store.state == "failing":
+            return store
+        return StoreHealth("failing", f"events cannot be kept: {self.ledger_fault}")
 
     def _fusion(self, now_s: float, stage: Stage | None) -> FusionHealth:
         steps = self._stages["fusion"]

@@ -6,7 +6,7 @@
                                                 └──────────────────────────> page
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -14,9 +14,13 @@ from typing import Any
 
 from trecsim.geometry import Rig
 from trecsim.health import Health
+from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
 from trecsim.pipeline import Feed
 from trecsim.run_summary import RunSummary
+from trecsim.service.event_keeper import EventKeeper
+from trecsim.service.fault_event import TYPES
+from trecsim.service.fault_watch import FaultEvents, FaultWatch
 from trecsim.service.live_inputs import LiveInputs
 from trecsim.service.monitor import Monitor
 from trecsim.service.pulse import FaultLog, Pulse
@@ -43,6 +47,7 @@ class SiteService:
         self._page = page
         self._heartbeat = Heartbeat()
         self._reloading: Reloading | None = None
+        self._keeper: EventKeeper | None = None
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -83,8 +88,6 @@ class SiteService:
         if self._page is not None:
             watchers = replace(watchers, snapshots=[*watchers.snapshots, self._page])
             told.append(self._page.health)
-        if feed is not None:
-            told.append(FaultLog())
 
         def judged() -> Health:
             self._take_in(monitor, feed)
@@ -99,10 +102,15 @@ class SiteService:
             picture(summary)
 
         with ExitStack() as ending:
+            store = None
+            if feed is not None:
+                store = ending.enter_context(_store(checked, out))
+                self._keeper, faults = _fault_events(checked, store, feed, self._show_event)
+                ending.enter_context(self._keeper)
+                told += [FaultLog(), faults]
             ending.enter_context(Pulse(judged, tuple(told)))
             if inputs is not None:
                 ending.callback(inputs.close)
-            store = None if feed is None else ending.enter_context(_store(checked, out))
             summary = run(
                 checked,
                 out,
@@ -122,21 +130,48 @@ class SiteService:
         if self._page is not None:
             self._page.site(site_view(file, rig))
 
+    def _show_event(self, event: Mapping[str, Any], kept: bool) -> None:
+        """Show an event on the page, if there is one."""
+        if self._page is not None:
+            self._page.event(event, kept=kept)
+
     def _take_in(self, monitor: Monitor, feed: Feed | None) -> None:
         """Take in what others have counted, and what people at the page ask for."""
         if feed is not None:
             monitor.queue_drops = feed.dropped
             monitor.restarts["fusion"] = feed.restarts
+        if self._keeper is not None:
+            monitor.ledger_fault = self._keeper.fault
         if self._page is not None:
             monitor.restarts["page"] = self._page.restarts
-            if any(request.kind == "reload" for request in self._page.requests()):
-                self.reload()
+            for request in self._page.requests():
+                self._do(request)
+
+    def _do(self, request: PageRequest) -> None:
+        """Do what somebody at the page asks for."""
+        if request.kind == "reload":
+            self.reload()
+        elif request.kind == "event" and self._keeper is not None:
+            self._keeper.acted(request.body["event"])
 
 
 def _store(checked: CheckedSite, out: Path | None) -> SiteStore:
     """Open what a live site stores: beside its recordings, or in the directory of this run."""
     retention = checked.file.site.retention.limits()
     return SiteStore(out or recordings_folder(checked.file), retention)
+
+
+def _fault_events(
+    checked: CheckedSite,
+    store: SiteStore,
+    feed: Feed,
+    tell: Callable[[Mapping[str, Any], bool], None],
+) -> tuple[EventKeeper, FaultEvents]:
+    """Return who keeps events, and who makes them of faults: those that were open go on."""
+    open_events = [one.event for one in store.ledger.open_events(TYPES)]
+    keeper = EventKeeper(store.ledger, tell, open_events)
+    watch = FaultWatch(checked.file.site.name, open_events)
+    return keeper, FaultEvents(watch, keeper.put, lambda: feed.is_read)
 
 
 def _feed(inputs: LiveInputs, monitor: Monitor) -> Feed:

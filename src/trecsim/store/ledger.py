@@ -18,7 +18,7 @@ from typing import Any, Self
 
 from trecsim.errors import InputError
 from trecsim.store.audit import FIRST_HASH, AuditEntry, AuditVerdict, next_hash, verified
-from trecsim.store.ledger_events import act_event, check_act, event_row
+from trecsim.store.ledger_events import act_event, check_act, event_row, next_seq, numbered
 from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
 
 _MOST_AT_ONCE = 1000
@@ -93,6 +93,37 @@ class Ledger:
         row = event_row(event)
         with self._writing() as connection:
             return _insert_event(connection, row)
+
+    def append_next(self, event: Mapping[str, Any]) -> LedgerEvent:
+        """Keep the next event of an episode; its `seq` follows all that is there, as does its `id`.
+
+        Raises
+        ------
+        InputError
+            When it is no event, or has numbers that are not finite.
+        SetupError
+            When it cannot be written.
+        """
+        with self._writing() as connection:
+            made = numbered(event, next_seq(_episode(connection, event["data"]["event"])))
+            return LedgerEvent(_insert_event(connection, event_row(made)), made)
+
+    def open_events(self, types: Iterable[str]) -> list[LedgerEvent]:
+        """Return the newest event of each episode that has not ended, the oldest first.
+
+        Parameters
+        ----------
+        types
+            Only episodes whose events are of one of these types, as "trecsim.camera.health.v1".
+        """
+        wanted = list(types)
+        rows = self._rows(
+            "SELECT number, body FROM event WHERE number IN (SELECT max(number) FROM event "
+            "GROUP BY episode HAVING sum(phase = 'end') = 0) "
+            f"AND json_extract(body, '$.type') IN ({', '.join('?' * len(wanted))}) ORDER BY number",
+            wanted,
+        )
+        return [LedgerEvent(number, json.loads(body)) for number, body in rows]
 
     def events(
         self,
@@ -182,12 +213,10 @@ class Ledger:
         given = {"by": by, "until_s": until_s, "reason": reason, "note": note}
         said = {key: value for key, value in given.items() if value is not None}
         with self._writing() as connection:
-            rows = connection.execute(
-                "SELECT body FROM event WHERE episode = ? ORDER BY number", [event]
-            ).fetchall()
-            if not rows:
+            earlier = _episode(connection, event)
+            if not earlier:
                 raise InputError(f"there is no event {event!r}")
-            made = act_event([json.loads(body) for (body,) in rows], phase, said, self._now())
+            made = act_event(earlier, phase, said, self._now())
             number = _insert_event(connection, event_row(made))
             details = {"event": event, **{k: v for k, v in said.items() if k != "by"}}
             _insert_audit(connection, self._now(), by, phase, details)
@@ -286,6 +315,14 @@ class Ledger:
     def _rows(self, query: str, values: list[Any]) -> list[tuple[Any, ...]]:
         with self._lock, sqlite_faults(self.path):
             return self._connection.execute(query, values).fetchall()
+
+
+def _episode(connection: sqlite3.Connection, episode: str) -> list[dict[str, Any]]:
+    """Return the events of an episode in their order."""
+    rows = connection.execute(
+        "SELECT body FROM event WHERE episode = ? ORDER BY number", [episode]
+    ).fetchall()
+    return [json.loads(body) for (body,) in rows]
 
 
 def _insert_event(connection: sqlite3.Connection, row: tuple[Any, ...]) -> int:

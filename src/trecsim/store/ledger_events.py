@@ -3,7 +3,7 @@
 import hashlib
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from trecsim.errors import InputError
@@ -12,6 +12,7 @@ ACTS = ("ack", "shelve", "unshelve", "close", "reopen")
 """What a person can do to an event."""
 REASONS = ("true", "false", "test", "expected")
 """Reasons to close an event."""
+_SAID = ("by", "until_s", "reason", "note")
 
 
 def event_row(event: Mapping[str, Any]) -> tuple[Any, ...]:
@@ -65,16 +66,66 @@ def act_event(
 ) -> dict[str, Any]:
     """Return the event of what a person did: the newest facts, with who did what."""
     newest = earlier[-1]
-    data = {k: v for k, v in newest["data"].items() if k not in ("until_s", "reason", "note", "by")}
-    sequence = 1 + max(int(one["data"].get("seq", 0)) for one in earlier)
-    episode = data["event"]
-    text = json.dumps([episode, sequence, phase, said, now_s], sort_keys=True)
-    made = {**newest, "id": hashlib.sha256(text.encode()).hexdigest()[:32]}
+    data = without_act(newest["data"])
+    sequence = next_seq(earlier)
+    made = {**newest, "id": derived_id(data["event"], sequence, phase, said, now_s)}
     if "time" in made:
-        made["time"] = _rfc3339(now_s)
+        made["time"] = rfc3339(now_s)
     return {**made, "data": {**data, "phase": phase, "seq": sequence, **said}}
 
 
-def _rfc3339(t_s: float) -> str:
+def next_seq(earlier: Iterable[Mapping[str, Any]]) -> int:
+    """Return the `seq` of the event that follows the others of its episode.
+
+    Examples
+    --------
+    >>> next_seq([]), next_seq([{"data": {"seq": 0}}, {"data": {"seq": 3}}])
+    (0, 4)
+    """
+    return 1 + max((int(one["data"].get("seq", 0)) for one in earlier), default=-1)
+
+
+def numbered(event: Mapping[str, Any], sequence: int) -> dict[str, Any]:
+    """Return an event with its place in its episode, and the `id` that follows from it.
+
+    Parameters
+    ----------
+    event
+        An event with `source`, and with `event` and `phase` in its data.
+    sequence
+        Its `seq`.
+
+    Examples
+    --------
+    >>> event = {"source": "site/hall", "data": {"event": "e", "phase": "end"}}
+    >>> numbered(event, 2)["data"]
+    {'event': 'e', 'phase': 'end', 'seq': 2}
+    >>> numbered(event, 2)["id"] == numbered(event, 2)["id"] != numbered(event, 3)["id"]
+    True
+    """
+    data = event["data"]
+    identity = derived_id(event.get("source"), data["event"], sequence, data["phase"])
+    return {**event, "id": identity, "data": {**data, "seq": sequence}}
+
+
+def derived_id(*facts: object) -> str:
+    """Return an id that the same facts always give."""
+    text = json.dumps(facts, sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def without_act(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what an event tells, without what a person did."""
+    return {key: value for key, value in data.items() if key not in _SAID}
+
+
+def rfc3339(t_s: float) -> str:
+    """Return a Unix time [s] as events tell it.
+
+    Examples
+    --------
+    >>> rfc3339(1e9)
+    '2001-09-09T01:46:40.000Z'
+    """
     whole, thousandths = divmod(round(t_s * 1000), 1000)
     return f"{time.strftime('%Y-%m-%dT%H:%M:%S', time.gmtime(whole))}.{thousandths:03d}Z"

@@ -1,0 +1,115 @@
+"""The events of a fault of the site itself: that it begins, gets worse, and ends."""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from trecsim.service.site_parts import KINDS, LIMITS, PartState
+from trecsim.store.ledger_events import derived_id, rfc3339
+
+UNIX_FROM_S = 1e9  # times from here on are Unix times
+TYPES = tuple(f"trecsim.{kind}.v1" for kind in KINDS)
+"""Types of these events."""
+
+
+def begun(site: str, part: PartState, now_s: float) -> dict[str, Any]:
+    """Return the event that a fault begins, without its place in the episode.
+
+    The episode belongs to the rule and the camera. It holds nothing about people, and points to no
+    tracks: these are not kept longer because a camera failed.
+
+    Parameters
+    ----------
+    site
+        Name of the site.
+    part
+        What failed.
+    now_s
+        When that was decided, Unix time [s].
+    """
+    start_s = round(part.since_s, 3)
+    place = {"camera": part.camera} if part.camera else {}
+    data = {
+        "event": derived_id(site, part.kind, part.camera, start_s),
+        "phase": "new",
+        "severity": KINDS[part.kind],
+        "rule": _rule(part),
+        "t_start_s": start_s,
+        "t_detect_s": round(now_s, 3),
+        "t_end_s": None,
+        "probability": 1.0,
+        "predicted": False,
+        "lead_s": None,
+        "people": [],
+        **place,
+        **_found(part),
+        "evidence": {"t_from_s": None, "t_to_s": None, "cameras": [*place.values()]},
+    }
+    return event_of(site, data, now_s)
+
+
+def worse(site: str, before: Mapping[str, Any], part: PartState, now_s: float) -> dict[str, Any]:
+    """Return the event that a fault got worse; see `begun`.
+
+    Parameters
+    ----------
+    site
+        Name of the site.
+    before
+        Data of the last event of the episode.
+    part
+        What failed, as it is now.
+    now_s
+        When that was decided, Unix time [s].
+    """
+    data = {**before, "phase": "update", "t_detect_s": round(now_s, 3), **_found(part)}
+    return event_of(site, data, now_s)
+
+
+def ended(site: str, before: Mapping[str, Any], end_s: float, now_s: float) -> dict[str, Any]:
+    """Return the event that a fault ended; see `begun`.
+
+    Parameters
+    ----------
+    site
+        Name of the site.
+    before
+        Data of the last event of the episode.
+    end_s
+        Since when the part works again, Unix time [s].
+    now_s
+        When that was decided, Unix time [s].
+    """
+    end_s = max(round(end_s, 3), before["t_start_s"])
+    data = {**before, "phase": "end", "t_detect_s": round(now_s, 3), "t_end_s": end_s}
+    return event_of(site, data, now_s)
+
+
+def event_of(site: str, data: Mapping[str, Any], now_s: float) -> dict[str, Any]:
+    """Return an event, without its place in the episode, around its data."""
+    rule = data["rule"]
+    dated = {"time": rfc3339(now_s)} if now_s >= UNIX_FROM_S else {}
+    return {
+        "specversion": "1.0",
+        "type": f"trecsim.{rule['kind']}.v1",
+        "source": f"site/{site}",
+        "subject": f"rule/{rule['id']}",
+        **dated,
+        "data": dict(data),
+    }
+
+
+def _found(part: PartState) -> dict[str, Any]:
+    measures = {
+        name: None if value is None else round(value, 3) for name, value in part.measures.items()
+    }
+    return {"state": part.state, "fault": part.said, "measures": measures}
+
+
+def _rule(part: PartState) -> dict[str, str]:
+    """Return the rule of a fault, which no site file has to name."""
+    rule = {"id": part.kind.replace(".", "-"), "kind": part.kind}
+    facts = {**rule, "severity": KINDS[part.kind], **LIMITS[part.kind], "camera": part.camera}
+    text = json.dumps(facts, sort_keys=True)
+    return {**rule, "config": hashlib.sha256(text.encode()).hexdigest()}
