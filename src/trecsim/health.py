@@ -167,10 +167,14 @@ class Stage:
     ----------
     median_ms, p95_ms
         How long the stage takes [ms], over the last seconds.
+    age_ms
+        How long ago the image was taken when the stage is done with it [ms], in the median; None
+        where that is not measured.
     """
 
     median_ms: float
     p95_ms: float
+    age_ms: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,7 +190,8 @@ class Health:
     fusion, store
         These stages.
     stages
-        Time of each stage by name, in their order.
+        Time of each stage by name, in their order. "image to ..." are ages at one point of the way;
+        all others are times of one stage.
     restarts
         How often a worker crashed and was started again, by name.
     """

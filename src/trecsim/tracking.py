@@ -149,6 +149,9 @@ class Follower:
         self._tally = tally if tally is not None else Tally()
         self._tell_step = step
         self._given_s = math.nan
+        self._offsets_s = offsets_s
+        self._now_s = math.nan  # by the clock of arrivals
+        self._arrived_s: dict[tuple[str, float], float] = {}  # of images that wait
 
     def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[Snapshot]:
         """Take in one image; yield a snapshot for each frame set that it completes.
@@ -162,6 +165,10 @@ class Follower:
         """
         if (camera := self._drifting.get(image.camera)) is not None:
             image = replace(image, t_s=image.t_s + camera.drift_s(image.t_s))
+        if arrived_s is not None:
+            self._now_s = arrived_s
+            offset_s = self._offsets_s.get(image.camera, 0.0)
+            self._arrived_s[image.camera, image.t_s + offset_s] = arrived_s
         return self._steps(self._buffer.add(image, arrived_s))
 
     def poll(self, arrived_s: float) -> Iterator[Snapshot]:
@@ -174,6 +181,7 @@ class Follower:
         arrived_s
             The present, by the clock of arrivals [s].
         """
+        self._now_s = arrived_s
         return self._steps(self._buffer.poll(arrived_s))
 
     def flush(self, *, complete: bool = True) -> Iterator[Snapshot]:
@@ -189,17 +197,27 @@ class Follower:
 
     def _steps(self, frame_sets: Iterable[FrameSet]) -> Iterator[Snapshot]:
         for frame_set in frame_sets:
+            waited_ms = 1e3 * self._waited_s(frame_set)
             began_s = time.perf_counter()
             snapshot = self._tracker.step(frame_set)
             fusion_ms = 1e3 * (time.perf_counter() - began_s)
             snapshot = self._reach.kept(snapshot)
-            step = StepTiming(frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms)
+            step = StepTiming(
+                frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms, waited_ms
+            )
             self._tally.add(step, snapshot.id.tolist())
             self._tell_step(step)
             self._tally.remark(self._consistency.observe(frame_set, snapshot))
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s
                 yield snapshot
+
+    def _waited_s(self, frame_set: FrameSet) -> float:
+        """Return how long the newest image of a frame set waited for the others [s]."""
+        arrived_s = math.nan
+        for view in frame_set.views:  # the newest is the last
+            arrived_s = self._arrived_s.pop((view.camera, view.t_s), math.nan)
+        return self._now_s - arrived_s
 
 
 def follow(

@@ -108,6 +108,20 @@ def test_a_new_viewer_gets_the_newest_snapshot_and_health_at_once(page: RunningP
         assert set(next_of(stream, "health")["cameras"]) == {"north", "south"}
 
 
+def test_the_time_until_viewers_can_have_a_snapshot_is_a_stage(page: RunningPage) -> None:
+    page.process.health(well())
+
+    def published() -> dict[str, float]:
+        page.process.write(snapshot(time(), [1]))
+        return page.client.get("/api/health").json()["stages"].get("publish", {})
+
+    until(lambda: bool(published()))
+    stage = published()
+    assert 0.0 < stage["median_ms"] <= stage["p95_ms"]
+    assert stage["age_ms"] >= 0.0
+    assert 'trecsim_stage_age_seconds{stage="publish"}' in page.client.get("/metrics").text
+
+
 def test_events_come_in_order_and_resume_after_the_last_one() -> None:
     with running_page() as page:
         with page.stream() as stream:

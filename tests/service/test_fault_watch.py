@@ -11,6 +11,7 @@ from trecsim.service.site_parts import parts_of
 UNIX_S = 1.8e9
 LIVE = CameraHealth("live", 25.0, 0.05)
 RUNNING = FusionHealth("running", 25.0, 1.0, 0.05, 2)
+WRITING = StoreHealth("writing")
 
 
 @dataclass
@@ -26,7 +27,7 @@ class Site:
         self.read = True
         self.tell = FaultEvents(watch, self.events.append, lambda: self.read)
 
-    def goes(self, seconds, north=LIVE, fusion=RUNNING, store=StoreHealth("writing"), **more):
+    def goes(self, seconds, north=LIVE, fusion=RUNNING, store=WRITING, **more):
         """Let time pass in which the site works like this; return what events came."""
         before = len(self.events)
         for _ in range(round(2 * seconds)):

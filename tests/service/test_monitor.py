@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
+from trecsim.health import StoreHealth
+from trecsim.recent import Recent
 from trecsim.service.monitor import Monitor
-from trecsim.service.recent import Recent
 from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Frame, Poses2D, Snapshot
@@ -31,6 +32,7 @@ class Stream:
     fault: str | None = None
     ended: bool = False
     last_image_s: float | None = None
+    decoding: Recent = field(default_factory=Recent)
 
 
 @pytest.fixture
@@ -116,6 +118,50 @@ def test_the_time_of_the_estimator_is_taken_and_nothing_else_changes(hand):
     assert (timed.skeleton, timed.workers, timed.image_limit_px) == ("coco17", 3, (320, 320))
     assert timed(Frame("north", 0, 0.5, np.zeros((2, 2, 3), np.uint8))).t_s == 0.5
     assert watch.health().stages["estimate"].median_ms == pytest.approx(30.0)
+
+
+def test_each_stage_tells_how_long_it_takes_and_how_old_the_image_is_then(hand):
+    north, south = Stream("north"), Stream("south")
+    watch = monitor(hand, north, south)
+
+    class Recorder:
+        health, writing = StoreHealth("writing"), Recent()
+
+    watch.take_recorder(Recorder())
+    taken_s = 1e9 + hand.now_s
+    hand.now_s += 0.02
+    north.decoding.add(hand.now_s, 4.0, 20.0)
+    south.decoding.add(hand.now_s, 8.0, 24.0)
+    hand.now_s += 0.03
+    watch.take_estimate(0.03, taken_s)
+    watch.take_poses(poses("north", taken_s))
+    hand.now_s += 0.05
+    watch.take_step(StepTiming(taken_s, 2, 1, 2.0, waited_ms=40.0))
+    watch.take_step(StepTiming(taken_s, 0, 1, 2.0))  # no image: nothing waited
+    watch.write(Snapshot(taken_s, *nobody()))
+    Recorder.writing.add(hand.now_s, 5.0, 900.0)
+    stages = watch.health().stages
+    assert list(stages) == [
+        "decode", "estimate", "image to poses", "sync", "fusion", "image to people", "store",
+    ]  # fmt: skip
+    found = {name: (one.median_ms, one.age_ms) for name, one in stages.items()}
+    assert found == {
+        "decode": approx(6.0, 22.0),
+        "estimate": approx(30.0, 50.0),
+        "image to poses": approx(50.0, 50.0),
+        "sync": approx(40.0, 98.0),
+        "fusion": approx(2.0, 100.0),
+        "image to people": approx(100.0, 100.0),
+        "store": approx(5.0, 900.0),
+    }
+
+
+def approx(median_ms, age_ms):
+    return pytest.approx((median_ms, age_ms), abs=1e-3)
+
+
+def nobody():
+    return np.empty(0, int), np.empty((0, 17, 3)), np.empty((0, 17, 3, 3)), np.empty((0, 17), int)
 
 
 def test_a_rate_is_right_when_more_values_come_than_are_kept():

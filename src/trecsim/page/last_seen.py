@@ -1,5 +1,7 @@
 """How long ago a camera last saw each person."""
 
+import math
+
 import numpy as np
 
 from trecsim.page.link import SnapshotPart
@@ -26,8 +28,10 @@ class LastSeen:
         return [max(snapshot.t_s - last_s, 0.0) for last_s in now.values()]
 
 
-def snapshot_part(snapshot: Snapshot, seen_s: list[float]) -> SnapshotPart:
-    """Return a snapshot as it goes over the link."""
+def snapshot_part(
+    snapshot: Snapshot, seen_s: list[float], written_s: float = math.nan
+) -> SnapshotPart:
+    """Return a snapshot as it goes over the link; see `SnapshotPart`."""
     return SnapshotPart(
         t_s=float(snapshot.t_s),
         id=snapshot.id.astype("int64").tobytes(),
@@ -36,4 +40,5 @@ def snapshot_part(snapshot: Snapshot, seen_s: list[float]) -> SnapshotPart:
         support=snapshot.support.astype("int64").tobytes(),
         state=snapshot.state.tolist(),
         seen_s=seen_s,
+        written_s=written_s,
     )

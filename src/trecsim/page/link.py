@@ -4,6 +4,7 @@ Both ends speak MessagePack with a length before each message. It holds data onl
 process in wrong hands cannot make the tracking process run anything.
 """
 
+import math
 import socket
 from typing import Any
 
@@ -49,6 +50,8 @@ class SnapshotPart(msgspec.Struct, frozen=True, tag="snapshot"):
         Per person.
     seen_s
         Per person, how long ago a camera last supported a joint [s].
+    written_s
+        When it was handed over, by `time.monotonic`, which both processes share [s].
     """
 
     t_s: float
@@ -58,6 +61,7 @@ class SnapshotPart(msgspec.Struct, frozen=True, tag="snapshot"):
     support: bytes
     state: list[str]
     seen_s: list[float]
+    written_s: float = math.nan
 
 
 class HealthPart(msgspec.Struct, frozen=True, tag="health"):

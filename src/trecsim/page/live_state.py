@@ -10,6 +10,7 @@ from trecsim.page.event_log import EventLog
 from trecsim.page.hub import Hub
 from trecsim.page.link import EventPart, HealthPart, SitePart, SnapshotPart, ToPage
 from trecsim.page.messages import message, snapshot_body
+from trecsim.recent import Recent
 
 SILENT_S = 3.0  # when the tracking process says nothing for longer, tracking counts as down
 
@@ -30,6 +31,7 @@ class LiveState:
         self.site: dict[str, Any] = {"version": "", "site": {}}
         self.people = 0
         self.snapshots = 0
+        self._publishing = Recent()
         self._health: Health | None = None
         self._health_at_s = monotonic()
         self._heard_s = monotonic()
@@ -43,6 +45,8 @@ class LiveState:
                 self.people = len(part.state)
                 self.snapshots += 1
                 self.hub.publish("snapshot", message("snapshot", time(), snapshot_body(part)))
+                took_s, age_s = monotonic() - part.written_s, time() - part.t_s
+                self._publishing.add(monotonic(), 1e3 * took_s, 1e3 * age_s)
             case HealthPart(health):
                 self._health, self._health_at_s = health, self._heard_s
                 self.tell_health()
@@ -80,7 +84,11 @@ class LiveState:
         if self._health is None:
             cameras = self.site["site"].get("cameras", {})
             return Health(time(), {name: CameraHealth() for name in cameras})
-        return aged(self._health, self.silent_s) if self.is_silent else self._health
+        health = aged(self._health, self.silent_s) if self.is_silent else self._health
+        published = self._publishing.stage(monotonic())
+        if published is None:
+            return health
+        return replace(health, stages={**health.stages, "publish": published})
 
     def health_json(self) -> dict[str, Any]:
         """Return the body of `/api/health`."""

@@ -77,10 +77,16 @@ def _of_stages(health: Health) -> Iterator[Metric]:
         "trecsim_stage_seconds", "Time from an image to the page, by stage.",
         labels=["stage", "quantile"],
     )  # fmt: skip
+    ages = GaugeMetricFamily(
+        "trecsim_stage_age_seconds", "Median age of the image when a stage is done with it.",
+        labels=["stage"],
+    )  # fmt: skip
     for name, stage in health.stages.items():
         stages.add_metric([name, "0.5"], stage.median_ms / 1e3)
         stages.add_metric([name, "0.95"], stage.p95_ms / 1e3)
-    yield stages
+        if stage.age_ms is not None:
+            ages.add_metric([name], stage.age_ms / 1e3)
+    yield from (stages, ages)
     restarts = CounterMetricFamily(
         "trecsim_worker_restarts", "Workers that crashed and were started again.", labels=["worker"]
     )

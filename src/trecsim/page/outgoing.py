@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Iterator
 from itertools import islice
 from threading import Condition
+from time import monotonic
 from typing import Any
 
 from trecsim.page.last_seen import snapshot_part
@@ -14,7 +15,7 @@ from trecsim.values import Snapshot
 EVENTS_KEPT = 2_000  # for a page process that is started again
 PULSE_S = 1.0
 
-_Seen = tuple[Snapshot, list[float]]  # and how long ago each person was seen
+_Seen = tuple[Snapshot, list[float], float]  # how long ago each was seen, when it was put in
 
 
 class Outgoing:
@@ -41,7 +42,7 @@ class Outgoing:
     def put_snapshot(self, snapshot: Snapshot, seen_s: list[float]) -> None:
         """Replace the snapshot that waits."""
         with self._changed:
-            self._snapshot = (snapshot, seen_s)
+            self._snapshot = (snapshot, seen_s, monotonic())
             self._fresh.add("snapshot")
             self._changed.notify()
 

@@ -1,5 +1,6 @@
 """Watches a live site: what arrives, what comes out, how long it takes."""
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
@@ -15,10 +16,12 @@ from trecsim.health import (
     camera_state,
     fusion_state,
 )
-from trecsim.service.recent import Recent
+from trecsim.recent import Recent, stage_of
 from trecsim.sinks import Sinks, Taken
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Poses2D, Snapshot
+
+STAGES = ("estimate", "image to poses", "sync", "fusion", "image to people")
 
 
 class StreamReadings(Protocol):
@@ -54,6 +57,11 @@ class StreamReadings(Protocol):
         """Whether it was a recording that has come to its end."""
         ...
 
+    @property
+    def decoding(self) -> Recent:
+        """How long it took to decode each image, and how old it was then [ms]."""
+        ...
+
 
 class Recording(Protocol):
     """What records a site."""
@@ -61,6 +69,11 @@ class Recording(Protocol):
     @property
     def health(self) -> StoreHealth:
         """Whether it can."""
+        ...
+
+    @property
+    def writing(self) -> Recent:
+        """How long each part took to write, and how old its newest snapshot was then [ms]."""
         ...
 
 
@@ -89,10 +102,7 @@ class Monitor:
         self._streams = {stream.camera: stream for stream in streams}
         self._recorder: Recording | None = None
         self._wall_clock, self._clock = wall_clock, clock
-        self._stages: dict[str, Recent] = {
-            "estimate": Recent(), "image to poses": Recent(),
-            "fusion": Recent(), "image to people": Recent(),
-        }  # fmt: skip
+        self._stages = {name: Recent() for name in STAGES}
         self._people = 0
         self.restarts: Counter[str] = Counter()
         self.queue_drops: Mapping[str, int] = {}
@@ -106,31 +116,36 @@ class Monitor:
     def write(self, snapshot: Snapshot, /) -> None:
         """Take where everybody is."""
         self._people = len(snapshot.id)
-        self._note("image to people", 1e3 * (self._wall_clock() - snapshot.t_s))
+        age_ms = self._age_ms(snapshot.t_s)
+        self._note("image to people", age_ms, age_ms)
 
     def take_step(self, step: StepTiming, /) -> None:
         """Take what a frame set cost."""
-        self._note("fusion", step.fusion_ms)
+        age_ms = self._age_ms(step.t_s)
+        if math.isfinite(step.waited_ms):
+            self._note("sync", step.waited_ms, age_ms - step.fusion_ms)
+        self._note("fusion", step.fusion_ms, age_ms)
 
     def take_poses(self, poses: Poses2D, /) -> None:
         """Take the 2D poses of an image that reaches the fusion."""
         now_s = self._clock()
         if poses.camera in self._images:
             self._images[poses.camera].add(now_s)
-        self._note("image to poses", 1e3 * (self._wall_clock() - poses.t_s))
+        age_ms = self._age_ms(poses.t_s)
+        self._note("image to poses", age_ms, age_ms)
 
     def take_recorder(self, recorder: Recording) -> None:
         """Take what records the site."""
         self._recorder = recorder
 
-    def take_estimate(self, seconds: float) -> None:
-        """Take how long the estimator looked at an image [s]."""
-        self._note("estimate", 1e3 * seconds)
+    def take_estimate(self, seconds: float, t_s: float) -> None:
+        """Take how long the estimator looked at an image [s], and when that was taken [s]."""
+        self._note("estimate", 1e3 * seconds, self._age_ms(t_s))
 
     def health(self) -> Health:
         """Return how well everything works now."""
         now_s = self._clock()
-        stages = {name: recent.stage(now_s) for name, recent in self._stages.items()}
+        stages = {name: stage_of(parts, now_s) for name, parts in self._measured().items()}
         return Health(
             t_s=self._wall_clock(),
             cameras={name: self._camera(name, now_s) for name in self._images},
@@ -140,8 +155,18 @@ class Monitor:
             restarts=dict(self.restarts),
         )
 
-    def _note(self, stage: str, ms: float) -> None:
-        self._stages[stage].add(self._clock(), ms)
+    def _measured(self) -> dict[str, list[Recent]]:
+        """Return the times of all stages, in the order of the way of an image."""
+        parts = {name: [recent] for name, recent in self._stages.items()}
+        decoding = [stream.decoding for stream in self._streams.values()]
+        writing = [self._recorder.writing] if self._recorder is not None else []
+        return {"decode": decoding, **parts, "store": writing}
+
+    def _note(self, stage: str, ms: float, age_ms: float) -> None:
+        self._stages[stage].add(self._clock(), ms, age_ms)
+
+    def _age_ms(self, t_s: float) -> float:
+        return 1e3 * (self._wall_clock() - t_s)
 
     def _camera(self, name: str, now_s: float) -> CameraHealth:
         images, stream = self._images[name], self._streams.get(name)

@@ -15,7 +15,8 @@ class TimedEstimator:
     estimator
         The estimator.
     took
-        Is told how long an image took [s], in the thread that asked for its poses.
+        Is told how long an image took, and when it was taken [s], in the thread that asked for its
+        poses.
     clock
         A steady clock [s].
     """
@@ -23,7 +24,7 @@ class TimedEstimator:
     def __init__(
         self,
         estimator: Estimator2D,
-        took: Callable[[float], None],
+        took: Callable[[float, float], None],
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         self.skeleton = estimator.skeleton
@@ -35,5 +36,5 @@ class TimedEstimator:
         """Find the people in an image."""
         began_s = self._clock()
         poses = self._estimator(frame)
-        self._took(self._clock() - began_s)
+        self._took(self._clock() - began_s, frame.t_s)
         return poses

@@ -26,6 +26,7 @@ from pathlib import Path
 
 from trecsim.errors import Error, InputError, SetupError
 from trecsim.health import StoreHealth
+from trecsim.recent import Recent
 from trecsim.store.atomic import PRIVATE_FOLDER, disk_faults, sync_directory
 from trecsim.store.compact import compact_table
 from trecsim.store.compact_file import write_compact
@@ -130,6 +131,7 @@ class Recorder(KeepsPartial):
         self._lost_for = "nothing was recorded between two runs"
         self._gaps: list[Gap] = []
         self._fault: str | None = None
+        self.writing = Recent()  # how long each part took, and how old its newest snapshot was [ms]
         self._stop = threading.Event()
         self._threads = [
             threading.Thread(target=self._write_parts, name="recorder", daemon=True),
@@ -223,12 +225,15 @@ class Recorder(KeepsPartial):
 
     def _write_part(self, batch: _Batch) -> None:
         self._written_number = batch.segment
+        began_s = time.perf_counter()
         folder = self._parts / segment_name(batch.segment)
         part = folder / f"{batch.part:06d}{SUFFIX}"
         with disk_faults(part, running=True):
             folder.mkdir(mode=PRIVATE_FOLDER, parents=True, exist_ok=True)
             write_compact(part, [compact_table(batch.moments, self._info.skeleton)], self._info)
         self._stored_s = batch.moments[-1].t_s
+        took_s, age_s = time.perf_counter() - began_s, time.time() - self._stored_s
+        self.writing.add(time.monotonic(), 1e3 * took_s, 1e3 * age_s)
 
     def _write_gaps(self) -> None:
         with self._lock:

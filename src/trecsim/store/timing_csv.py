@@ -54,12 +54,15 @@ class StepTiming:
         Number of tracked people after it.
     fusion_ms
         Time that association and fit took [ms].
+    waited_ms
+        How long its newest image waited for the others [ms]; NaN in a recording. It is not kept.
     """
 
     t_s: float
     images: int
     people: int
     fusion_ms: float
+    waited_ms: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -136,8 +136,8 @@ function Changes({ state }: { state: State }) {
   );
 }
 
-/** Part of another stage: told in words. */
-const WITHIN = /^estimate$/;
+/** Part of another stage, or beside the way to the page. */
+const WITHIN = /^(decode|estimate|store)$/;
 const ms = (of: number): string => (of < 100 ? `${of.toFixed(0)} ms` : `${(of / 1000).toFixed(2)} s`);
 
 const WHOLE = /^image[ _]to[ _]people$/;

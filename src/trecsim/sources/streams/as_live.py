@@ -83,7 +83,7 @@ class RecordedStream:
         smaller = self._video.decoded_size_px != self._video.size_px
         original_px = self._video.size_px if smaller else None
         with _playing(self.readings):
-            for frame in self._video:
+            for frame in self._decoded():
                 if self._pace.late_s(frame.t_s) > LATE_S:
                     self.counters.drop("late")
                     continue
@@ -91,6 +91,18 @@ class RecordedStream:
                     return
                 self.counters.deliver(time.monotonic())
                 yield replace(frame, t_s=self._pace.live_s(frame.t_s), size_px=original_px)
+
+    def _decoded(self) -> Iterator[Frame]:
+        """Yield the images, and note how long each took."""
+        images = iter(self._video)
+        while True:
+            began_s = time.perf_counter()
+            frame = next(images, None)
+            if frame is None:
+                return
+            took_s = time.perf_counter() - began_s
+            self.counters.decoded(took_s)
+            yield frame
 
 
 class PosesStream:

@@ -104,6 +104,7 @@ class Connection:
         self._opened = self._has_decoded = False
         self._heard_s = self._decoded_s = self._opened_s = self._timely_s = time.monotonic()
         self._has_stamps = True
+        self._decode_s = 0.0  # of the last image
         self._thread = Thread(target=self._run, name=f"camera-{counters.camera}", daemon=True)
         self._thread.start()
 
@@ -209,11 +210,13 @@ class Connection:
 
     def _decoded(self, packet: Any) -> Iterator[Any]:
         """Yield the images in a packet; count what cannot be decoded."""
+        began_s = time.perf_counter()
         try:
             pictures = packet.decode()
         except av.FFmpegError:
             self._counters.drop("decode")
             return
+        self._decode_s = time.perf_counter() - began_s
         for picture in pictures:
             if picture.is_corrupt:
                 if self._has_decoded:  # who comes into a stream cannot decode what came before
@@ -227,6 +230,7 @@ class Connection:
         """Let an image wait in place of an older one, unless it is late."""
         date = self._date(picture)
         self._counters.clock, self._counters.delay_s = self._dates.clock, self._dates.delay_s
+        self._counters.decoded(self._decode_s, self._wall_clock.now_s() - date.t_s)
         falls_back_s = self._last_s - date.t_s
         if date.late_s > LATE_S or 0.0 <= falls_back_s < _TOLERATED_S:
             self._counters.drop("late")

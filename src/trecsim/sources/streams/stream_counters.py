@@ -1,10 +1,13 @@
 """What a live source tells about itself."""
 
+import math
+import time
 from collections import Counter
 from collections.abc import Mapping
 from threading import Lock
 
 from trecsim.health import Clock
+from trecsim.recent import Recent
 
 
 class StreamCounters:
@@ -30,6 +33,8 @@ class StreamCounters:
         How often it was connected again.
     ended
         Whether it was a recording that has come to its end.
+    decoding
+        How long it took to decode each image, and how old it was then [ms].
     codec, size_px
         Coding of the stream, and width and height of its images [px]; None before the first.
     """
@@ -44,6 +49,7 @@ class StreamCounters:
         self.fault: str | None = None
         self.reconnects = 0
         self.ended = False
+        self.decoding = Recent()
         self.codec: str | None = None
         self.size_px: tuple[int, int] | None = None
         self._dropped: Counter[str] = Counter()
@@ -67,3 +73,7 @@ class StreamCounters:
         """Count an image that is delivered now, by `time.monotonic` [s]."""
         self.frames += 1
         self.last_image_s = now_s
+
+    def decoded(self, took_s: float, age_s: float = math.nan) -> None:
+        """Note how long it took to decode an image, and how old it was then [s]."""
+        self.decoding.add(time.monotonic(), 1e3 * took_s, 1e3 * age_s)

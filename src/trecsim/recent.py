@@ -1,6 +1,8 @@
 """Rates and times over the last seconds, from what happens now."""
 
+import math
 from collections import deque
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -27,11 +29,11 @@ class Recent:
     """
 
     def __init__(self) -> None:
-        self._values: deque[tuple[float, float]] = deque(maxlen=_MOST)
+        self._values: deque[tuple[float, float, float]] = deque(maxlen=_MOST)
 
-    def add(self, now_s: float, value: float = 0.0) -> None:
-        """Take in a value."""
-        self._values.append((now_s, value))
+    def add(self, now_s: float, value: float = 0.0, age: float = math.nan) -> None:
+        """Take in a value, and the age of what it is about where that is known."""
+        self._values.append((now_s, value, age))
 
     @property
     def last_s(self) -> float | None:
@@ -46,11 +48,19 @@ class Recent:
         over_s = WINDOW_S
         if len(values) == _MOST or now_s - values[0][0] < WINDOW_S:
             over_s = now_s - values[0][0]
-        return sum(now_s - over_s < at_s for at_s, _ in values) / over_s
+        return sum(now_s - over_s < at_s for at_s, *_ in values) / over_s
 
     def stage(self, now_s: float) -> Stage | None:
-        """Return median and 95th percentile of the values; None where there are none."""
-        recent = [value for at_s, value in list(self._values) if now_s - at_s < WINDOW_S]
-        if not recent:
-            return None
-        return Stage(float(np.median(recent)), float(np.quantile(recent, 0.95)))
+        """Return median and 95th percentile of the values [ms]; None where there are none."""
+        return stage_of([self], now_s)
+
+
+def stage_of(parts: Iterable[Recent], now_s: float) -> Stage | None:
+    """Return the time of a stage that several things do, as the decoders of all cameras."""
+    recent = [one for part in parts for one in list(part._values) if now_s - one[0] < WINDOW_S]
+    if not recent:
+        return None
+    _, values, ages = np.array(recent).T
+    known = ages[np.isfinite(ages)]
+    age_ms = float(np.median(known)) if len(known) else None
+    return Stage(float(np.median(values)), float(np.quantile(values, 0.95)), age_ms)
