@@ -40,9 +40,10 @@ def picture(browser: Browser, state: State, size: str, theme: str, folder: Path)
 def settle(page: Page, state: State) -> None:
     """Wait until the page shows what it was told."""
     page.wait_for_selector(".status h1, .login")
-    is_told = state.situation.signed_in and state.situation.messages != "none"
+    situation = state.situation
+    is_told = situation.signed_in and situation.messages != "none" and not situation.broken
     if is_told and not state.address.startswith("/review"):
-        last_s = state.situation.now_s - LAG_S - 0.05
+        last_s = situation.now_s - LAG_S - 0.05
         while float(page.evaluate("document.documentElement.dataset.t") or 0) < last_s:
             page.wait_for_timeout(100)
     page.wait_for_timeout(SETTLE_MS)
@@ -57,7 +58,12 @@ def _compress(path: Path) -> None:
 
 
 def _is_expected(text: str, state: State) -> bool:
-    return "GPU stall" in text or ("401" in text and not state.situation.signed_in)
+    situation = state.situation
+    return (
+        "GPU stall" in text
+        or ("401" in text and not situation.signed_in)
+        or ("SyntaxError" in text and situation.broken)
+    )
 
 
 def main() -> int:

@@ -31,6 +31,12 @@ _STREAM = """
     close() {}
   };
 """
+_FLAT = """
+  const plain = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
+    return String(kind).startsWith("webgl") ? null : plain.call(this, kind, ...more);
+  };
+"""
 SIZES = {"wide": (1440, 900, 1.0), "tablet": (1024, 768, 1.0), "phone": (390, 844, 2.0)}
 
 
@@ -64,6 +70,8 @@ def opened(
     said = json.dumps(list(messages(situation)))
     goes_on = json.dumps(situation.messages == "all")
     context.add_init_script(_STREAM % (said, goes_on))
+    if not situation.webgl:
+        context.add_init_script(_FLAT)
     page.goto(HOST + address)
     yield page, errors
     context.close()

@@ -42,6 +42,16 @@ class Situation:
         "all", "none", which leaves the page connecting, or "end": nothing comes after the first.
     states
         State per person where it is not the tracker's.
+    nobody
+        Whether no person is there.
+    role
+        What the user may do; None for a page without users.
+    cameras_known
+        Whether the site has cameras.
+    webgl
+        Whether the browser draws in 3D.
+    broken
+        Whether the browser understands no script of the page, as an old one.
     """
 
     at_s: float = 15.0
@@ -53,6 +63,10 @@ class Situation:
     messages: str = "all"
     states: dict[int, str] = field(default_factory=dict)
     nobody: bool = False
+    role: str | None = "operator"
+    cameras_known: bool = True
+    webgl: bool = True
+    broken: bool = False
 
     @property
     def now_s(self) -> float:
@@ -63,7 +77,7 @@ class Situation:
 def health(situation: Situation) -> dict[str, Any]:
     """Return the body of `/api/health`."""
     cameras = {}
-    for number, name in enumerate(fixture()["cameras"]):
+    for number, name in enumerate(fixture()["cameras"] if situation.cameras_known else ()):
         state, age_s = situation.cameras.get(name, ("live", 0.05 + 0.01 * number))
         cameras[name] = {
             "state": state, "fps": 25.0 if state == "live" else 0.0, "age_s": age_s,
@@ -128,10 +142,11 @@ def answer(situation: Situation, path: str) -> tuple[int, str, bytes]:
     if path.startswith("/api/") and not situation.signed_in:
         return 401, "application/json", b'{"error": "sign in first"}'
     bodies: dict[str, Any] = {
-        "/api/site": site(rules=situation.rules),
+        "/api/site": _site(situation),
         "/api/health": health(situation),
         "/api/events": {"events": situation.events},
-        "/api/me": {"user": "k.meier", "role": "operator", "csrf": "0"},
+        "/api/me": _me(situation),
+        "/api/users/me/reviewed": {"events": ["door-1"]},
         "/api/recordings": {"recordings": [
             {"id": "2026-11-30T13", "from_s": START_S, "to_s": START_S + 24, "people": 6},
         ]},
@@ -143,7 +158,22 @@ def answer(situation: Situation, path: str) -> tuple[int, str, bytes]:
         return 200, "application/x-ndjson", "\n".join(lines).encode()
     if path.startswith("/api/"):
         return 404, "application/json", b'{"error": "not here"}'
+    if situation.broken and path.startswith("/assets/") and path.endswith(".js"):
+        return 200, "text/javascript", b"a syntax of tomorrow"
     return _file(path)
+
+
+def _site(situation: Situation) -> dict[str, Any]:
+    body = site(rules=situation.rules)
+    if not situation.cameras_known:
+        body["site"]["cameras"] = {}
+    return body
+
+
+def _me(situation: Situation) -> dict[str, Any]:
+    if situation.role is None:
+        return {"user": None, "role": "admin", "csrf": None}
+    return {"user": "k.meier", "role": situation.role, "csrf": "0"}
 
 
 def _file(path: str) -> tuple[int, str, bytes]:

@@ -1,20 +1,15 @@
 """The operator page in a real Chromium, served by a real page process."""
 
-from contextlib import ExitStack, contextmanager
-from threading import Event, Thread
+from contextlib import ExitStack
 from time import time
 
-import numpy as np
 import pytest
 
 from made_browser import PATIENCE_MS, chromium, opened
-from made_page import RunningPage, running_page
-from made_rigs import ring
-from made_tracks import snapshot
-from trecsim.health import CameraHealth, FusionHealth, Health
+from made_hall import SITE, Tracking
+from made_page import running_page
 from trecsim.page.address import PageAddress
 from trecsim.page.bundle import STATIC
-from trecsim.page.site_view import SiteView, cameras_of
 
 expect = pytest.importorskip("playwright.sync_api", reason="playwright is not installed").expect
 __all__ = ["chromium"]  # a fixture
@@ -22,49 +17,6 @@ __all__ = ["chromium"]  # a fixture
 pytestmark = pytest.mark.skipif(
     not (STATIC / "index.html").is_file(), reason="the page is not built; make page builds it"
 )
-
-SITE = SiteView(
-    "hall", "Europe/Zurich", "a" * 64, cameras_of(ring(3)),
-    zones={"exit-strip": {"polygon_m": [[0, 0], [2, 0], [2, 1]], "z_m": [0, 2]}},
-    edges={"platform": {"points_m": [[-3, -2], [3, -2]]}},
-    rules={"armed": 1, "total": 1},
-)  # fmt: skip
-BODY_M = np.column_stack((np.zeros(17), np.linspace(-0.2, 0.2, 17), np.linspace(1.7, 0.1, 17)))
-
-
-def at(person: int, t_s: float) -> np.ndarray:
-    return np.array([person / 4, t_s % 3 - 1, 0])
-
-
-class Tracking:
-    """What a tracking process tells its page, ten times a second."""
-
-    def __init__(self, page: RunningPage) -> None:
-        self.people = [3, 7]
-        self.silent: str | None = None
-        self._page = page
-        self._ended = Event()
-
-    @contextmanager
-    def running(self):
-        told = Thread(target=self._tell)
-        told.start()
-        try:
-            yield self
-        finally:
-            self._ended.set()
-            told.join()
-
-    def _tell(self) -> None:
-        while not self._ended.wait(0.1):
-            t_s = time()
-            xyz_m = np.stack([BODY_M + at(person, t_s) for person in self.people])
-            self._page.process.write(snapshot(t_s, self.people, xyz_m))
-            cameras = {name: CameraHealth("live", 25.0, 0.02) for name in SITE.cameras}
-            if self.silent is not None:
-                cameras[self.silent] = CameraHealth("stale", 0.0, 6.0)
-            fusion = FusionHealth("running", 25.0, 1.0, 0.02, len(self.people))
-            self._page.process.health(Health(t_s, cameras, fusion))
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +47,7 @@ def test_the_page_shows_who_is_there_and_that_all_is_well(chromium, tracking) ->
         assert 5 <= calls <= 20
 
 
-def test_a_camera_that_goes_silent_is_said_at_once_and_again_when_it_is_back(
+def test_a_camera_that_goes_silent_is_said_at_once_and_acknowledged_until_it_is_back(
     chromium, tracking
 ) -> None:
     with opened(chromium, f"{tracking.url}live?view=plan", dark=True) as page:
@@ -104,11 +56,18 @@ def test_a_camera_that_goes_silent_is_said_at_once_and_again_when_it_is_back(
         tracking.silent = "cam1"
         page.wait_for_selector(".status[data-row='5']")
         assert said(page) == "Camera Cam1 is stale"
-        assert page.inner_text(".card h3") == "Camera Cam1 sends no picture"
         assert page.inner_text(".tile[data-camera='cam1'] .caption .end") == "Stale"
+        tracking.event("new", time() - 6)
+        expect(page.locator(".card h3")).to_have_text("Camera Cam1 sends no picture")
+        page.get_by_role("button", name="Acknowledge").click()
+        expect(page.locator(".card")).to_have_attribute("data-handling", "acknowledged")
+        assert "Acknowledged." in page.inner_text(".toast")
         tracking.silent = None
+        expect(page.locator(".card h3")).to_have_text("Camera Cam1 sends pictures again")
         page.wait_for_selector(".status[data-row='7']")
-        assert page.locator(".card").count() == 0
+        tracking.event("end", time())
+        expect(page.locator(".card")).to_have_count(0)
+        expect(page.locator(".past .what")).to_have_text("Camera Cam1 sent no picture")
 
 
 def test_the_address_holds_what_is_shown(chromium, tracking) -> None:

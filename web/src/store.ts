@@ -1,6 +1,8 @@
 // The store: state, its history, and who wants to know when it changes.
 
-import { act, getEvents, getMe, getSite, SignedOut, type Act } from "./net/api.ts";
+import {
+  act, getEvents, getMe, getReviewed, getSite, markReviewed, SignedOut, type Act,
+} from "./net/api.ts";
 import { Connection } from "./net/connection.ts";
 import { home, parse, write, type Address } from "./state/address.ts";
 import { assign, noMarks } from "./state/marks.ts";
@@ -99,11 +101,10 @@ export class Store {
     return last === null ? base : `${base}?last_event_id=${encodeURIComponent(String(last))}`;
   }
 
-  /** Load site, health and events; open the stream where that is allowed. */
+  /** Open the stream where that is allowed; site and events are asked for once it is open. */
   async start(): Promise<void> {
     try {
       const me = await getMe();
-      await this.refresh();
       this.dispatch({ type: "access", access: "in", me });
     } catch (error) {
       if (error instanceof SignedOut) {
@@ -115,14 +116,13 @@ export class Store {
     this.#started = true;
   }
 
+  /** Ask for site and events. What cannot be had is told by the stream, or asked for again. */
   async refresh(): Promise<void> {
     this.#askedAt = now();
-    const [site, events] = await Promise.allSettled([getSite(), getEvents()]);
-    for (const one of [site, events]) {
-      if (one.status === "rejected" && one.reason instanceof SignedOut) throw one.reason;
-    }
-    if (site.status === "fulfilled") this.dispatch({ type: "site", site: readSite(site.value) });
-    if (events.status === "fulfilled") this.dispatch({ type: "events", ...events.value });
+    const site = getSite().then((body) => this.dispatch({ type: "site", site: readSite(body) }));
+    const events = getEvents().then((found) => this.dispatch({ type: "events", ...found }));
+    const reviewed = getReviewed().then((found) => { this.reviewed = new Set(found); });
+    await Promise.allSettled([site, events, reviewed]);
   }
 
   #askedAt = -Infinity;
@@ -176,6 +176,8 @@ export class Store {
       return;
     }
     if (action.type === "tick") this.#keepSite();
+    // Site, events and health show in the pictures too; while nothing is heard, time alone does.
+    if (action.type !== "tick" || this.state.link === "lost") this.draw();
     this.changed();
   }
 
@@ -348,12 +350,30 @@ export class Store {
     return this.state.me?.role !== "viewer";
   }
 
-  /** Do something to an alert, and say that it was done, or why not. */
-  async act(event: string, what: Act, done: string): Promise<void> {
+  /** Do something to an alert, and say that it was done, or why not; offer to undo it. */
+  async act(event: string, what: Act, done: string, undo: Act | null = null): Promise<void> {
     try {
-      await act(event, what, this.state.me?.csrf ?? null);
-      this.dispatch({ type: "events", ...(await getEvents()) });
-      this.toast(done);
+      const made = await act(event, what, this.state.me?.csrf ?? null);
+      if (made) this.dispatch({ type: "events", events: [made], last: null });
+      this.toast(done, undo && (() => void this.act(event, undo, "Undone.")));
+    } catch (error) {
+      this.toast(`Could not do it: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  }
+
+  /** Alerts that this user has reviewed. */
+  reviewed: ReadonlySet<string> = new Set();
+
+  /** Mark an alert as reviewed by this user, or take the mark away. */
+  async review(event: string): Promise<void> {
+    const done = !this.reviewed.has(event);
+    const next = new Set(this.reviewed);
+    if (done) next.add(event);
+    else next.delete(event);
+    try {
+      await markReviewed(event, done, this.state.me?.csrf ?? null);
+      this.reviewed = next;
+      this.changed();
     } catch (error) {
       this.toast(`Could not do it: ${error instanceof Error ? error.message : String(error)}`);
     }

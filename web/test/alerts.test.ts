@@ -1,9 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  cameraAlerts, cards, figures, handled, handling, openAlerts, pastOutages, title, where, withEvent,
+  actor, cards, figures, handled, handling, holds, openAlerts, outages, title, where, withEvent,
   type Alert, type Alerts,
 } from "../src/state/alerts.ts";
+import { isBack } from "../src/state/faults.ts";
 import type { CloudEvent } from "../src/state/messages.ts";
 import { event, health, T } from "./made.ts";
 
@@ -76,28 +77,59 @@ test("ten alerts of a rule in ten minutes become one card, nine do not", () => {
   assert.deepEqual(cards(many(10), T).map((group) => group.length), [10]);
 });
 
-test("a silent camera is an alert, once: not beside one that the server tells of", () => {
-  const sick = health();
-  sick.cameras.north = { state: "stale", fps: 0, age_s: 6, clock: "sender", dropped: 0 };
-  const derived = cameraAlerts(sick, none, T);
-  assert.deepEqual(derived.map((a) => [a.camera, a.start, a.stored]), [["north", T - 6, false]]);
-  assert.equal(title(derived[0] as Alert), "Camera North sends no picture");
-  const told = fold({
-    id: "c", type: "trecsim.camera.silent.v1",
-    data: { event: "c", phase: "new", seq: 0, camera: "north", severity: "warning", t_start_s: T - 6 },
-  });
-  assert.deepEqual(cameraAlerts(sick, told, T), []);
-  assert.match(where(only(told), T), /^No picture for 6 s\./);
+const silent = (phase: CloudEvent["data"]["phase"], more = {}): CloudEvent => ({
+  id: `c-${phase}`, type: "trecsim.camera.health.v1",
+  data: {
+    event: "c", phase, seq: 0, camera: "north", severity: "warning", state: "stale",
+    fault: "camera north is stale: connection refused", t_start_s: T - 6, t_end_s: null,
+    rule: { id: "camera-health", kind: "camera.health" }, measures: { age_s: 6 }, ...more,
+  },
 });
 
-test("a camera that is back is told with how long it was silent, unless the server tells it", () => {
-  const outages = new Map([["north", [{ from: T - 60, to: T - 50 }, { from: T - 5, to: Infinity }]]]);
-  const past = pastOutages(outages, none);
-  assert.deepEqual(past.map((a) => [a.start, a.end]), [[T - 60, T - 50]]);
-  assert.equal(title(past[0] as Alert), "Camera North sent no picture");
-  const told = fold({
-    id: "c", type: "trecsim.camera.silent.v1",
-    data: { event: "c", phase: "new", seq: 0, camera: "north", severity: "warning" },
-  });
-  assert.deepEqual(pastOutages(outages, told), []);
+test("a camera that falls silent is told with its reason, and how long it was silent when over", () => {
+  const alert = only(fold(silent("new")));
+  assert.equal(title(alert), "Camera North sends no picture");
+  assert.equal(where(alert, T),
+    "No picture for 6 s: connection refused. Its part of the site is less well covered.");
+  const over = only(fold(silent("new"), silent("end", { t_end_s: T - 1 })));
+  assert.equal(title(over), "Camera North sent no picture");
+  assert.equal(where(over, T), "Picture back after 5.0 s.");
+  assert.deepEqual(figures(over, 2), []);
+  assert.deepEqual(outages(fold(silent("new"), silent("end", { t_end_s: T - 1 }))),
+    [{ camera: "north", from: T - 6, to: T - 1 }]);
+});
+
+test("faults of 3D people and storage have their own words", () => {
+  const fault = (kind: string, said: string) => only(fold({
+    id: kind, type: `trecsim.${kind}.v1`,
+    data: { event: kind, phase: "new", seq: 0, severity: "alarm", t_start_s: T - 4, fault: said,
+      rule: { id: kind, kind } },
+  }));
+  const fusion = fault("fusion.health", "the fusion has stopped");
+  assert.equal(title(fusion), "Watching has stopped");
+  assert.equal(where(fusion, T), "No 3D people for 4 s. No alert for people can fire.");
+  const store = fault("store.health", "nothing is recorded: no space left");
+  assert.equal(title(store), "Nothing is recorded");
+  assert.equal(where(store, T), "People are tracked. Storage fails for 4 s: no space left.");
+});
+
+test("a part that works again is not said to fail, although its alert goes on", () => {
+  const well = health();
+  const alert = only(fold(silent("new")));
+  assert.equal(isBack(alert, well), true);
+  assert.equal(title({ ...alert, back: true }), "Camera North sends pictures again");
+  well.cameras.north = { state: "down", fps: 0, age_s: 12, clock: "sender", dropped: 0 };
+  assert.equal(isBack(alert, well), false);
+  assert.equal(isBack(only(fold(silent("new"), silent("end", { t_end_s: T }))), health()), false);
+});
+
+test("who did something is named, but not whoever sits at a machine without users", () => {
+  assert.deepEqual(["k.meier", "token", "local", null].map(actor), ["k.meier", "a program", "", ""]);
+});
+
+test("an alert holds between its beginning and its end, one of a moment for two seconds", () => {
+  const lasting = only(fold(NEW, event({ event: "e", phase: "end", t_end_s: T })));
+  assert.deepEqual([T - 8, T - 7, T, T + 1].map((t) => holds(lasting, t)), [false, true, true, false]);
+  const moment = only(fold(event({ event: "e", phase: "new", t_start_s: T, t_end_s: T })));
+  assert.deepEqual([T, T + 2, T + 3].map((t) => holds(moment, t)), [true, true, false]);
 });

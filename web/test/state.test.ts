@@ -80,15 +80,6 @@ test("a forecast is carried between the snapshots that bring one, and gets short
   assert.ok(Math.abs((state.snapshot?.people[0]?.forecast[0]?.ahead ?? 0) - 0.96) < 1e-6);
 });
 
-test("a camera's outage lasts from its last picture until it is live again", () => {
-  const sick = health();
-  sick.cameras.north = { state: "stale", fps: 0, age_s: 3, clock: "sender", dropped: 0 };
-  const stale = after(message({ type: "health", sent_s: T, ...sick }, T));
-  assert.deepEqual(stale.outages.get("north"), [{ from: T - 3, to: Infinity }]);
-  const live = reduce(stale, message({ ...HEALTH, sent_s: T + 4 }, T + 4));
-  assert.ok(Math.abs((live.outages.get("north")?.[0]?.to ?? 0) - T - 4) < 0.01);
-});
-
 test("the address holds page, view, person, subject and time, and nothing is lost on the way", () => {
   for (const address of [
     { page: "live", view: "overview", person: null, subject: null, t: null },

@@ -84,6 +84,22 @@ test("row 5: a stale camera is named", () => {
   assert.equal(said.title, "Camera North is stale");
 });
 
+test("row 5: who acknowledged a silent camera is named; one that is back speaks until acknowledged", () => {
+  const silent = (phase: "new" | "ack", more = {}) => ({
+    ...event({ event: "c", phase, severity: "warning", camera: "north",
+      rule: { id: "camera-health", kind: "camera.health" }, ...more }),
+  });
+  const sick = health();
+  sick.cameras.north = { state: "down", fps: 0, age_s: 60, clock: "sender", dropped: 0 };
+  const known = fold(silent("new"), silent("ack", { by: "k.meier" }));
+  assert.match(status({ ...well, health: sick, open: known }).line, /Acknowledged by k\.meier\.$/);
+  const back = (alerts: Alert[]) => alerts.map((alert) => ({ ...alert, back: true }));
+  const said = status({ ...well, open: back(fold(silent("new"))) });
+  assert.equal(said.row, 5);
+  assert.equal(said.title, "Camera North sends pictures again");
+  assert.equal(status({ ...well, open: back(known) }).row, 7);
+});
+
 test("row 5: several silent cameras are counted and named", () => {
   const sick = health();
   for (const name of ["north", "south"]) {

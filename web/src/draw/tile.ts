@@ -154,8 +154,11 @@ function drawPeople(
   for (const { person } of people.reverse()) drawNumber(pen, c, input, person, put, lens, taken);
 }
 
+const isAlarm = (severity: Severity | undefined): boolean =>
+  severity === "alarm" || severity === "critical";
+
 function ink(c: Palette, input: TileInput, person: Person): string {
-  if (input.alarmed.has(person.id)) return c.bodyAlarm;
+  if (isAlarm(input.alarmed.get(person.id))) return c.bodyAlarm;
   if (person.id === input.selected) return c.accent;
   if (input.picture) return "#ffffff";
   return person.state === "provisional" ? c.bodyProvisional : c.body;
@@ -228,11 +231,14 @@ function drawNumber(
   );
   if (collides) return; // the nearer one has the room
   taken.push(place);
-  const alarmed = input.alarmed.has(person.id);
+  const severity = input.alarmed.get(person.id);
   box(pen, place[0], place[1], w, 14, 3);
-  pen.fillStyle = alarmed ? c.alarmFill : input.picture ? "rgb(0 0 0 / .7)" : alpha(c.raised, 0.88);
+  const plain = input.picture ? "rgb(0 0 0 / .7)" : alpha(c.raised, 0.88);
+  const fills = { critical: c.criticalFill, alarm: c.alarmFill, warning: c.warnFill, info: plain };
+  pen.fillStyle = severity ? fills[severity] : plain;
   pen.fill();
-  pen.fillStyle = alarmed || input.picture ? "#ffffff" : c.text;
+  const dark = severity === "warning" ? "#1d1500" : c.text;
+  pen.fillStyle = isAlarm(severity) || (input.picture && !severity) ? "#ffffff" : dark;
   pen.textAlign = "center";
   pen.textBaseline = "middle";
   pen.fillText(text, u, v - 6.5);

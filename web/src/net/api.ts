@@ -79,8 +79,19 @@ export interface Act {
   note?: string;
 }
 
-export const act = (event: string, what: Act, csrf: string | null): Promise<unknown> =>
-  send(`/api/events/${encodeURIComponent(event)}`, what, csrf);
+/** Do something to an alert; return the event that comes of it. */
+export async function act(event: string, what: Act, csrf: string | null): Promise<CloudEvent | null> {
+  const body = await send(`/api/events/${encodeURIComponent(event)}`, what, csrf);
+  const made = (body as { event?: CloudEvent } | null)?.event;
+  return made?.data?.event ? made : null;
+}
+
+/** Return the alerts that this user has reviewed. */
+export const getReviewed = async (): Promise<string[]> =>
+  (await json<{ events?: string[] }>("/api/users/me/reviewed")).events ?? [];
+
+export const markReviewed = (event: string, reviewed: boolean, csrf: string | null): Promise<unknown> =>
+  send("/api/users/me/reviewed", { events: [event], reviewed }, csrf);
 
 export interface Recording {
   id: string;

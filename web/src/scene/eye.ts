@@ -26,6 +26,8 @@ export class Eye {
   #to: Pose | null = null;
   #started = 0;
   #rig: Camera | null = null;
+  /** Whether a hand has moved the eye since the view was chosen. */
+  #touched = false;
   #aspect = 1;
   #size: [number, number] = [1, 1];
 
@@ -40,6 +42,7 @@ export class Eye {
     this.#controls.addEventListener("start", () => {
       this.#to = null;
       this.#rig = null;
+      this.#touched = true;
       this.#lens();
       moved();
     });
@@ -55,6 +58,8 @@ export class Eye {
     this.#aspect = width / Math.max(1, height);
     this.#lens();
     this.#top();
+    const fits = this.#view === "overview" && !this.#touched;
+    if (fits && this.#site) this.#fly(overview(this.#site, this.#aspect), true);
   }
 
   /** Take a view; return whether the eye moves to it. */
@@ -65,6 +70,7 @@ export class Eye {
     this.#view = view;
     if (view === "follow" && person) return this.#follow(person);
     if (!fresh) return false;
+    this.#touched = false;
     this.#rig = site.cameras.find((camera) => `camera:${camera.name}` === view) ?? null;
     this.#controls.enabled = view !== "top";
     this.#controls.maxDistance = 3 * extent(site);

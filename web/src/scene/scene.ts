@@ -48,6 +48,9 @@ export interface Hands {
 const FRUSTUM_M = 0.95;
 const NEAR_CAMERA_M = 4;
 
+/** Whether a view is so close to people that cameras would stand in front of them. */
+const isNear = (view: string): boolean => view === "alarm" || view === "follow";
+
 export class Scene {
   #box: HTMLElement;
   #canvas = document.createElement("canvas");
@@ -181,7 +184,7 @@ export class Scene {
         rgb(severity ? severityInk(c, severity) : c.edge), { width: 2 },
       );
     }
-    if (input.layers.cameras) {
+    if (input.layers.cameras && !isNear(input.view)) {
       for (const camera of site.cameras) {
         if (input.view !== `camera:${camera.name}`) {
           frustum(lines, camera, c, input.faulty.has(camera.name));
@@ -337,18 +340,18 @@ export class Scene {
     if (!sheet || !input?.site) return;
     const { pen } = sheet;
     this.#metres(pen, c, input.site);
-    if (input.layers.cameras) this.#names(pen, c, input);
+    if (input.layers.cameras && !isNear(input.view)) this.#names(pen, c, input);
     if (!input.layers.numbers) return;
+    let callout = (): void => undefined;
     const chips = (input.snapshot?.people ?? []).flatMap((person): Chip[] => {
       const top = this.#screen(topOf(person));
       const foot = this.#screen([person.floor[0], person.floor[1], 0]);
       if (!top || !foot) return [];
       const called = input.callout?.person === person.id;
       if (called && input.callout) {
-        drawCallout(
-          pen, c, input.alarmed.get(person.id) ?? "alarm", input.callout.title,
-          input.callout.line, top.x, top.y,
-        );
+        const { title, line } = input.callout;
+        const severity = input.alarmed.get(person.id) ?? "alarm";
+        callout = () => drawCallout(pen, c, severity, title, line, top.x, top.y);
         return [];
       }
       return [{
@@ -364,6 +367,7 @@ export class Scene {
       }];
     });
     this.#chips = drawChips(pen, c, chips);
+    callout(); // over all chips
   }
 
   #names(pen: CanvasRenderingContext2D, c: Palette, input: SceneInput): void {

@@ -1,7 +1,8 @@
 // Alerts: episodes folded from events, and the faults of cameras.
 
-import type { CloudEvent, EventData, Health, Reason, Severity } from "./messages.ts";
-import { duration, list, named, percent, whole } from "./words.ts";
+import { faultLine, faultTitle, partOf, type Part } from "./faults.ts";
+import type { CloudEvent, EventData, Reason, Severity } from "./messages.ts";
+import { duration, named, percent, whole } from "./words.ts";
 
 export interface Alert {
   /** The episode's id, the same in all its phases. */
@@ -21,12 +22,17 @@ export interface Alert {
   probability: number | null;
   people: number[];
   place: string | null;
+  /** The part of the site that fails; null for an alert about people. */
+  part: Part | null;
   camera: string | null;
+  /** How the part is, and what is wrong with it, in the server's words. */
+  state: string | null;
+  fault: string | null;
+  /** Whether the part works again although the alert has not ended. */
+  back: boolean;
   count: number | null;
   measures: Record<string, number>;
   cameras: string[];
-  /** Whether the server knows it; what the page derives from the health cannot be acted upon. */
-  stored: boolean;
 }
 
 export type Alerts = ReadonlyMap<string, Alert>;
@@ -39,25 +45,23 @@ const timeOf = (event: CloudEvent, now: number): number => {
   return Number.isFinite(t) ? t : now;
 };
 
-const numbers = (measures: Record<string, number | string> | undefined): Record<string, number> =>
+const numbers = (measures: Record<string, number | string | null> | undefined): Record<string, number> =>
   Object.fromEntries(
     Object.entries(measures ?? {}).filter((m): m is [string, number] => typeof m[1] === "number"),
   );
 
-function cameraOf(data: EventData, event: CloudEvent): string | null {
-  if (data.camera) return data.camera;
-  const kind = data.rule?.kind ?? event.type;
-  if (!kind.includes("camera")) return null;
-  const named = data.measures?.camera;
-  return typeof named === "string" ? named : (data.evidence?.cameras?.[0] ?? null);
+function cameraOf(data: EventData, kind: string): string | null {
+  if (partOf(kind) !== "camera") return null;
+  return data.camera ?? data.evidence?.cameras?.[0] ?? null;
 }
 
 function begun(event: CloudEvent, now: number): Alert {
   const { data } = event;
   const t = data.t_detect_s ?? data.t_start_s ?? timeOf(event, now);
+  const kind = data.rule?.kind ?? event.type.replace(/^trecsim\.|\.v1$/g, "");
   return {
     id: data.event,
-    kind: data.rule?.kind ?? event.type.replace(/^trecsim\.|\.v1$/g, ""),
+    kind,
     rule: data.rule?.id ?? "",
     severity: data.severity ?? "warning",
     raisedFrom: null,
@@ -69,11 +73,12 @@ function begun(event: CloudEvent, now: number): Alert {
     probability: null,
     people: [],
     place: data.zone ?? data.edge ?? data.line ?? null,
-    camera: cameraOf(data, event),
+    part: partOf(kind),
+    camera: cameraOf(data, kind),
+    state: null, fault: null, back: false,
     count: null,
     measures: {},
     cameras: [],
-    stored: true,
   };
 }
 
@@ -100,6 +105,8 @@ function told(alert: Alert, data: EventData): Alert {
     probability: data.probability ?? alert.probability,
     people: data.people?.map((one) => one.person) ?? alert.people,
     count: data.count ?? alert.count,
+    state: data.state ?? alert.state,
+    fault: data.fault ?? alert.fault,
     measures: data.measures ? numbers(data.measures) : alert.measures,
     cameras: data.evidence?.cameras ?? alert.cameras,
   };
@@ -149,6 +156,17 @@ export function handling(alert: Alert, now: number): Handling {
 /** Whether the condition holds now. */
 export const isActive = (alert: Alert): boolean => alert.end === null && alert.closed === null;
 
+/** A happening of one moment is shown for so long [s]. */
+const MOMENT_S = 2;
+
+/** Whether the condition of an alert held at a time. */
+export const holds = (alert: Alert, t: number): boolean =>
+  t >= alert.start && t <= Math.max(alert.end ?? Infinity, alert.start + MOMENT_S);
+
+/** Order alerts by severity, then the newest first. */
+export const urgent = (a: Alert, b: Alert): number =>
+  RANK[b.severity] - RANK[a.severity] || b.start - a.start || a.id.localeCompare(b.id);
+
 /** Return the alerts that are listed as cards: not closed, the most urgent first. */
 export function openAlerts(alerts: Alerts, now: number): Alert[] {
   const order: Record<Handling, number> = {
@@ -158,10 +176,7 @@ export function openAlerts(alerts: Alerts, now: number): Alert[] {
     .filter((alert) => handling(alert, now) !== "closed")
     .sort(
       (a, b) =>
-        order[handling(a, now)] - order[handling(b, now)]
-        || RANK[b.severity] - RANK[a.severity]
-        || b.start - a.start
-        || a.id.localeCompare(b.id),
+        order[handling(a, now)] - order[handling(b, now)] || urgent(a, b),
     );
 }
 
@@ -183,36 +198,10 @@ export function cards(open: readonly Alert[], now: number): Alert[][] {
   return [...groups.values()];
 }
 
-/** Return the faults of cameras that no stored alert tells of, as alerts. */
-export function cameraAlerts(health: Health | null, alerts: Alerts, now: number): Alert[] {
-  if (!health) return [];
-  const told = new Set(
-    [...alerts.values()].filter(isActive).map((alert) => alert.camera).filter(Boolean),
-  );
-  return Object.entries(health.cameras)
-    .filter(([name, camera]) => !told.has(name) && isFault(camera.state))
-    .map(([name, camera]) => ({
-      ...silent(name, camera.age_s === null ? NaN : now - camera.age_s, null),
-      id: `camera/${name}`,
-    }));
-}
-
-const silent = (camera: string, start: number, end: number | null): Alert => ({
-  id: `camera/${camera}/${start}`, kind: "camera.silent", rule: "", severity: "warning",
-  raisedFrom: null, predicted: false, start, detected: start, end, ack: null, shelved: null,
-  closed: null, probability: null, people: [], place: null, camera, count: null, measures: {},
-  cameras: [], stored: false,
-});
-
-/** Return when cameras were silent and came back, as this page saw it; not what the server tells. */
-export function pastOutages(
-  outages: ReadonlyMap<string, readonly { from: number; to: number }[]>, alerts: Alerts,
-): Alert[] {
-  const told = new Set([...alerts.values()].map((alert) => alert.camera));
-  return [...outages].filter(([camera]) => !told.has(camera)).flatMap(([camera, spans]) =>
-    spans.filter((span) => Number.isFinite(span.to))
-      .map((span) => silent(camera, span.from, span.to)));
-}
+/** Return when cameras were silent, as the server tells it. */
+export const outages = (alerts: Alerts): { camera: string; from: number; to: number }[] =>
+  [...alerts.values()].flatMap((one) =>
+    one.camera === null ? [] : [{ camera: one.camera, from: one.start, to: one.end ?? Infinity }]);
 
 export const isFault = (state: string): boolean => state === "stale" || state === "down";
 
@@ -221,22 +210,28 @@ const TITLES: Record<string, (alert: Alert, who: string, where: string) => strin
   "zone.restricted": (_, who, where) => `${who} in ${where}`,
   "zone.enter": (_, _who, where) => `${where} entered`,
   "zone.exit": (_, _who, where) => `${where} left`,
-  "zone.dwell": (a, _who, where) => `${where}, stayed ${whole(lasted(a, a.end ?? a.detected))}`,
+  "zone.dwell": (a, _who, where) => `${where}, stayed ${long(a) || "too long"}`,
   "line.cross": (_, _who, where) => `${where} crossed`,
   "occupancy.limit": (a) => `${a.count ?? "Too many"} or more waiting`,
   "density.level": (_, _who, where) => `${where} is crowded`,
   "speed.running": (_, who) => `${who} runs`,
   "body.fall": (_, who) => `${who} fell`,
-  "body.down": (a, who) => `${who} down, ${whole(lasted(a, a.end ?? a.detected))}`,
+  "body.down": (a, who) => `${who} down${long(a) && `, ${long(a)}`}`,
   "flow.wrong_way": (_, who) => `${who} goes the wrong way`,
 };
+
+/** Return how long it had lasted when it was detected, or in all; nothing below a second. */
+function long(alert: Alert): string {
+  const s = lasted(alert, alert.end ?? alert.detected);
+  return s < 0.95 ? "" : whole(s);
+}
 
 export const lasted = (alert: Alert, now: number): number =>
   Math.max(0, (alert.end ?? now) - alert.start);
 
 /** Return who or what, and what: the title of an alert's card. */
 export function title(alert: Alert, withNumber = false): string {
-  if (alert.camera) return `Camera ${named(alert.camera)} ${cameraVerb(alert)}`;
+  if (alert.part) return faultTitle(alert);
   const number = alert.people[0];
   const who = withNumber && number !== undefined ? `Person ${number}` : "Person";
   const where = alert.place ? named(alert.place) : "the site";
@@ -244,21 +239,15 @@ export function title(alert: Alert, withNumber = false): string {
   return TITLES[alert.kind]?.(alert, who, where) ?? `${named(alert.rule || alert.kind)}`;
 }
 
-function cameraVerb(alert: Alert): string {
-  if (alert.kind.includes("moved") || alert.kind.includes("pose")) return "was moved";
-  if (alert.kind.includes("clock")) return "has a wrong clock";
-  if (alert.kind.includes("frozen")) return "sends the same picture";
-  return alert.end === null ? "sends no picture" : "sent no picture";
+/** Return the title without who it is about: for a callout above that person. */
+export function what(alert: Alert): string {
+  const text = title(alert).replace(/^Person /, "");
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /** Return where it is and whether it goes on: the second line of a card. */
 export function where(alert: Alert, now: number): string {
-  if (alert.camera) {
-    if (alert.end !== null) return `Picture back after ${duration(lasted(alert, now))}.`;
-    return Number.isFinite(alert.start)
-      ? `No picture for ${whole(lasted(alert, now))}. Its part of the site is less well covered.`
-      : "No picture since the start. Its part of the site is less well covered.";
-  }
+  if (alert.part) return faultLine(alert, now);
   const place = alert.place ? `${named(alert.place)}. ` : "";
   if (alert.end !== null) return `${place}Over after ${duration(lasted(alert, now))}.`;
   if (alert.predicted) {
@@ -275,7 +264,7 @@ export interface Figure {
 /** Return the three figures of "is it real?", those that are known. */
 export function figures(alert: Alert, cameras: number): Figure[] {
   const found: Figure[] = [];
-  if (alert.camera) return found;
+  if (alert.part) return found;
   if (alert.cameras.length > 0) {
     found.push({ value: `${alert.cameras.length} of ${cameras}`, words: "cameras see it" });
   }
@@ -291,7 +280,8 @@ const UNITS: [RegExp, string, number][] = [
   [/_mps$/, "m/s", 1], [/_per_m2$/, "/m²", 1], [/_deg$/, "°", 0], [/_m$/, "m", 1], [/_s$/, "s", 1],
 ];
 
-function measured(name: string, value: number): Figure {
+/** Return a measure of a rule as a number with its unit, and in words. */
+export function measured(name: string, value: number): Figure {
   const unit = UNITS.find(([pattern]) => pattern.test(name));
   const words = name.replace(unit?.[0] ?? /$^/, "").replaceAll("_", " ");
   return {
@@ -299,6 +289,10 @@ function measured(name: string, value: number): Figure {
     words,
   };
 }
+
+/** Return who did something, in words; nothing for whoever sits at a machine without users. */
+export const actor = (by: string | null | undefined): string =>
+  !by || by === "local" ? "" : by === "token" ? "a program" : by;
 
 export const REASONS: Record<Reason, string> = {
   true: "True", false: "False alarm", test: "Test", expected: "Expected",
@@ -320,11 +314,3 @@ export function handled(alert: Alert, now: number, clock: (t: number) => string)
       return alert.raisedFrom ? `raised from ${named(alert.raisedFrom)}` : "";
   }
 }
-
-/** Return the names of the cameras that are not live, as a list in words. */
-export const faultyCameras = (health: Health): string =>
-  list(
-    Object.entries(health.cameras)
-      .filter(([, camera]) => isFault(camera.state))
-      .map(([name]) => named(name)),
-  );

@@ -88,9 +88,12 @@ export interface EventData {
   line?: string;
   edge?: string;
   camera?: string;
+  /** Of a fault: how the part is, and what is wrong with it. */
+  state?: string;
+  fault?: string | null;
   direction?: string;
   count?: number;
-  measures?: Record<string, number | string>;
+  measures?: Record<string, number | string | null>;
   evidence?: { t_from_s?: number; t_to_s?: number; cameras?: string[] };
 }
 

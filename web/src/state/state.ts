@@ -1,22 +1,18 @@
 // The whole state of the page, and what a message or a person's action makes of it.
 
-import { cameraAlerts, openAlerts, withEvent, type Alert, type Alerts } from "./alerts.ts";
+import { openAlerts, withEvent, type Alert, type Alerts } from "./alerts.ts";
+import { isBack } from "./faults.ts";
 import { assign, noMarks, type Marks } from "./marks.ts";
 import type { CloudEvent, Health, Me, StreamMessage } from "./messages.ts";
 import { readSnapshot, type Snapshot } from "./people.ts";
 import type { Site } from "./site.ts";
-import { status, type Status } from "./status.ts";
+import { STALLED_S, status, type Status } from "./status.ts";
 import { UNIX_FROM_S } from "./words.ts";
 
 /** Without a message for longer, the page has no connection [s]. */
 export const SILENT_S = 3;
 
 export type Access = "unknown" | "in" | "out";
-
-export interface Span {
-  from: number;
-  to: number;
-}
 
 export interface State {
   access: Access;
@@ -38,8 +34,6 @@ export interface State {
   /** Server's time less our own; the least delayed message tells it best. */
   ahead: number;
   lastSent: number;
-  /** When cameras were not live, per camera, on the clock of the snapshots [s]. */
-  outages: ReadonlyMap<string, readonly Span[]>;
   /** What the page says after a lost connection came back; null once it has been read. */
   back: { missed: number; alerts: number; at: number } | null;
 }
@@ -72,7 +66,6 @@ export const initial = (local: number): State => ({
   retryAt: NaN,
   ahead: NaN,
   lastSent: NaN,
-  outages: new Map(),
   back: null,
 });
 
@@ -141,7 +134,7 @@ function heard(before: State, message: StreamMessage, local: number): State {
     case "snapshot":
       return withSnapshot(state, readSnapshot(message, state.snapshot));
     case "health":
-      return withHealth(state, message);
+      return { ...state, health: message };
     case "event":
       return {
         ...state,
@@ -161,31 +154,17 @@ function withSnapshot(state: State, snapshot: Snapshot): State {
   return { ...state, snapshot, marks };
 }
 
-function withHealth(state: State, health: Health): State {
-  const t = dataTime(state);
-  const outages = new Map(state.outages);
-  for (const [name, camera] of Object.entries(health.cameras)) {
-    const spans = outages.get(name) ?? [];
-    const last = spans[spans.length - 1];
-    const running = last?.to === Infinity;
-    const bad = camera.state === "stale" || camera.state === "down";
-    // A camera that has sent nothing yet is starting: that is no outage of the past.
-    if (bad && !running && camera.age_s !== null) {
-      outages.set(name, [...spans, { from: t - Math.min(camera.age_s, 600), to: Infinity }]);
-    } else if (!bad && running) {
-      outages.set(name, [...spans.slice(0, -1), { from: last.from, to: t }]);
-    }
-  }
-  return { ...state, health, outages };
-}
+/** Return all open alerts, those about faults included, the most urgent first. */
+export const open = (state: State): Alert[] =>
+  openAlerts(state.alerts, dataTime(state)).map((alert) =>
+    isBack(alert, state.health) ? { ...alert, back: true } : alert);
 
-/** Return all open alerts, the faults of cameras included, the most urgent first. */
-export function open(state: State): Alert[] {
-  const now = dataTime(state);
-  const derived = cameraAlerts(state.health, state.alerts, now);
-  const all = new Map([...state.alerts, ...derived.map((one) => [one.id, one] as const)]);
-  return openAlerts(all, now);
-}
+/** Return how old the newest people are [s]; NaN before the first, and for a recording. */
+export const ageOf = (state: State): number =>
+  state.snapshot && state.snapshot.t >= UNIX_FROM_S ? serverTime(state) - state.snapshot.t : NaN;
+
+/** Whether what is known of people is too old to be shown as what is there now. */
+export const isOld = (state: State): boolean => state.link === "lost" || ageOf(state) > STALLED_S;
 
 /** Return the status sentence of the site now. */
 export function statusOf(state: State): Status {
@@ -197,9 +176,7 @@ export function statusOf(state: State): Status {
     connectingFor: state.local - state.startedAt,
     now: dataTime(state),
     health: state.health,
-    age: state.snapshot && state.snapshot.t >= UNIX_FROM_S
-      ? serverTime(state) - state.snapshot.t
-      : NaN,
+    age: ageOf(state),
     hasPeople: state.snapshot !== null,
     open: open(state),
     armed: state.health?.rules?.armed ?? site?.armed ?? 0,

@@ -1,6 +1,6 @@
 // The sentence that says whether all is well: the first case that holds.
 
-import { handling, isActive, isFault, title, where, type Alert } from "./alerts.ts";
+import { actor, handling, isActive, isFault, title, where, type Alert } from "./alerts.ts";
 import type { Health, Severity } from "./messages.ts";
 import { clock, count, list, named, whole } from "./words.ts";
 
@@ -36,7 +36,7 @@ export interface Situation {
 }
 
 /** Without a people message for longer, nobody is watched, whatever the health says [s]. */
-const STALLED_S = 3;
+export const STALLED_S = 3;
 
 const base = { severity: null, icon: "severity" } as const;
 
@@ -110,16 +110,17 @@ function acknowledged(s: Situation): Status | null {
   );
   const first = alarms[0];
   if (!first) return null;
+  const shelved = alarms.every((a) => handling(a, s.now) === "shelved");
   return {
     ...base, row: 4, look: "outlined", severity: first.severity,
-    title: `${count(alarms.length, "alarm")}, acknowledged`,
-    line: `${title(first)}, still there.`,
+    title: `${count(alarms.length, "alarm")}, ${shelved ? "shelved" : "acknowledged"}`,
+    line: first.part ? `${title(first)}.` : `${title(first)}, still there.`,
   };
 }
 
 function warned(s: Situation): Status | null {
   const look = { ...base, row: 5, look: "plain", severity: "warning" } as const;
-  const warnings = s.open.filter((a) => isActive(a) && !a.camera && a.severity !== "info");
+  const warnings = s.open.filter((a) => isActive(a) && !a.part && a.severity !== "info");
   const people = warnings.filter((a) => handling(a, s.now) !== "shelved")[0];
   if (people) {
     const more = warnings.length - 1;
@@ -128,12 +129,24 @@ function warned(s: Situation): Status | null {
       line: more ? `And ${count(more, "other warning")}.` : where(people, s.now),
     };
   }
-  const faults = faulty(s.health);
+  const said = faultWords(s);
+  return said && { ...look, ...said };
+}
+
+type Words = Pick<Status, "title" | "line">;
+
+/** Return what fails now, or worked again a moment ago and is not acknowledged. */
+function faultWords(s: Situation): Words | null {
+  const cameras = faulty(s.health);
   const store = s.health?.store;
-  if (faults.length > 0) return { ...look, ...cameraWords(faults, store?.state === "failing") };
-  if (store?.state !== "failing") return null;
-  const why = store.fault ? `: ${store.fault}` : "";
-  return { ...look, title: "Nothing is recorded", line: `People are tracked. Storage fails${why}.` };
+  if (cameras.length > 0) return cameraWords(s, cameras, store?.state === "failing");
+  if (store?.state === "failing") {
+    const reason = store.fault ? `: ${store.fault}` : "";
+    const line = `People are tracked. Storage fails${reason}.`;
+    return { title: "Nothing is recorded", line: line + handledBy(s, (a) => a.part === "store") };
+  }
+  const back = s.open.find((a) => a.back && handling(a, s.now) === "new");
+  return back ? { title: title(back), line: where(back, s.now) } : null;
 }
 
 function faulty(health: Health | null): [string, string][] {
@@ -142,22 +155,30 @@ function faulty(health: Health | null): [string, string][] {
     .map(([name, camera]) => [name, camera.state]);
 }
 
-function cameraWords(
-  faults: [string, string][], unstored: boolean,
-): { title: string; line: string } {
+function cameraWords(s: Situation, faults: [string, string][], unstored: boolean): Words {
   const tail = unstored ? " Nothing is recorded." : "";
   const names = faults.map(([name]) => named(name));
-  const first = faults[0] as [string, string];
+  const [name, state] = faults[0] as [string, string];
   if (faults.length === 1) {
+    const done = handledBy(s, (alert) => alert.camera === name);
     return {
-      title: `Camera ${names[0]} is ${first[1]}`,
-      line: `No alert for people. What it sees is less well covered.${tail}`,
+      title: `Camera ${names[0]} is ${state}`,
+      line: `No alert for people. What it sees is less well covered.${tail}${done}`,
     };
   }
   return {
     title: `${faults.length} cameras send no picture`,
     line: `${list(names)}. What they see is less well covered.${tail}`,
   };
+}
+
+/** Return that somebody knows of a fault, and who. */
+function handledBy(s: Situation, which: (alert: Alert) => boolean): string {
+  const alert = s.open.find((a) => isActive(a) && which(a));
+  const how = alert && handling(alert, s.now);
+  if (how !== "acknowledged" && how !== "shelved") return "";
+  const by = actor(how === "shelved" ? alert?.shelved?.by : alert?.ack?.by);
+  return ` ${how === "shelved" ? "Shelved" : "Acknowledged"}${by ? ` by ${by}` : ""}.`;
 }
 
 function unarmed(s: Situation): Status | null {
@@ -182,7 +203,7 @@ function clear(s: Situation): Status {
 
 /** Return where the alarm is and how long it has held. */
 function sentence(alert: Alert, now: number): string {
-  if (alert.end !== null) return where(alert, now);
+  if (alert.end !== null || alert.part) return where(alert, now);
   const place = alert.place ? `${named(alert.place)}. ` : "";
   return `${place}For ${whole(now - alert.start)}, still there.`;
 }

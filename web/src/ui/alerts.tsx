@@ -2,11 +2,12 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { Card } from "./card.tsx";
 import { Glyph } from "./icons.tsx";
 import { useStore } from "./use.ts";
+import { home, write } from "../state/address.ts";
 import {
-  cards, closedAlerts, handling, pastOutages, REASONS, title, type Alert,
+  cards, closedAlerts, handling, REASONS, title, type Alert,
 } from "../state/alerts.ts";
 import { dataTime, open, type State } from "../state/state.ts";
-import { clock, duration, hourMinute } from "../state/words.ts";
+import { clock, day, duration, hourMinute } from "../state/words.ts";
 import { store } from "../store.ts";
 
 const HOLD_MS = 500;
@@ -48,6 +49,13 @@ export const justOrdered = (): boolean => performance.now() - ordered < HOLD_MS;
 export function keyed(state: State): Alert | null {
   const now = dataTime(state);
   return open(state).find((a) => ["new", "ended"].includes(handling(a, now))) ?? null;
+}
+
+/** Return the alerts of the card on which keys act. */
+export function keyedGroup(state: State): Alert[] {
+  const first = keyed(state);
+  const groups = cards(open(state), dataTime(state));
+  return first ? (groups.find((group) => group[0]?.id === first.id) ?? [first]) : [];
 }
 
 export function Alerts() {
@@ -93,7 +101,7 @@ function None({ state }: { state: State }) {
     return (
       <div class="none">
         <strong>No rules yet</strong>
-        <p>Alerts for people need a zone, line or edge. A camera that sends no picture is told here already.</p>
+        <p>Alerts for people need a zone, line or edge. Cameras that send no picture are told here already.</p>
         <button type="button" class="button" onClick={() => store.page("zones")}>Zones</button>
       </div>
     );
@@ -110,30 +118,50 @@ function None({ state }: { state: State }) {
 
 function how(alert: Alert): string {
   if (alert.closed) return REASONS[alert.closed.reason];
-  return alert.camera && alert.end !== null ? `for ${duration(alert.end - alert.start)}` : "Acknowledged";
+  return alert.part && alert.end !== null ? `for ${duration(alert.end - alert.start)}` : "Acknowledged";
 }
 
 const PAST_SHOWN = 30;
 
+/** Alerts that are over and dealt with, by day, the newest first. */
 function Past({ state, dimmed }: { state: State; dimmed: boolean }) {
   const now = dataTime(state);
-  const past = [...closedAlerts(state.alerts, now), ...pastOutages(state.outages, state.alerts)]
-    .sort((a, b) => b.start - a.start)
-    .slice(0, PAST_SHOWN);
-  if (past.length === 0) return null;
+  const zone = state.site?.timezone ?? "UTC";
+  const past = closedAlerts(state.alerts, now).slice(0, PAST_SHOWN);
+  const days = [...new Set(past.map((alert) => day(alert.start, zone)))];
   return (
-    <section class={dimmed ? "dimmed" : ""}>
-      <h3 class="since">Today</h3>
-      <ul class="past">
-        {past.map((alert) => (
-          <li key={alert.id}>
-            <time>{hourMinute(alert.start, state.site?.timezone ?? "UTC")}</time>
-            <Glyph severity={alert.severity} open={false} />
-            <span class="what">{title(alert)}</span>
-            <span class="how">{how(alert)}</span>
-          </li>
-        ))}
-      </ul>
-    </section>
+    <>
+      {days.map((one) => (
+        <section key={one} class={dimmed ? "dimmed" : ""}>
+          <h3 class="since">{one === day(now, zone) ? "Today" : one}</h3>
+          <ul class="past">
+            {past.filter((alert) => day(alert.start, zone) === one)
+              .map((alert) => <PastRow key={alert.id} alert={alert} zone={zone} />)}
+          </ul>
+        </section>
+      ))}
+    </>
+  );
+}
+
+/** A line of a list of alerts, which leads to Review. */
+export function PastRow(
+  { alert, zone, end = how(alert), open = false }:
+  { alert: Alert; zone: string; end?: string; open?: boolean },
+) {
+  const address = { ...home, page: "review" as const, subject: alert.id };
+  return (
+    <li>
+      <a class="one" href={write(address)} onClick={(event) => {
+        if (event.metaKey || event.ctrlKey || event.shiftKey) return;
+        event.preventDefault();
+        store.go(address);
+      }}>
+        <time>{hourMinute(alert.start, zone)}</time>
+        <Glyph severity={alert.severity} open={open} />
+        <span class="what">{title(alert)}</span>
+        <span class="how">{end}</span>
+      </a>
+    </li>
   );
 }

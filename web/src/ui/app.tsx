@@ -1,5 +1,6 @@
 import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
+import { Dialog } from "./dialog.tsx";
 import { Help } from "./help.tsx";
 import { Live } from "./live.tsx";
 import { Login } from "./login.tsx";
@@ -7,7 +8,7 @@ import { Phone } from "./phone.tsx";
 import { Rail } from "./rail.tsx";
 import { Facts, StatusBlock } from "./top.tsx";
 import { use, useStore } from "./use.ts";
-import { duration } from "../state/words.ts";
+import { clock, duration, hourMinute } from "../state/words.ts";
 import { store } from "../store.ts";
 
 const NARROW = matchMedia("(max-width: 719px)");
@@ -29,7 +30,7 @@ function Later({ load }: { load: () => Promise<ComponentType> }) {
   useEffect(() => {
     load().then((page) => set(() => page), () => setFault(true));
   }, []);
-  if (fault) return <p class="boot">This page could not be loaded. Load the site again.</p>;
+  if (fault) return <p class="note-page" role="alert">This part of the page was not loaded. Load the page again.</p>;
   return Page ? <Page /> : null;
 }
 
@@ -47,7 +48,7 @@ export function App() {
   if (narrow) return <><Phone later={page === "live" ? null : <Later key={page} load={LATER[page]} />} /><Float /></>;
   return (
     <div class="frame">
-      <a class="button skip" href="#twin">People as a table</a>
+      {page === "live" && <a class="button skip" href="#twin">People as a table</a>}
       <header class="top"><StatusBlock /><Facts /></header>
       <Rail />
       <div class="page">
@@ -99,24 +100,28 @@ function GoTo() {
     const t = store.momentOf(text);
     if (t === null) setFault("Write a time as 14:32:08.");
     else if (t < store.history.from || t > store.history.to) {
-      setFault("That is not within the last ten minutes that this page has seen.");
+      const zone = store.state.site?.timezone ?? "UTC";
+      setFault(store.history.length === 0
+        ? "This page has seen nothing yet."
+        : `This page has seen ${hourMinute(store.history.from, zone)} to ${hourMinute(store.history.to, zone)}. Review has older recordings.`);
     } else {
       store.set({ menu: null, playing: false });
       store.replay(t);
     }
   };
   return (
-    <div class="dialog" role="dialog" aria-modal="true" aria-label="Go to a time"
-      onClick={(event) => event.target === event.currentTarget && store.set({ menu: null })}>
-      <div>
-        <form onSubmit={go}>
-          <h2>Go to</h2>
-          <input class="field" autoFocus value={text} placeholder="14:32:08" aria-label="Time"
-            onInput={(event) => set(event.currentTarget.value)} />
-          {fault && <p role="alert">{fault}</p>}
-          <div class="row"><button type="submit" class="button primary">Go</button></div>
-        </form>
-      </div>
-    </div>
+    <Dialog name="Go to a time">
+      <form onSubmit={go}>
+        <h2>Go to a time</h2>
+        <input class="field" autoFocus value={text} aria-label="Time" aria-describedby="goto-fault"
+          placeholder={clock(store.history.to, store.state.site?.timezone ?? "UTC")}
+          onInput={(event) => set(event.currentTarget.value)} />
+        <p id="goto-fault" class="fault" role="alert">{fault}</p>
+        <div class="row">
+          <button type="submit" class="button primary">Go</button>
+          <button type="button" class="button quiet" onClick={() => store.set({ menu: null })}>Cancel</button>
+        </div>
+      </form>
+    </Dialog>
   );
 }

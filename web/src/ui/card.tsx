@@ -1,10 +1,12 @@
 import { useEffect, useRef, useState } from "preact/hooks";
+import { useAway } from "./dialog.tsx";
 import { Glyph, Icon } from "./icons.tsx";
+import { home, write } from "../state/address.ts";
 import {
-  figures, handled, handling, lasted, REASONS, title, where, type Alert,
+  actor, figures, handled, handling, lasted, REASONS, title, where, type Alert,
 } from "../state/alerts.ts";
 import type { Reason } from "../state/messages.ts";
-import { clock, duration, named, SEVERITY, whole } from "../state/words.ts";
+import { clock, duration, SEVERITY, whole } from "../state/words.ts";
 import { store } from "../store.ts";
 
 const SHELVES_S: [string, number][] = [["15 min", 900], ["1 h", 3600], ["4 h", 14400], ["8 h", 28800]];
@@ -24,7 +26,8 @@ function age(alert: Alert, now: number, zone: string): string {
   if (alert.predicted) return "now";
   if (!Number.isFinite(alert.start)) return "";
   const passed = whole(now - alert.start);
-  return isUrgent(alert) ? `${clock(alert.start, zone)}, ${passed} ago` : passed;
+  if (!isUrgent(alert)) return passed;
+  return alert.raisedFrom ? `${passed} ago` : `${clock(alert.start, zone)}, ${passed} ago`;
 }
 
 export function Card({ group, now, keyed }: Props) {
@@ -59,26 +62,39 @@ export function Card({ group, now, keyed }: Props) {
         </dl>
       )}
       <Acts group={group} now={now} keyed={keyed} />
+      {group.length > 1 && (
+        <details class="all">
+          <summary>Show all {group.length}</summary>
+          <ul>
+            {group.map((one) => (
+              <li key={one.id}>
+                <a href={write({ ...home, page: "review", subject: one.id })}>
+                  {clock(one.start, zone)}{one.people[0] !== undefined && `, person ${one.people[0]}`}
+                </a>
+              </li>
+            ))}
+          </ul>
+        </details>
+      )}
     </li>
   );
 }
 
 function line(alert: Alert, how: string, now: number, zone: string): string {
   const by = (who: string | null, t: number) =>
-    `${who ? `${who}, ` : ""}${clock(t, zone).slice(0, 5)}.`;
+    `${actor(who) ? `${actor(who)}, ` : ""}${clock(t, zone).slice(0, 5)}.`;
   if (how === "closed" && alert.closed) {
     const note = alert.closed.note ? `“${alert.closed.note}” ` : "";
     return `${note}${by(alert.closed.by, alert.closed.t)}`;
   }
   if (how === "shelved" && alert.shelved) {
-    return `${alert.shelved.note ? `${alert.shelved.note}. ` : ""}${alert.shelved.by ?? ""}`;
+    const said = [alert.shelved.note, actor(alert.shelved.by)].filter(Boolean).map((one) => `${one}.`);
+    return [where(alert, now), ...said].join(" ");
   }
   if (how === "acknowledged" && alert.ack) {
     return `${where(alert, now)} ${by(alert.ack.by, alert.ack.t)}`;
   }
-  const raised = alert.raisedFrom ? ` Raised from ${named(alert.raisedFrom)}.` : "";
-  const tail = how === "ended" ? " Not acknowledged." : "";
-  return `${where(alert, now)}${raised}${tail}`;
+  return `${where(alert, now)}${how === "ended" ? " Not acknowledged." : ""}`;
 }
 
 /** Tell whether the outline pulses: for five seconds after an alert came, or rose. */
@@ -100,49 +116,50 @@ function usePulse(alert: Alert, fresh: boolean): boolean {
 /** Acknowledge every alert of a card. */
 export function acknowledge(group: readonly Alert[]): void {
   for (const alert of group) {
-    if (alert.stored) void store.act(alert.id, { phase: "ack" }, "Acknowledged.");
+    void store.act(alert.id, { phase: "ack" }, "Acknowledged.");
   }
 }
 
-/** Replay an alert from five seconds before it began. */
+/** Replay an alert from five seconds before it began: here, or in Review where it is older. */
 export function replay(alert: Alert): void {
-  if (store.history.length === 0 || !Number.isFinite(alert.start)) return;
+  if (!Number.isFinite(alert.start)) return;
+  if (alert.start < store.history.from || store.history.length === 0) {
+    store.go({ ...home, page: "review", subject: alert.id });
+    return;
+  }
   store.set({ playing: true });
   store.page("live");
   store.replay(alert.start - 5);
 }
 
+type Form = "shelve" | "close" | "menu" | null;
+
 function Acts({ group, now, keyed }: Props) {
   const alert = group[0] as Alert;
   const how = handling(alert, now);
-  const [form, setForm] = useState<"shelve" | "close" | "menu" | null>(null);
-  const canAct = alert.stored && store.mayAct;
-  const canReplay = alert.start >= store.history.from;
+  const [form, setForm] = useState<Form>(null);
   const done = () => setForm(null);
-  if (form === "shelve") return <Shelve alert={alert} done={done} now={now} />;
+  const box = useAway<HTMLDivElement>(form === "menu", done);
+  if (form === "shelve") return <Shelve group={group} done={done} now={now} />;
   if (form === "close") return <Close alert={alert} done={done} />;
-  const ack = canAct && (how === "new" || how === "ended") && !alert.predicted;
-  const primary = alert.severity === "warning" || alert.severity === "info" ? "" : "primary";
+  const canAct = store.mayAct && store.state.link !== "lost";
+  const isOpen = how === "new" || how === "ended";
+  const ack = canAct && isOpen && !alert.predicted;
+  const primary = isUrgent(alert) ? "primary grow" : "";
   const buttons = [
     ack && (
-      <button key="ack" type="button" class={`button ${primary} ${primary && "grow"}`}
-        onClick={() => acknowledge(group)}>
+      <button key="ack" type="button" class={`button ${primary}`} onClick={() => acknowledge(group)}>
         Acknowledge{keyed && <span class="key">A</span>}
       </button>
     ),
-    canReplay && !alert.camera && how !== "shelved" && (
+    !alert.part && Number.isFinite(alert.start) && how !== "shelved" && (
       <button key="replay" type="button" class={`button ${ack ? "" : "grow"}`}
         onClick={() => replay(alert)}>
         <Icon name="play" size={15} />Replay{keyed && <span class="key">R</span>}
       </button>
     ),
-    canAct && how === "acknowledged" && (
+    canAct && (how === "acknowledged" || (how === "ended" && !isUrgent(alert))) && (
       <button key="close" type="button" class="button" onClick={() => setForm("close")}>Close…</button>
-    ),
-    canAct && how === "new" && alert.camera && (
-      <button key="shelve" type="button" class="button quiet" onClick={() => setForm("shelve")}>
-        Shelve
-      </button>
     ),
     canAct && how === "shelved" && (
       <button key="unshelve" type="button" class="button quiet"
@@ -150,26 +167,21 @@ function Acts({ group, now, keyed }: Props) {
         End shelving
       </button>
     ),
-    canAct && how === "closed" && alert.closed && (
-      <button key="reopen" type="button" class="button quiet"
-        onClick={() => void store.act(alert.id, { phase: "reopen" }, "Open again.")}>
-        Reopen
-      </button>
-    ),
-    canAct && how === "new" && !alert.camera && (
+    canAct && (how === "new" || (how === "ended" && isUrgent(alert))) && (
       <button key="more" type="button" class="button quiet icon" aria-label="More"
-        aria-expanded={form === "menu"} onClick={() => setForm(form ? null : "menu")}>
+        aria-haspopup="true" aria-expanded={form === "menu"}
+        onClick={() => setForm(form ? null : "menu")}>
         <Icon name="more" />
       </button>
     ),
   ].filter(Boolean);
   if (buttons.length === 0) return null;
   return (
-    <div class="acts">
+    <div class="acts" ref={box}>
       {buttons}
       {form === "menu" && (
         <div class="menu">
-          <button type="button" onClick={() => setForm("shelve")}>Shelve…</button>
+          {how === "new" && <button type="button" onClick={() => setForm("shelve")}>Shelve…</button>}
           <button type="button" onClick={() => setForm("close")}>Close…</button>
         </div>
       )}
@@ -177,17 +189,25 @@ function Acts({ group, now, keyed }: Props) {
   );
 }
 
-function Shelve({ alert, done, now }: { alert: Alert; done: () => void; now: number }) {
+function onEscape(event: KeyboardEvent, done: (() => void) | undefined): void {
+  if (event.key !== "Escape" || !done) return;
+  event.stopPropagation(); // Escape would also deselect
+  done();
+}
+
+function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => void; now: number }) {
   const note = useRef<HTMLInputElement>(null);
   const shelve = (seconds: number) => {
-    const what = { phase: "shelve" as const, until_s: now + seconds, note: note.current?.value ?? "" };
-    void store.act(alert.id, what, "Shelved.");
+    for (const alert of group) {
+      const what = { phase: "shelve" as const, until_s: now + seconds, note: note.current?.value.trim() || undefined };
+      void store.act(alert.id, what, "Shelved.", { phase: "unshelve" });
+    }
     done();
   };
   return (
-    <form onSubmit={(event) => event.preventDefault()}>
-      <input class="field" ref={note} placeholder="Why, as: technician called" aria-label="Why" />
-      <div class="row">
+    <form onSubmit={(event) => event.preventDefault()} onKeyDown={(event) => onEscape(event, done)}>
+      <input class="field" ref={note} autoFocus placeholder="Why, as: technician called" aria-label="Why" />
+      <div class="row" role="group" aria-label="Shelve for">
         {SHELVES_S.map(([text, seconds]) => (
           <button key={text} type="button" class="button" onClick={() => shelve(seconds)}>{text}</button>
         ))}
@@ -202,11 +222,13 @@ export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
   const [note, setNote] = useState("");
   const missing = reason === "false" && note.trim() === "";
   const close = () => {
-    void store.act(alert.id, { phase: "close", reason, note: note.trim() }, "Closed.");
+    const what = { phase: "close" as const, reason, note: note.trim() || undefined };
+    void store.act(alert.id, what, `Closed as ${REASONS[reason].toLowerCase()}.`, { phase: "reopen" });
     done?.();
   };
   return (
-    <form onSubmit={(event) => { event.preventDefault(); if (!missing) close(); }}>
+    <form onSubmit={(event) => { event.preventDefault(); if (!missing) close(); }}
+      onKeyDown={(event) => onEscape(event, done)}>
       <div class="reasons" role="group" aria-label="Close as">
         {(Object.keys(REASONS) as Reason[]).map((one, i) => (
           <button key={one} type="button" class="button" aria-pressed={reason === one}

@@ -1,3 +1,4 @@
+import { Dialog } from "./dialog.tsx";
 import { store } from "../store.ts";
 
 const KEYS: [string, [string, string][]][] = [
@@ -12,40 +13,41 @@ const KEYS: [string, [string, string][]][] = [
     ["F", "plan"], ["O", "edge"], ["T", "follow the selected person"], ["Tab", "next person"],
     ["N", "layers"], ["/", "go to a time"],
   ]],
-  ["Review", [["J K", "next, previous"], ["[ ]", "slower, faster"], ["Space", "pause, play"]]],
+  ["Review", [
+    ["J K", "next, previous"], ["X", "reviewed, or not"], ["C", "close as, then 1 to 4"],
+    ["[ ]", "slower, faster"], ["Space", "pause, play"], ["← →", "1 s back, on"],
+    [", .", "one picture back, on"],
+  ]],
 ];
 
 export function Help() {
   const close = () => store.set({ menu: null });
   return (
-    <div class="dialog" role="dialog" aria-modal="true" aria-label="Help"
-      onClick={(event) => event.target === event.currentTarget && close()}>
-      <div>
-        <h2>Help</h2>
-        <p>
-          The sentence at the top left says whether all is well. It says “All clear” only while the
-          data are fresh, every stage and camera works, and rules are armed.
-        </p>
-        <p>
-          This page supports people on duty. It is not a certified safety function, and nothing
-          that protects people may depend on it alone.
-        </p>
-        <div class="columns">
-          {KEYS.map(([where, keys]) => (
-            <section key={where}>
-              <h3>{where}</h3>
-              <dl>
-                {keys.map(([key, what]) => (
-                  <><dt><b>{key}</b></dt><dd>{what}</dd></>
-                ))}
-              </dl>
-            </section>
-          ))}
-        </div>
-        <div class="row">
-          <button type="button" class="button primary" autoFocus onClick={close}>Close</button>
-        </div>
+    <Dialog name="Help">
+      <h2>Help</h2>
+      <p>
+        The sentence at the top left says whether all is well. It says “All clear” only while the
+        data are fresh, every stage and camera works, and rules are armed.
+      </p>
+      <p>
+        This page supports people on duty. It is not a certified safety function, and nothing
+        that protects people may depend on it alone.
+      </p>
+      <div class="columns">
+        {KEYS.map(([where, keys]) => (
+          <section key={where}>
+            <h3>{where}</h3>
+            <dl>
+              {keys.map(([key, what]) => (
+                <><dt><b>{key}</b></dt><dd>{what}</dd></>
+              ))}
+            </dl>
+          </section>
+        ))}
       </div>
-    </div>
+      <div class="row">
+        <button type="button" class="button primary" autoFocus onClick={close}>Close</button>
+      </div>
+    </Dialog>
   );
 }

@@ -1,7 +1,7 @@
 // Keys. None acts while a field has the focus, nor just after the cards changed their order.
 
 import { acknowledge, replay } from "./card.tsx";
-import { justOrdered, keyed } from "./alerts.tsx";
+import { justOrdered, keyed, keyedGroup } from "./alerts.tsx";
 import { pause } from "./timeline.tsx";
 import { PAGES } from "../state/address.ts";
 import { store } from "../store.ts";
@@ -33,7 +33,7 @@ const onCard = (act: (alert: NonNullable<ReturnType<typeof keyed>>) => void): Ac
 };
 
 const LIVE: Record<string, Act> = {
-  a: onCard((alert) => store.mayAct && acknowledge([alert])),
+  a: onCard(() => store.mayAct && acknowledge(keyedGroup(store.state))),
   r: onCard(replay),
   g: onCard((alert) => {
     const person = alert.people[0];
@@ -44,6 +44,8 @@ const LIVE: Record<string, Act> = {
   " ": pause,
   ArrowLeft: () => step(-1),
   ArrowRight: () => step(1),
+  Home: () => step(-Infinity),
+  End: () => store.go({ t: null }, true),
   ",": () => frame(-1),
   ".": () => frame(1),
   "0": () => store.go({ view: "overview" }),
@@ -70,7 +72,20 @@ const item = (by: number): void => {
   next?.scrollIntoView({ block: "nearest" });
 };
 
+/** Choose a reason of the form that closes an alert; true when there is such a form. */
+function reason(digit: number): boolean {
+  const button = document.querySelectorAll<HTMLButtonElement>(".reasons button")[digit - 1];
+  button?.click();
+  button?.focus();
+  return button !== undefined;
+}
+
 const REVIEW: Record<string, Act> = {
+  x: () => {
+    const { subject } = store.address;
+    if (subject && store.state.alerts.has(subject)) void store.review(subject);
+  },
+  c: () => document.querySelector<HTMLButtonElement>(".reasons button")?.focus(),
   j: () => item(1),
   k: () => item(-1),
   "[": () => speed(-1),
@@ -118,7 +133,8 @@ function pressed(event: KeyboardEvent): void {
     event.preventDefault();
     return store.page(PAGES[Number(event.key) - 1] ?? "live");
   }
-  if (event.ctrlKey || event.metaKey || event.altKey || store.own.menu === "help") return;
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (target.closest("dialog") && event.key !== "?") return;
   if (event.key === "Tab" && target.closest(".view") && store.address.page === "live") {
     if (nextPerson(event.shiftKey)) event.preventDefault();
     return;
@@ -131,7 +147,9 @@ function pressed(event: KeyboardEvent): void {
   if (act) {
     event.preventDefault();
     act(event);
-  } else if (store.address.page === "live" && /^[1-9]$/.test(event.key)) camera(Number(event.key));
+  } else if (/^[1-9]$/.test(event.key)) {
+    if (!reason(Number(event.key)) && store.address.page === "live") camera(Number(event.key));
+  }
 }
 
 export function listen(): void {

@@ -1,6 +1,6 @@
 import type { ComponentChildren } from "preact";
 import { acknowledge, replay } from "./card.tsx";
-import { Icon, type IconName } from "./icons.tsx";
+import { Glyph, Icon, type IconName } from "./icons.tsx";
 import { Plan } from "./planview.tsx";
 import { Tile, bestView } from "./tiles.tsx";
 import { behind, StatusIcon } from "./top.tsx";
@@ -27,14 +27,14 @@ function Head({ shop }: { shop: Store }) {
   const status = statusOf(state);
   const site = state.site;
   return (
-    <div class={`status ${status.look} ${status.severity ?? ""}`} role="status" data-row={status.row}>
+    <div class={`status ${status.look} ${status.severity ?? ""}`} data-row={status.row}>
       <div class="line">
         <span>{site ? named(site.name) : ""}{site?.mode ? `, ${site.mode} mode` : ""}</span>
         <b>{site ? clock(dataTime(state), site.timezone) : ""}</b>
       </div>
       <div class="said">
         <StatusIcon status={status} size={42} />
-        <h1>{status.title}</h1>
+        <div role="status"><h1>{status.title}</h1></div>
       </div>
     </div>
   );
@@ -53,6 +53,12 @@ function Glance({ shop }: { shop: Store }) {
   const people = state.snapshot?.people.length;
   return (
     <main>
+      {shop.replaying && (
+        <div class="replaybar">
+          <Icon name="review" />Replay <time>{clock(shop.time, site?.timezone ?? "UTC")}</time>
+          <button type="button" class="button" onClick={() => store.go({ t: null }, true)}>Back to live</button>
+        </div>
+      )}
       <About shop={shop} alert={first ?? null} now={now} people={people} />
       {site && <section class="planbox" aria-label="Plan"><div class="body"><Plan large={false} /></div></section>}
       {camera && (
@@ -70,7 +76,8 @@ function About(
   const { state } = shop;
   const status = statusOf(state);
   const real = alert ? figures(alert, state.site?.cameras.length ?? 0) : [];
-  const ack = alert && alert.stored && shop.mayAct && handling(alert, now) === "new";
+  const ack = alert && shop.mayAct && state.link !== "lost"
+    && ["new", "ended"].includes(handling(alert, now));
   return (
     <section class="about">
       <p>{status.line || (alert ? where(alert, now) : "")}</p>
@@ -84,7 +91,7 @@ function About(
           {real.map((one) => <div key={one.words}><dt>{one.value}</dt><dd>{one.words}</dd></div>)}
         </dl>
       )}
-      {alert && (ack || alert.start >= shop.history.from) && !alert.camera && (
+      {alert && (ack || alert.start >= shop.history.from) && !alert.part && (
         <div class="acts">
           {ack && (
             <button type="button" class="button primary" onClick={() => acknowledge([alert])}>Acknowledge</button>
@@ -92,7 +99,7 @@ function About(
           <button type="button" class="button" onClick={() => replay(alert)}><Icon name="play" />Replay</button>
         </div>
       )}
-      {alert?.camera && ack && (
+      {alert?.part && ack && (
         <div class="acts">
           <button type="button" class="button" onClick={() => acknowledge([alert])}>Acknowledge</button>
         </div>
@@ -113,7 +120,7 @@ function Rows({ shop }: { shop: Store }) {
     <ul class="rows">
       {bad.map(([name, camera]) => (
         <li key={name} class="fault">
-          <Icon name="nocamera" />Camera {named(name)}
+          <Glyph severity="warning" size={20} />Camera {named(name)}
           <span class="end">
             {camera.age_s === null ? "No picture yet" : `No picture, ${whole(camera.age_s)}`}
           </span>

@@ -12,7 +12,8 @@ const NAMES: Record<Page, [string, IconName]> = {
   system: ["System", "system"],
 };
 
-function badge(page: Page, { state }: Store): { n: number; look: string; words: string } | null {
+function badge(page: Page, shop: Store): { n: number; look: string; words: string } | null {
+  const { state } = shop;
   const now = dataTime(state);
   if (page === "live") {
     const alerts = open(state).filter((alert) => handling(alert, now) !== "shelved");
@@ -20,7 +21,8 @@ function badge(page: Page, { state }: Store): { n: number; look: string; words: 
     return { n: alerts.length, look: worst, words: "open alerts" };
   }
   if (page === "review") {
-    const left = [...state.alerts.values()].filter((a) => a.end !== null && !a.closed && !a.ack);
+    const left = [...state.alerts.values()]
+      .filter((a) => a.end !== null && !a.closed && !shop.reviewed.has(a.id));
     return { n: left.length, look: "", words: "to review" };
   }
   if (page === "system") return { n: faults(state).length, look: "warning", words: "faults" };
@@ -30,13 +32,13 @@ function badge(page: Page, { state }: Store): { n: number; look: string; words: 
 export function Rail() {
   const shop = useStore();
   return (
-    <div class="rail">
+    <aside class="rail" aria-label="Pages, help and settings">
       <div class="brand" title={shop.state.site?.name ?? "trecsim"}><Icon name="brand" size={26} /></div>
       <nav aria-label="Pages">
         {PAGES.map((page) => <Tab key={page} page={page} shop={shop} />)}
       </nav>
       <div class="end"><Small shop={shop} /></div>
-    </div>
+    </aside>
   );
 }
 

@@ -67,20 +67,14 @@ export function Selection() {
         </div>
       </div>
       {person ? (
-        <>
-          <div class="body">
-            <Drawn label={`Joints of person ${id} and how well each is known`} draw={figure} />
-            <dl class="facts-list">
-              {rows(shop, person).map(([name, value]) => (
-                <div key={name}><dt>{name}</dt><dd>{value}</dd></div>
-              ))}
-            </dl>
-          </div>
-          <div class="chance">
-            <h3><span>Chance to enter a zone</span></h3>
-            <p>No forecast yet. Chances come with the rules of the site.</p>
-          </div>
-        </>
+        <div class="body">
+          <Drawn label={`Joints of person ${id} and how well each is known`} draw={figure} />
+          <dl class="facts-list">
+            {rows(shop, person).map(([name, value]) => (
+              <div key={name}><dt>{name}</dt><dd>{value}</dd></div>
+            ))}
+          </dl>
+        </div>
       ) : <p class="empty">Person {id} is not here now.</p>}
     </section>
   );

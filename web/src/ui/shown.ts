@@ -1,6 +1,6 @@
 // What scene, plan and tiles draw now, derived once per snapshot.
 
-import { handling, isActive, isFault, type Alert } from "../state/alerts.ts";
+import { handling, holds, isActive, isFault, outages, urgent, type Alert } from "../state/alerts.ts";
 import type { Severity } from "../state/messages.ts";
 import { dataTime, open } from "../state/state.ts";
 import type { PlanInput } from "../draw/plan.ts";
@@ -14,32 +14,41 @@ interface Concerned {
   faulty: Set<string>;
 }
 
-/** Return who, where and which camera open alerts are about. */
+/** Return the alerts that hold at the moment that is shown, the most urgent first. */
+export function shownAlerts(): Alert[] {
+  const { state, address, replaying } = store;
+  if (address.page === "review") {
+    const alert = state.alerts.get(address.subject ?? "");
+    return alert && holds(alert, address.t ?? NaN) ? [alert] : [];
+  }
+  if (!replaying) {
+    const now = dataTime(state);
+    return open(state).filter((one) => isActive(one) && handling(one, now) !== "shelved");
+  }
+  const t = address.t ?? NaN;
+  return [...state.alerts.values()].filter((one) => holds(one, t)).sort(urgent);
+}
+
+/** Return who, where and which camera the alerts that are shown are about. */
 export function concerned(): Concerned {
-  const { state } = store;
-  const now = dataTime(state);
+  const { state, address, replaying } = store;
   const alarmed = new Map<number, Severity>();
   const active = new Map<string, Severity>();
-  const reviewing = store.address.page === "review";
-  for (const alert of reviewing ? reviewed() : open(state)) {
-    if (!reviewing && (!isActive(alert) || handling(alert, now) === "shelved")) continue;
+  for (const alert of shownAlerts()) {
     const severity = alert.predicted ? "warning" : alert.severity;
     for (const person of alert.people) if (!alarmed.has(person)) alarmed.set(person, severity);
     if (alert.place && !active.has(alert.place)) active.set(alert.place, severity);
   }
+  const t = address.t ?? NaN;
   const faulty = new Set(
-    reviewing ? [] : Object.entries(state.health?.cameras ?? {})
-      .filter(([, camera]) => isFault(camera.state))
-      .map(([name]) => name),
+    replaying || address.page === "review"
+      ? outages(state.alerts).filter((one) => t >= one.from && t < one.to)
+        .map((one) => one.camera)
+      : Object.entries(state.health?.cameras ?? {})
+        .filter(([, camera]) => isFault(camera.state))
+        .map(([name]) => name),
   );
   return { alarmed, active, faulty };
-}
-
-/** Return the alert that Review shows, while it holds. */
-function reviewed(): Alert[] {
-  const alert = store.state.alerts.get(store.address.subject ?? "");
-  const t = store.address.t ?? NaN;
-  return alert && t >= alert.start && t <= (alert.end ?? Infinity) ? [alert] : [];
 }
 
 /** Return what the plan draws; null before the site is known. */

@@ -1,12 +1,13 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { Glyph, Icon } from "./icons.tsx";
 import { Plan } from "./planview.tsx";
-import { concerned } from "./shown.ts";
+import { concerned, shownAlerts } from "./shown.ts";
 import { useStore } from "./use.ts";
 import { palette } from "../draw/palette.ts";
 import type { Scene } from "../scene/scene.ts";
-import { handling, isActive } from "../state/alerts.ts";
-import { dataTime, open, type State } from "../state/state.ts";
+import { handling, isActive, measured, what } from "../state/alerts.ts";
+import type { Severity } from "../state/messages.ts";
+import { dataTime, isOld, open, type State } from "../state/state.ts";
 import { clock, named, whole } from "../state/words.ts";
 import { LAYERS, store, type Layer, type Store } from "../store.ts";
 
@@ -26,13 +27,15 @@ export function hasWebGL(): boolean {
   return webgl;
 }
 
-/** Return the first alarm that is open and about a person who is here. */
+const isAlarm = (severity: Severity): severity is "alarm" | "critical" =>
+  severity === "alarm" || severity === "critical";
+
+/** Return the first alarm that is open and about a person. */
 function alarmOf(state: State): { person: number; severity: "alarm" | "critical" } | null {
   const now = dataTime(state);
   for (const alert of open(state)) {
     const { severity } = alert;
-    if (!isActive(alert) || handling(alert, now) === "shelved") continue;
-    if (severity !== "alarm" && severity !== "critical") continue;
+    if (!isActive(alert) || handling(alert, now) === "shelved" || !isAlarm(severity)) continue;
     const person = alert.people[0];
     if (person !== undefined) return { person, severity };
   }
@@ -44,7 +47,8 @@ export function Stage() {
   const reviewing = shop.address.page === "review";
   const lost = shop.state.link === "lost" && !reviewing;
   const flat = shop.address.view === "plan" || !hasWebGL();
-  const classes = `stage ${lost && !shop.replaying ? "old" : ""} ${shop.replaying && !reviewing ? "replay" : ""}`;
+  const old = isOld(shop.state) && !reviewing && !shop.replaying;
+  const classes = `stage ${old ? "old" : ""} ${shop.replaying && !reviewing ? "replay" : ""}`;
   return (
     <div class={classes}>
       {flat ? <div class="view"><Plan large /></div> : <View />}
@@ -92,12 +96,10 @@ function View() {
 /** Show the scene anew, if anything that it shows has changed. */
 function feed(scene: Scene, before: unknown[]): unknown[] {
   const { state, shown, own, address } = store;
-  const reviewing = address.page === "review";
-  const alarm = reviewing ? null : alarmOf(state);
-  const callout = reviewing ? null : calloutOf(state);
+  const callout = calloutOf();
   const about = concerned();
   const told = [
-    state.site, shown, address.person, address.view, own.layers, alarm?.person, palette(),
+    state.site, shown, address.person, address.view, own.layers, palette(),
     JSON.stringify([callout, [...about.alarmed], [...about.active], [...about.faulty]]),
   ];
   if (told.every((one, i) => one === before[i])) return before;
@@ -109,22 +111,24 @@ function feed(scene: Scene, before: unknown[]): unknown[] {
     selected: address.person,
     view: address.view,
     layers: own.layers,
-    alarm: alarm?.person ?? null,
+    alarm: callout?.person ?? null,
     callout,
     ...about,
   });
   return told;
 }
 
-function calloutOf(state: State): { person: number; title: string; line: string } | null {
-  const now = dataTime(state);
-  const alert = open(state).find((one) => isActive(one) && one.people.length > 0
-    && (one.severity === "alarm" || one.severity === "critical"));
+function calloutOf(): { person: number; title: string; line: string } | null {
+  const alert = shownAlerts().find((one) => one.people.length > 0 && isAlarm(one.severity));
   if (!alert) return null;
+  const { measures } = alert;
+  const measure = Object.entries(measures)[0];
+  const real = measure ? measured(...measure) : null;
+  const length = whole(Math.max(0, Math.min(store.time, alert.end ?? Infinity) - alert.start));
   return {
     person: alert.people[0] as number,
-    title: alert.place ? named(alert.place) : named(alert.kind.split(".")[0] ?? ""),
-    line: `for ${whole(now - alert.start)}`,
+    title: what(alert),
+    line: real ? `${real.value} ${real.words}, ${length}` : `for ${length}`,
   };
 }
 
@@ -143,13 +147,18 @@ function Tools({ shop }: { shop: Store }) {
   const camera = view.startsWith("camera:") ? view.slice(7) : null;
   return (
     <div class="tools">
+      {shop.replaying && (
+        <span class="pill">
+          <Icon name="review" size={18} />Replay <time>{clock(shop.time, site?.timezone ?? "UTC", 2)}</time>
+        </span>
+      )}
       {hasWebGL() && (
         <div class="segments" role="group" aria-label="Kind of view">
           <button type="button" aria-pressed={!flat} onClick={() => flat && store.go({ view: "overview" })}>
-            <Icon name="cube" />3D
+            <Icon name="cube" size={16} />3D
           </button>
           <button type="button" aria-pressed={flat} title="F" onClick={() => store.go({ view: "plan" })}>
-            <Icon name="plan" />Plan
+            <Icon name="plan" size={16} />Plan
           </button>
         </div>
       )}
@@ -171,9 +180,6 @@ function Tools({ shop }: { shop: Store }) {
           {camera && <button type="button" aria-pressed>{named(camera)}</button>}
         </div>
       )}
-      {shop.replaying && (
-        <span class="pill"><Icon name="review" />Replay <span>{clock(shop.time, site?.timezone ?? "UTC", 2)}</span></span>
-      )}
       <Layers shop={shop} />
     </div>
   );
@@ -184,12 +190,12 @@ function Layers({ shop }: { shop: Store }) {
   return (
     <div class="end">
       <div class="segments">
-        <button type="button" aria-expanded={shown} title="N"
+        <button type="button" class="layers" aria-label="Layers" aria-expanded={shown} title="Layers (N)"
           onClick={() => store.set({ menu: shown ? null : "layers" })}>
-          <Icon name="layers" />Layers
+          <Icon name="layers" size={16} /><span class="word">Layers</span>
         </button>
-        <button type="button" class="square" aria-label="Full screen" onClick={fullScreen}>
-          <Icon name="expand" />
+        <button type="button" class="square" aria-label="Full screen" title="Full screen" onClick={fullScreen}>
+          <Icon name="expand" size={16} />
         </button>
       </div>
       {shown && (

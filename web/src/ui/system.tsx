@@ -1,10 +1,15 @@
+import { PastRow } from "./alerts.tsx";
+import { acknowledge } from "./card.tsx";
 import { Glyph, Icon } from "./icons.tsx";
 import { useStore } from "./use.ts";
-import { isFault, pastOutages, title, type Alert } from "../state/alerts.ts";
-import type { CameraHealth, Health } from "../state/messages.ts";
-import type { State } from "../state/state.ts";
-import { count, duration, hourMinute, named } from "../state/words.ts";
 import { camerasLive } from "./top.tsx";
+import {
+  actor, handled, handling, isActive, isFault, REASONS, type Alert,
+} from "../state/alerts.ts";
+import type { CameraHealth, Health } from "../state/messages.ts";
+import { dataTime, open, type State } from "../state/state.ts";
+import { clock, count, duration, named } from "../state/words.ts";
+import { store } from "../store.ts";
 
 const STATES = { live: "Live", stale: "Stale", down: "Down", ended: "Ended" };
 
@@ -41,22 +46,24 @@ function Cameras({ health, state }: { health: Health; state: State }) {
       <thead>
         <tr>
           <th>Camera</th><th>State</th><th class="n">Rate</th><th class="n">Age</th>
-          <th class="wide">Clock</th><th class="n wide">Left out</th><th class="wide">Why</th>
+          <th class="wide">Clock</th><th class="n wide">Left out</th><th class="wide">Because</th>
         </tr>
       </thead>
       <tbody>
         {Object.entries(health.cameras).map(([name, camera]) => (
-          <Row key={name} name={name} camera={camera} lost={lost} />
+          <Row key={name} name={name} camera={camera} state={state} lost={lost} />
         ))}
       </tbody>
     </table>
   );
 }
 
-function Row({ name, camera, lost }: { name: string; camera: CameraHealth; lost: boolean }) {
+function Row(
+  { name, camera, state, lost }:
+  { name: string; camera: CameraHealth; state: State; lost: boolean },
+) {
   const fault = isFault(camera.state);
-  const why = camera.fault ?? dropsInWords(camera);
-  return (
+  const row = (
     <tr class={fault ? "fault" : ""} data-camera={name}>
       <td>
         <span class="name">
@@ -68,7 +75,38 @@ function Row({ name, camera, lost }: { name: string; camera: CameraHealth; lost:
       <td class="n">{camera.age_s === null ? "Never" : duration(camera.age_s)}</td>
       <td class="soft wide">{camera.clock === "sender" ? "From the camera" : "Unknown, arrival"}</td>
       <td class="n wide">{camera.dropped}</td>
-      <td class="soft wide">{why}</td>
+      <td class="soft wide">{dropsInWords(camera)}</td>
+    </tr>
+  );
+  return fault && !lost ? <>{row}<Why name={name} camera={camera} state={state} /></> : row;
+}
+
+/** What is wrong with a camera, and what can be done about its alert. */
+function Why({ name, camera, state }: { name: string; camera: CameraHealth; state: State }) {
+  const now = dataTime(state);
+  const zone = state.site?.timezone ?? "UTC";
+  const since = camera.age_s === null
+    ? "no picture yet" : `no picture since ${clock(now - camera.age_s, zone)}`;
+  const alert = open(state).find((one) => one.camera === name && isActive(one));
+  const how = alert && handling(alert, now);
+  const by = alert && actor(how === "shelved" ? alert.shelved?.by : alert.ack?.by);
+  const done = how === "acknowledged" || how === "shelved"
+    ? ` ${named(handled(alert as Alert, now, (t) => clock(t, zone)))}${by ? ` by ${by}` : ""}.` : "";
+  return (
+    <tr class="fault">
+      <td class="why" colSpan={7}>
+        <div>
+          <p>{named(name)}: {since}{camera.fault ? `; ${camera.fault}` : ""}.{done}</p>
+          {alert && how === "new" && store.mayAct && (
+            <>
+              <button type="button" class="button" onClick={() => acknowledge([alert])}>Acknowledge</button>
+              <button type="button" class="button quiet" onClick={() => void store.act(
+                alert.id, { phase: "shelve", until_s: now + 3600 }, "Shelved for 1 h.", { phase: "unshelve" },
+              )}>Shelve 1 h</button>
+            </>
+          )}
+        </div>
+      </td>
     </tr>
   );
 }
@@ -86,7 +124,7 @@ function dropsInWords(camera: CameraHealth): string {
 function Rules({ state }: { state: State }) {
   const byRule = new Map<string, Alert[]>();
   for (const alert of state.alerts.values()) {
-    if (!alert.camera && alert.rule) {
+    if (!alert.part && alert.rule) {
       byRule.set(alert.rule, [...(byRule.get(alert.rule) ?? []), alert]);
     }
   }
@@ -116,21 +154,25 @@ function Rules({ state }: { state: State }) {
   );
 }
 
+function lastedIn(alert: Alert): string {
+  const closed = alert.closed ? `, closed as ${REASONS[alert.closed.reason].toLowerCase()}` : "";
+  const by = actor(alert.closed?.by ?? alert.ack?.by);
+  const who = by ? (alert.closed ? ` by ${by}` : `, acknowledged by ${by}`) : "";
+  const length = alert.end === null ? "still there" : `over after ${duration(alert.end - alert.start)}`;
+  return `${length}${closed}${who}`;
+}
+
 function Changes({ state }: { state: State }) {
   const zone = state.site?.timezone ?? "UTC";
-  const all = [...state.alerts.values(), ...pastOutages(state.outages, state.alerts)].sort((a, b) => b.start - a.start).slice(0, 20);
+  const all = [...state.alerts.values()]
+    .sort((a, b) => b.start - a.start)
+    .slice(0, 20);
   if (all.length === 0) return <p class="empty">Nothing has happened since the start.</p>;
   return (
     <ul class="past">
       {all.map((alert) => (
-        <li key={alert.id}>
-          <time>{hourMinute(alert.start, zone)}</time>
-          <Glyph severity={alert.severity} open={alert.end === null && !alert.closed} />
-          <span class="what">{title(alert)}</span>
-          <span class="how">
-            {alert.end === null ? "still" : `over after ${duration(alert.end - alert.start)}`}
-          </span>
-        </li>
+        <PastRow key={alert.id} alert={alert} zone={zone}
+          open={alert.end === null && !alert.closed} end={lastedIn(alert)} />
       ))}
     </ul>
   );

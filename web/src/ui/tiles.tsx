@@ -1,27 +1,28 @@
 import { Glyph, Icon } from "./icons.tsx";
 import { Drawn } from "./planview.tsx";
-import { concerned } from "./shown.ts";
+import { concerned, shownAlerts } from "./shown.ts";
 import { useStore } from "./use.ts";
-import { isActive, isFault } from "../state/alerts.ts";
+import { isFault } from "../state/alerts.ts";
 import { fit } from "../draw/mark.ts";
 import { palette } from "../draw/palette.ts";
 import { drawTile } from "../draw/tile.ts";
 import { toCamera, toPixel } from "../draw/lens.ts";
 import type { CameraHealth, Severity } from "../state/messages.ts";
 import type { Camera } from "../state/site.ts";
-import { dataTime, open, type State } from "../state/state.ts";
+import { dataTime, type State } from "../state/state.ts";
 import { hourMinute, named, whole } from "../state/words.ts";
 import { store } from "../store.ts";
 
 /** Return the camera that sees most of the person of the first open alert. */
 export function bestView(state: State): { name: string; severity: Severity } | null {
-  const alert = open(state).find((one) => isActive(one) && one.people.length > 0);
+  const alert = shownAlerts().find((one) => one.people.length > 0);
   if (!alert) return null;
   const person = store.shown?.people.find((one) => one.id === alert.people[0]);
   const site = state.site;
   if (!person || !site) return null;
   const score = (camera: Camera): number => {
-    if (isFault(state.health?.cameras[camera.name]?.state ?? "down")) return -1;
+    const live = store.replaying || !isFault(state.health?.cameras[camera.name]?.state ?? "down");
+    if (!live) return -1;
     const q = toCamera(camera.lens.T, person.floor[0], person.floor[1], 1);
     if (q[2] < 0.3) return -1;
     const [u, v] = toPixel(camera.lens, q);
@@ -70,7 +71,7 @@ export function Tiles() {
 export type TileState = "live" | "stale" | "down" | "ended" | "old" | "waiting" | "replay";
 
 export function tileState(state: State, health: CameraHealth | undefined): TileState {
-  if (store.address.page === "review") return "replay";
+  if (store.address.page === "review" || store.replaying) return "replay";
   if (state.link === "lost") return "old";
   if (!health) return "waiting";
   return health.state;
@@ -96,7 +97,7 @@ export function Tile(
             {tagged ? `${named(camera.name)}, best view` : "Best view"}
           </span>
         )}
-        {!best && how === "live" && health?.clock === "arrival" && state.site?.recording === false && (
+        {!best && how === "live" && isOddClock(state, health) && (
           <span class="tag"><Icon name="clock" size={14} />Clock unknown</span>
         )}
       </div>
@@ -108,6 +109,13 @@ export function Tile(
       </div>
     </button>
   );
+}
+
+/** Tell whether this camera's clock is unknown while others' are known. System tells it of all. */
+function isOddClock(state: State, health: CameraHealth | undefined): boolean {
+  const all = Object.values(state.health?.cameras ?? {});
+  return state.site?.recording === false && health?.clock === "arrival"
+    && all.some((camera) => camera.clock === "sender");
 }
 
 function word(how: TileState, health: CameraHealth | undefined): string {

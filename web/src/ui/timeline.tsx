@@ -2,7 +2,9 @@ import { useRef } from "preact/hooks";
 import { Icon } from "./icons.tsx";
 import { Drawn } from "./planview.tsx";
 import { useStore } from "./use.ts";
-import { handling } from "../state/alerts.ts";
+import { getRecordings } from "../net/api.ts";
+import { home } from "../state/address.ts";
+import { handling, outages } from "../state/alerts.ts";
 import { KEPT_S } from "../state/history.ts";
 import { dataTime } from "../state/state.ts";
 import { clock, hourMinute } from "../state/words.ts";
@@ -31,11 +33,10 @@ export function Timeline() {
   const dragging = useRef(false);
   const replaying = shop.replaying;
   const lost = shop.state.link === "lost";
-  const at = (event: PointerEvent) => {
+  const under = (event: PointerEvent): number => {
     const width = box.current?.clientWidth ?? 1;
     const left = box.current?.getBoundingClientRect().left ?? 0;
-    const { from } = scale(width);
-    store.replay(from + ((event.clientX - left) / (width - 8)) * KEPT_S);
+    return scale(width).from + ((event.clientX - left) / (width - 8)) * KEPT_S;
   };
   return (
     <section class="timeline" aria-label="Last ten minutes">
@@ -51,17 +52,18 @@ export function Timeline() {
       </button>
       <div
         class="track" ref={box} role="slider" tabIndex={0} aria-label="Time shown"
-        aria-valuemin={Math.round(shop.history.from)} aria-valuemax={Math.round(shop.history.to)}
+        aria-valuemin={finite(shop.history.from)} aria-valuemax={finite(shop.history.to)}
         aria-valuenow={Math.round(shop.time)}
         aria-valuetext={replaying ? clock(shop.time, shop.state.site?.timezone ?? "UTC") : "Live"}
         onPointerDown={(event) => {
-          if (shop.history.length === 0) return;
+          const t = under(event);
+          if (shop.history.length === 0 || t < shop.history.from - 1) return void older(t);
           dragging.current = true;
           event.currentTarget.setPointerCapture(event.pointerId);
           store.set({ playing: false });
-          at(event);
+          store.replay(t);
         }}
-        onPointerMove={(event) => dragging.current && at(event)}
+        onPointerMove={(event) => dragging.current && store.replay(under(event))}
         onPointerUp={() => { dragging.current = false; }}
       >
         <Drawn label="People present and alerts of the last ten minutes" draw={draw} />
@@ -75,6 +77,19 @@ export function Timeline() {
     </section>
   );
 }
+
+/** Show in Review what was recorded before this page was opened. */
+async function older(t: number): Promise<void> {
+  try {
+    const found = (await getRecordings()).find((one) => one.from_s <= t && t <= one.to_s);
+    if (found) store.go({ ...home, page: "review", subject: found.id, t });
+    else store.toast("This page was not open then, and nothing is recorded of that time.");
+  } catch (error) {
+    store.toast(`Could not look for a recording: ${error instanceof Error ? error.message : String(error)}`);
+  }
+}
+
+const finite = (t: number): number => (Number.isFinite(t) ? Math.round(t) : 0);
 
 /** Pause: stand still at this moment, or play on from there. */
 export function pause(): void {
@@ -153,14 +168,12 @@ function drawOutages(pen: Pen, c: Palette, s: Scale): void {
   pen.strokeStyle = c.warnFill;
   pen.lineWidth = 2;
   pen.setLineDash([4, 2]);
-  for (const spans of store.state.outages.values()) {
-    for (const span of spans) {
-      if (span.to < s.from) continue;
-      pen.beginPath();
-      pen.moveTo(s.x(Math.max(s.from, span.from)), BOTTOM + 3);
-      pen.lineTo(s.x(Math.min(s.to, span.to)), BOTTOM + 3);
-      pen.stroke();
-    }
+  for (const span of outages(store.state.alerts)) {
+    if (span.to < s.from || !Number.isFinite(span.from)) continue;
+    pen.beginPath();
+    pen.moveTo(s.x(Math.max(s.from, span.from)), BOTTOM + 3);
+    pen.lineTo(s.x(Math.min(s.to, span.to)), BOTTOM + 3);
+    pen.stroke();
   }
   pen.setLineDash([]);
 }

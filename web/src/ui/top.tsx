@@ -2,7 +2,7 @@ import { useEffect } from "preact/hooks";
 import { useStore } from "./use.ts";
 import { Glyph, Icon } from "./icons.tsx";
 import { isFault } from "../state/alerts.ts";
-import { dataTime, serverTime, statusOf, type State } from "../state/state.ts";
+import { dataTime, isOld, serverTime, statusOf, type State } from "../state/state.ts";
 import type { Status } from "../state/status.ts";
 import { clock, count, day, duration, whole } from "../state/words.ts";
 import { store, type Store } from "../store.ts";
@@ -27,11 +27,12 @@ export function StatusBlock() {
   }, [status.title, site]);
   const classes = `status ${status.look} ${status.severity ?? ""}`;
   return (
-    <div class={classes} role="status" aria-live="polite" data-row={status.row}>
+    <div class={classes} data-row={status.row}>
       <StatusIcon status={status} size={32} />
       <div>
-        <h1>{status.title}</h1>
-        <p>{status.line}</p>
+        {/* The line counts seconds: only the sentence is said aloud when it changes. */}
+        <div role="status"><h1>{status.title}</h1></div>
+        <p title={status.line}>{status.line}</p>
       </div>
     </div>
   );
@@ -73,7 +74,8 @@ export function Facts() {
           <Fact
             kind="people" name="People" to={() => document.getElementById("twin")?.focus()}
             value={state.snapshot ? String(state.snapshot.people.length) : "Unknown"}
-            old={!state.snapshot}
+            note={state.snapshot && isOld(state) ? "then" : ""}
+            old={!state.snapshot || isOld(state)}
           />
           <CamerasFact state={state} to={system} />
           <RulesFact state={state} />
@@ -123,7 +125,10 @@ function Time({ state }: { state: State }) {
   const t = dataTime(state);
   return (
     <div class="fact time">
-      <span class="name">{day(t, zone)}</span>
+      <span class="name">
+        <span class="date">{day(t, zone)}</span>
+        {state.link !== "lost" && <span class="late">{behind(state)}</span>}
+      </span>
       <span class="value">
         <time>{clock(t, zone)}</time>
         {state.link !== "lost" && <small>{behind(state)}</small>}
@@ -147,11 +152,18 @@ function Sound({ store }: { store: Store }) {
   );
 }
 
-/** Tell the state of the cameras in words, for the top bar's neighbours. */
-export const faults = (state: State): string[] =>
-  Object.entries(state.health?.cameras ?? {})
+/** Return what does not work: cameras, the 3D people, the storage. */
+export function faults({ health }: State): string[] {
+  if (!health) return [];
+  const cameras = Object.entries(health.cameras)
     .filter(([, camera]) => isFault(camera.state))
     .map(([name]) => name);
+  return [
+    ...cameras,
+    ...(health.fusion.state === "stalled" ? ["3D people"] : []),
+    ...(health.store.state === "failing" ? ["storage"] : []),
+  ];
+}
 
 export const camerasLive = (state: State): string => {
   const [good, all] = live(state);

@@ -25,15 +25,15 @@ export function Zones() {
     .find((one) => one.name === address.subject);
   return (
     <div class="zones">
-      <div class="bar">
+      <section class="bar" aria-label="Version">
         <h2>Zones</h2><span class="tagged">Live version</span>
         <p>What is in force now. Drafts and rules are not part of this version yet.</p>
-      </div>
-      <div class="names">
+      </section>
+      <section class="names" aria-label="Zones, lines and edges">
         <Group title="Zones" icon="area" names={site?.zones.map((one) => one.name) ?? []} />
         <Group title="Lines" icon="line" names={site?.lines.map((one) => one.name) ?? []} />
         <Group title="Edges" icon="edge" names={site?.edges.map((one) => one.name) ?? []} />
-      </div>
+      </section>
       <main class="plan" aria-label="Plan of the zones"><Plan large /></main>
       <aside class="form" aria-label="Selected">
         {zone && (
