@@ -7,10 +7,12 @@ import numpy as np
 
 from fusion.made import made, path
 from trecsim.errors import InputError
+from trecsim.lab.simulation.scene import room_scene, simulate
 from trecsim.pipeline import Feed, live
 from trecsim.sinks import Sinks
+from trecsim.sources.streams import PosesStream
 from trecsim.tracking import Follower, Tally
-from trecsim.values import Frame, Poses2D
+from trecsim.values import PROVISIONAL, Frame, Poses2D
 
 SCENE = made([path((0, -2, 0), (9, 4, 0))], cameras=3, seconds=2.4)
 FIRST, *_, LAST = SCENE.rig.names
@@ -37,6 +39,15 @@ def source(camera, until_s=np.inf, then=None):
             yield one
     if then is not None:
         then()
+
+
+def test_a_live_site_reports_who_is_not_confirmed_yet_and_counts_nobody_of_them():
+    scene = simulate(room_scene(people=3, cameras=2, seconds=3.0), 3)
+    snapshots, tally = Kept(), Tally()
+    played = PosesStream(scene.poses, scene.rig.names)
+    live(Feed([played]), scene.rig, Sinks([snapshots]), tally=tally)
+    assert PROVISIONAL in {state for one in snapshots.items for state in one.state.tolist()}
+    assert tally.people == {int(i) for one in snapshots.items for i in one.confirmed().id}
 
 
 def test_a_stalled_camera_delays_nobody():

@@ -237,8 +237,9 @@ def live(
     """Track people in 3D from live sources until all end, or `stop` says so.
 
     A source that stalls delays no other by more than `max_delay_s`. While all are silent, snapshots
-    come about ten times a second, in which people end. Should the fusion itself fail, its fault is
-    told and it begins anew, with new identities.
+    come about ten times a second, in which people end. Tracks that are not confirmed yet are
+    reported as "provisional". Should the fusion itself fail, its fault is told and it begins anew,
+    with new identities.
 
     Parameters
     ----------
@@ -273,7 +274,8 @@ def live(
             tally=tally,
             max_delay_s=max_delay_s,
             step=sinks.take_step,
-            first_id=max(first_id, 1 + max(tally.people, default=-1)),
+            first_id=first_id,
+            provisional=True,
         )
         try:
             flow(arrivals, follower, sinks)
@@ -283,6 +285,7 @@ def live(
         except Exception as error:  # the boundary of the fusion: people are tracked anew
             logger.exception("the fusion failed, and begins anew")
             feed.restarts += 1
+            first_id = follower.next_id
             feed.fault(error)
         else:
             feed.is_read = False

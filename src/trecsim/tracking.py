@@ -123,6 +123,8 @@ class Follower:
         Is told what each frame set cost, as soon as it is known.
     first_id
         Identity of the first person.
+    provisional
+        Whether tracks that are not confirmed yet are reported, too.
 
     Raises
     ------
@@ -140,8 +142,11 @@ class Follower:
         max_delay_s: float = 1.0,
         step: Callable[[StepTiming], None] = lambda step: None,
         first_id: int = 0,
+        provisional: bool = False,
     ) -> None:
-        self._tracker = Tracker(rig, settings, lag_s=lag_s, first_id=first_id)
+        self._tracker = Tracker(
+            rig, settings, lag_s=lag_s, first_id=first_id, provisional=provisional
+        )
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
@@ -149,9 +154,15 @@ class Follower:
         self._tally = tally if tally is not None else Tally()
         self._tell_step = step
         self._given_s = math.nan
+        self._highest_id = first_id - 1
         self._offsets_s = offsets_s
         self._now_s = math.nan  # by the clock of arrivals
         self._arrived_s: dict[tuple[str, float], float] = {}  # of images that wait
+
+    @property
+    def next_id(self) -> int:
+        """An identity above all that were reported."""
+        return int(self._highest_id) + 1
 
     def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[Snapshot]:
         """Take in one image; yield a snapshot for each frame set that it completes.
@@ -202,12 +213,14 @@ class Follower:
             snapshot = self._tracker.step(frame_set)
             fusion_ms = 1e3 * (time.perf_counter() - began_s)
             snapshot = self._reach.kept(snapshot)
+            confirmed = snapshot.confirmed()
             step = StepTiming(
-                frame_set.t_s, len(frame_set.views), len(snapshot.id), fusion_ms, waited_ms
+                frame_set.t_s, len(frame_set.views), len(confirmed.id), fusion_ms, waited_ms
             )
-            self._tally.add(step, snapshot.id.tolist())
+            self._tally.add(step, confirmed.id.tolist())
+            self._highest_id = max(self._highest_id, snapshot.id.max(initial=-1))
             self._tell_step(step)
-            self._tally.remark(self._consistency.observe(frame_set, snapshot))
+            self._tally.remark(self._consistency.observe(frame_set, confirmed))
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s
                 yield snapshot

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float64, Int64, Shaped, UInt8
 
-CONFIRMED, COASTING = "confirmed", "coasting"
+PROVISIONAL, CONFIRMED, COASTING = "provisional", "confirmed", "coasting"
 """States of a person in a `Snapshot`."""
 _STATES = np.array([COASTING, CONFIRMED])
 
@@ -121,8 +121,9 @@ class Snapshot:
     velocity_cov_m2ps2
         Its covariance [m^2/s^2].
     state
-        Per person "confirmed", or "coasting" where no camera supports any joint. Derived from
-        `support` unless given.
+        Per person "confirmed", or "coasting" where no camera supports any joint; derived from
+        `support` unless given. "provisional" for a track that is not confirmed yet, which live
+        sites report and recorded ones do not.
 
     Examples
     --------
@@ -165,6 +166,17 @@ class Snapshot:
             np.trace(self.cov_m2, axis1=-2, axis2=-1) / 3.0
         )
         return sigma
+
+    @property
+    def is_confirmed(self) -> Bool[np.ndarray, " person"]:
+        """Who is not provisional."""
+        known: Bool[np.ndarray, " person"] = self.state != PROVISIONAL
+        return known
+
+    def confirmed(self) -> "Snapshot":
+        """Return the snapshot without provisional people."""
+        known = self.is_confirmed
+        return self if known.all() else self.of(known)
 
     def of(self, which: Bool[np.ndarray, " person"]) -> "Snapshot":
         """Return the snapshot with only the people whom `which` marks."""

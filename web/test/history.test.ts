@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { History } from "../src/state/history.ts";
-import { readSnapshot } from "../src/state/people.ts";
+import { counted, readSnapshot } from "../src/state/people.ts";
 import { person, snapshot, T } from "./made.ts";
 
 const at = (t: number, ...ids: number[]) =>
@@ -59,4 +59,12 @@ test("counts are unknown where nothing was heard", () => {
   const history = new History();
   history.add(at(T + 5, 1, 2));
   assert.deepEqual([...history.counts(T, T + 10, 2)], [NaN, 2]);
+});
+
+test("who is only provisional does not count", () => {
+  const history = new History();
+  const both = readSnapshot(snapshot(T, [person(1), person(2, { state: "provisional" })]), null);
+  history.add(both);
+  assert.deepEqual([...history.counts(T, T + 1, 1)], [1]);
+  assert.equal(counted(both), 1);
 });

@@ -1,6 +1,7 @@
 """Snapshots: evaluate the trajectories at one time."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,13 +14,17 @@ from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.support import support
 from trecsim.fusion.tuning import SAME_S
-from trecsim.values import Snapshot
+from trecsim.values import PROVISIONAL, Snapshot
 
 
 def snapshot_of(
-    there: Sequence[tuple[KnotGrid, Population]], t_s: float, now_s: float, model: Model
+    there: Sequence[tuple[KnotGrid, Population]],
+    t_s: float,
+    now_s: float,
+    model: Model,
+    provisional: bool = False,
 ) -> Snapshot:
-    """Return all confirmed tracks that had been born at `t_s`.
+    """Return all confirmed tracks that had been born at `t_s`, and provisional ones if wanted.
 
     Parameters
     ----------
@@ -31,8 +36,10 @@ def snapshot_of(
         Time of the last frame set, at which positions and covariances are known already [s].
     model
         Constants of the run.
+    provisional
+        Whether provisional tracks are reported.
     """
-    parts = [_part(people, grid, t_s, now_s, model) for grid, people in there]
+    parts = [_part(people, grid, t_s, now_s, model, provisional) for grid, people in there]
     if not parts:
         return nobody_at(t_s, len(model.skeleton.joints))
     return parts[0] if len(parts) == 1 else _joined(parts)
@@ -48,11 +55,16 @@ def _joined(parts: Sequence[Snapshot]) -> Snapshot:
         np.concatenate([part.support for part in parts]),
         velocity_mps=np.concatenate([part.velocity_mps for part in parts]),
         velocity_cov_m2ps2=np.concatenate([part.velocity_cov_m2ps2 for part in parts]),
+        state=np.concatenate([part.state for part in parts]),
     )
 
 
-def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model) -> Snapshot:
-    reported = people.confirmed & (people.born_s <= t_s + SAME_S)
+def _part(
+    people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model, provisional: bool
+) -> Snapshot:
+    reported = people.born_s <= t_s + SAME_S
+    if not provisional:
+        reported &= people.confirmed
     everybody = bool(reported.all())
     who = reported.nonzero()[0]
 
@@ -73,10 +85,14 @@ def _part(people: Population, grid: KnotGrid, t_s: float, now_s: float, model: M
         model.cameras, model.noise, model.limbs, bodies, rows(people.joint_last_seen_s), t_s,
         joints,
     )  # fmt: skip
-    return Snapshot(
+    found = Snapshot(
         t_s, people.id.take(who), joints[0], joints[1], rows(support(people, t_s)),
         velocity_mps=rows(velocity_mps), velocity_cov_m2ps2=joints[2],
     )  # fmt: skip
+    confirmed = people.confirmed.take(who)
+    if confirmed.all():
+        return found
+    return replace(found, state=np.where(confirmed, found.state, PROVISIONAL))
 
 
 def velocity(

@@ -66,6 +66,8 @@ class Tracker:
         How far behind the newest image `step` reports [s], up to 10; what comes later smooths it.
     first_id
         Identity of the first person; above all that a recording which is continued holds.
+    provisional
+        Whether `step` reports tracks that are not confirmed yet, too.
 
     Raises
     ------
@@ -91,11 +93,13 @@ class Tracker:
         skeleton: Skeleton = COCO17,
         lag_s: float = 0.0,
         first_id: int = 0,
+        provisional: bool = False,
     ) -> None:
         check_arguments(rig, settings, skeleton, lag_s)
         self._model = build(rig, skeleton, settings or FusionSettings())
         s = self._model.settings
         self._lag_s = lag_s
+        self._provisional = provisional
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._clocks = Clocks(len(rig))
         self._identities = Identities(s.recall_s, first_id)
@@ -316,4 +320,4 @@ class Tracker:
         there = [(one[1], one[2]) for one in self._ended]
         if self._grid is not None:
             there.append((self._grid, self._people))
-        return snapshot_of(there, t_s, self._t_s, self._model)
+        return snapshot_of(there, t_s, self._t_s, self._model, self._provisional)

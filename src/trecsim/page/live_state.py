@@ -11,6 +11,7 @@ from trecsim.page.hub import Hub
 from trecsim.page.link import EventPart, HealthPart, SitePart, SnapshotPart, ToPage
 from trecsim.page.messages import message, snapshot_body
 from trecsim.recent import Recent
+from trecsim.values import PROVISIONAL
 
 SILENT_S = 3.0  # when the tracking process says nothing for longer, tracking counts as down
 
@@ -23,7 +24,7 @@ class LiveState:
     site
         The body of `/api/site`.
     people
-        Number of people in the newest snapshot.
+        Number of people in the newest snapshot, without provisional ones.
     """
 
     def __init__(self) -> None:
@@ -42,7 +43,7 @@ class LiveState:
         self._heard_s = monotonic()
         match part:
             case SnapshotPart():
-                self.people = len(part.state)
+                self.people = sum(state != PROVISIONAL for state in part.state)
                 self.snapshots += 1
                 self.hub.publish("snapshot", message("snapshot", time(), snapshot_body(part)))
                 took_s, age_s = monotonic() - part.written_s, time() - part.t_s

@@ -115,7 +115,7 @@ class Monitor:
 
     def write(self, snapshot: Snapshot, /) -> None:
         """Take where everybody is."""
-        self._people = len(snapshot.id)
+        self._people = int(snapshot.is_confirmed.sum())
         age_ms = self._age_ms(snapshot.t_s)
         self._note("image to people", age_ms, age_ms)
 

@@ -103,7 +103,7 @@ def replay(
         page.write(rounded(snapshot))
         if time.monotonic() - told_s >= 0.5:
             told_s = time.monotonic()
-            tell("running", len(snapshot.id))
+            tell("running", int(snapshot.is_confirmed.sum()))
     while not stop():
         tell("ended")
         time.sleep(TICK_S)

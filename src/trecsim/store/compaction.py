@@ -18,7 +18,6 @@ from trecsim.store.atomic import PRIVATE_FILE, disk_faults
 from trecsim.store.compact_file import compact_groups, merged, write_compact
 from trecsim.store.growing import lock_waiting
 from trecsim.store.parquet_file import TracksInfo, read_contents
-from trecsim.store.precision import PROVISIONAL
 from trecsim.store.segments import (
     SUFFIX,
     Segment,
@@ -30,6 +29,7 @@ from trecsim.store.segments import (
     segments_in,
     write_catalogue,
 )
+from trecsim.values import PROVISIONAL
 
 MOST_ROWS = 2_000_000
 """A minute of more rows is merged in several files: it bounds the memory."""

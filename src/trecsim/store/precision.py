@@ -25,7 +25,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int8, Int32, Int64, Shaped, UInt16
 
 from trecsim.skeleton import COCO17, Skeleton
-from trecsim.values import COASTING, CONFIRMED, Snapshot
+from trecsim.values import COASTING, CONFIRMED, PROVISIONAL, Snapshot
 
 POSITION_STEPS = 1000  # per m
 VELOCITY_STEPS = 100  # per m/s
@@ -37,7 +37,6 @@ LARGEST = 999_999_999
 MISSING = np.int32(-(2**31))
 """Stands for an unknown number (NaN)."""
 
-PROVISIONAL = "provisional"
 STATES = (PROVISIONAL, CONFIRMED, COASTING)
 UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])
 """Rows and columns of the six numbers of a covariance matrix."""

@@ -16,7 +16,7 @@ from jaxtyping import Bool, Float32, Float64, Int8, Shaped
 from trecsim.errors import InputError
 from trecsim.skeleton import Skeleton
 from trecsim.store.limits import FARTHEST_M, LATEST_S
-from trecsim.values import COASTING, CONFIRMED, Snapshot
+from trecsim.values import COASTING, CONFIRMED, PROVISIONAL, Snapshot
 
 SCHEMA = pa.schema(
     [
@@ -44,7 +44,6 @@ DETAIL_SCHEMA = pa.schema(
     ]
 )
 DETAILS = tuple(name for name in DETAIL_SCHEMA.names if name not in COLUMNS)
-PROVISIONAL = "provisional"
 STATES = (PROVISIONAL, CONFIRMED, COASTING)
 
 ROW = np.dtype(
@@ -107,9 +106,9 @@ def as_stored(snapshot: Snapshot) -> Snapshot:
 def confirmed_only(snapshots: Iterable[Snapshot]) -> Iterator[Snapshot]:
     """Remove provisional people, and snapshots that hold no others."""
     for snapshot in snapshots:
-        known = snapshot.state != PROVISIONAL
-        if known.any():
-            yield snapshot if known.all() else snapshot.of(known)
+        known = snapshot.confirmed()
+        if len(known.id):
+            yield known
 
 
 def _codes(state: Shaped[np.ndarray, " person"]) -> Int8[np.ndarray, " person"]:

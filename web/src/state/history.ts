@@ -7,6 +7,7 @@ import type { Point } from "./site.ts";
 export const KEPT_S = 600;
 const MOST_BYTES = 150e6;
 const STATES: PersonState[] = ["provisional", "confirmed", "coasting"];
+const PROVISIONAL = STATES.indexOf("provisional");
 const HELD_S = 2;
 const MISSING = -32768;
 
@@ -219,9 +220,8 @@ export class History {
       const part = Math.floor((frame.t - from) / width);
       if (part < 0 || part >= parts) continue;
       const before = counts[part] ?? NaN;
-      counts[part] = Number.isFinite(before)
-        ? Math.max(before, frame.ids.length)
-        : frame.ids.length;
+      const there = frame.states.reduce((n, state) => n + Number(state !== PROVISIONAL), 0);
+      counts[part] = Number.isFinite(before) ? Math.max(before, there) : there;
     }
     // A moment counts until the next one, if that comes soon.
     const reach = Math.ceil(HELD_S / width);

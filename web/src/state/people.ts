@@ -33,6 +33,10 @@ export interface Snapshot {
   people: Person[];
 }
 
+/** Return how many people there are: a provisional track may be nobody, and does not count. */
+export const counted = (snapshot: Snapshot): number =>
+  snapshot.people.filter((person) => person.state !== "provisional").length;
+
 /** Return the person's point on the floor: mean of the supported ankles, else of the hips. */
 export function floorPoint(xyz: Float32Array, support: Uint8Array): Point {
   const mean = (joints: number[]): Point | null => {

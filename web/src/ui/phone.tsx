@@ -7,6 +7,7 @@ import { behind, StatusIcon } from "./top.tsx";
 import { useStore } from "./use.ts";
 import { figures, handling, isFault, where, type Alert } from "../state/alerts.ts";
 import type { Page } from "../state/address.ts";
+import { counted } from "../state/people.ts";
 import { dataTime, open, statusOf } from "../state/state.ts";
 import { clock, count, named, whole } from "../state/words.ts";
 import { store, type Store } from "../store.ts";
@@ -50,7 +51,7 @@ function Glance({ shop }: { shop: Store }) {
   const camera = site?.cameras.find((one) => one.name === best?.name)
     ?? site?.cameras.find((one) => state.health?.cameras[one.name]?.state === "live")
     ?? site?.cameras[0];
-  const people = state.snapshot?.people.length;
+  const people = state.snapshot ? counted(state.snapshot) : undefined;
   return (
     <main>
       {shop.replaying && (

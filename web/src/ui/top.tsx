@@ -2,6 +2,7 @@ import { useEffect } from "preact/hooks";
 import { useStore } from "./use.ts";
 import { Glyph, Icon } from "./icons.tsx";
 import { isFault } from "../state/alerts.ts";
+import { counted } from "../state/people.ts";
 import { dataTime, isOld, serverTime, statusOf, type State } from "../state/state.ts";
 import type { Status } from "../state/status.ts";
 import { clock, count, day, duration, whole } from "../state/words.ts";
@@ -73,7 +74,7 @@ export function Facts() {
         <>
           <Fact
             kind="people" name="People" to={() => document.getElementById("twin")?.focus()}
-            value={state.snapshot ? String(state.snapshot.people.length) : "Unknown"}
+            value={state.snapshot ? String(counted(state.snapshot)) : "Unknown"}
             note={state.snapshot && isOld(state) ? "then" : ""}
             old={!state.snapshot || isOld(state)}
           />
@@ -106,7 +107,7 @@ function RulesFact({ state }: { state: State }) {
 
 function LostFacts({ state }: { state: State }) {
   const age = state.local - state.heardAt;
-  const people = state.snapshot ? String(state.snapshot.people.length) : "Unknown";
+  const people = state.snapshot ? String(counted(state.snapshot)) : "Unknown";
   return (
     <>
       <Fact
