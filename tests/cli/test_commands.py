@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from made_site import make_site
+from trecsim.cli import run_command
 from trecsim.sites import site_schema
 from trecsim.store.tracks import read_tracks
 
@@ -18,6 +19,12 @@ def site(tmp_path: Path) -> Path:
     return make_site(tmp_path)
 
 
+@pytest.fixture
+def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing, which takes longer than all the rest."""
+    monkeypatch.setattr(run_command, "_draw_paths", lambda *_: None)
+
+
 def test_run_tells_what_it_kept_and_where(trecsim: Command, site: Path, tmp_path: Path) -> None:
     code, out, err = trecsim("run", site, "--out", tmp_path / "out", "--json")
     summary = json.loads(out)
@@ -27,12 +34,14 @@ def test_run_tells_what_it_kept_and_where(trecsim: Command, site: Path, tmp_path
     assert set(summary["fusion_ms"]) == {"median", "p95", "max", "mean"}
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_run_says_it_in_words_too(trecsim: Command, site: Path, tmp_path: Path) -> None:
     code, out, err = trecsim("run", site, "--out", tmp_path / "out")
     assert (code, err) == (0, "")
     assert "1 person in 40 frame sets of 120 images" in out
 
 
+@pytest.mark.usefixtures("without_pictures")
 def test_a_run_can_be_exported(trecsim: Command, site: Path, tmp_path: Path) -> None:
     trecsim("run", site, "--out", tmp_path / "out")
     code, out, _ = trecsim("export", tmp_path / "out", tmp_path / "t.csv", "--json")

@@ -9,7 +9,7 @@ from trecsim.toml_models import bounded_toml
 DOTTED = {
     "fifty thousand levels": "a." * 50_000 + "a = 1",
     "twenty thousand lines of two hundred": "\n".join(
-        ".".join(f"k{line}" for _ in range(200)) + " = 1" for line in range(20_000)
+        200 * f"k{line}." + "a = 1" for line in range(20_000)
     ),
     "blanks between": " . ".join("a" * 30) + " = 1",
     "quoted parts": '"a b".' * 40 + "'c' = 1",

@@ -10,6 +10,7 @@ gives NaN beyond, in both directions: no image point is better than a wrong one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Literal, get_args
 
 import numpy as np
@@ -266,7 +267,11 @@ def lens(model: str, coefficients: Float64[np.ndarray, " coef"]) -> Lens:
     coefficients
         As many as `COEFFICIENTS` allows for the model.
     """
-    values = [float(value) for value in coefficients]
+    return _made(model, tuple(float(value) for value in coefficients))
+
+
+@lru_cache(maxsize=256)  # a camera that is moved or renamed keeps its lens
+def _made(model: str, values: tuple[float, ...]) -> Lens:
     if not any(values) and model != "fisheye":
         return NoDistortion()
     return Fisheye(*values) if model == "fisheye" else Brown(*values)
