@@ -25,6 +25,7 @@ rig = "rig.toml"
 name = "onnx:{network}"
 [page]
 port = 0
+pictures = true
 """
 
 
@@ -60,9 +61,15 @@ def test_a_camera_that_dies_is_told_comes_back_and_no_password_is_shown_anywhere
         site.until(lambda: set(states(site).values()) == {"live"})
         told = site.get("api/health").json()["cameras"]
         assert {one["clock"] for one in told.values()} <= {"sender", "arrival"}
+        picture = site.get("api/cameras/cam1/picture")
+        assert (picture.status_code, picture.content[:3]) == (200, b"\xff\xd8\xff"), picture.text
+        assert site.get("api/site").json()["site"]["pictures"] is True
         cameras["cam0"].switch_off()
         site.until(lambda: states(site) in ({"cam0": lost, "cam1": "live"} for lost in LOST))
         site.until(lambda: "nothing answers" in site.get("api/health").text)
+        assert site.get("api/cameras/cam0/picture").status_code == 503
+        told = [one["data"] for one in site.get("api/events").json()["events"]]
+        assert {(one["camera"], one["phase"]) for one in told} >= {("cam0", "new")}
         cameras["cam0"].switch_on()
         site.until(lambda: set(states(site).values()) == {"live"})
         texts = [site.get(place).text for place in ("api/health", "api/site", "metrics", "")]

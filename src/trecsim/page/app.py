@@ -25,6 +25,7 @@ from trecsim.page.login import login_routes
 from trecsim.page.messages import json_bytes
 from trecsim.page.metrics import metrics_text
 from trecsim.page.page_data import PageData
+from trecsim.page.picture_routes import picture_routes
 from trecsim.page.policy import Policy
 from trecsim.page.recording_routes import recording_routes
 from trecsim.page.schema import stream_schema
@@ -76,7 +77,7 @@ def page_app(parts: Parts) -> Starlette:
         *event_routes(access, parts.journal, state.hub, parts.ask),
         *recording_routes(access, parts.data.recordings),
         *site_routes(access, SiteDesk(state, parts.journal, parts.ask, _desk(parts.data))),
-        Route("/api/cameras/{name:str}/picture", access.needs("viewer", _no_picture)),
+        *picture_routes(access, state, parts.journal, parts.ask),
         Route("/{path:path}", _files(parts.bundle)),
     ]
     return Starlette(
@@ -101,10 +102,6 @@ def _health(state: LiveState, access: Access) -> Answer:
 
 async def _schema(request: Request) -> Response:
     return Response(json_bytes(stream_schema()), media_type="application/schema+json")
-
-
-async def _no_picture(request: Request) -> Response:
-    raise HTTPException(404, "this site shows no pictures of its cameras")
 
 
 def _desk(data: PageData) -> DraftDesk | None:

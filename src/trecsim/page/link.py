@@ -78,6 +78,24 @@ class EventPart(msgspec.Struct, frozen=True, tag="event"):
     kept: bool
 
 
+class PicturePart(msgspec.Struct, frozen=True, tag="picture"):
+    """What a camera sees, for who looks at it now.
+
+    Attributes
+    ----------
+    camera
+        The camera.
+    t_s
+        When the image was taken [s].
+    jpeg
+        The image.
+    """
+
+    camera: str
+    t_s: float
+    jpeg: bytes
+
+
 class SitePart(msgspec.Struct, frozen=True, tag="site"):
     """The site as it is from now on: the body of `/api/site`."""
 
@@ -106,7 +124,7 @@ class PageRequest(msgspec.Struct, frozen=True, tag="request"):
     body: dict[str, Any]
 
 
-ToPage = Setup | SnapshotPart | HealthPart | EventPart | SitePart | PulsePart
+ToPage = Setup | SnapshotPart | HealthPart | EventPart | PicturePart | SitePart | PulsePart
 FromPage = PulsePart | PageRequest
 
 _ENCODER = msgspec.msgpack.Encoder()

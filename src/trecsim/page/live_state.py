@@ -1,19 +1,43 @@
 """What the page process knows of the site now."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import monotonic, time
 from typing import Any
 
 from trecsim.health import CameraHealth, Health, camera_state
 from trecsim.page.event_log import EventLog
 from trecsim.page.hub import Hub
-from trecsim.page.link import EventPart, HealthPart, SitePart, SnapshotPart, ToPage
+from trecsim.page.link import (
+    EventPart,
+    HealthPart,
+    PicturePart,
+    SitePart,
+    SnapshotPart,
+    ToPage,
+)
 from trecsim.page.messages import message, snapshot_body
 from trecsim.recent import Recent
 from trecsim.values import PROVISIONAL
 
+PICTURES_KEPT_S = 2.0
 SILENT_S = 3.0  # when the tracking process says nothing for longer, tracking counts as down
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """The newest picture of a camera.
+
+    Attributes
+    ----------
+    at_s
+        When it came, by a steady clock [s].
+    jpeg
+        The image.
+    """
+
+    at_s: float
+    jpeg: bytes
 
 
 class LiveState:
@@ -23,6 +47,8 @@ class LiveState:
     ----------
     site
         The body of `/api/site`.
+    pictures
+        The newest picture of each camera that somebody looked at, only to be shown while it is new.
     people
         Number of people in the newest snapshot, without provisional ones.
     """
@@ -32,6 +58,7 @@ class LiveState:
         self.site: dict[str, Any] = {"version": "", "site": {}}
         self.people = 0
         self.snapshots = 0
+        self.pictures: dict[str, Picture] = {}
         self._publishing = Recent()
         self._health: Health | None = None
         self._health_at_s = monotonic()
@@ -54,13 +81,23 @@ class LiveState:
             case EventPart(_, event, _):
                 if self.hub.events.append(event):
                     self.hub.wake()
+            case PicturePart(camera, _, jpeg):
+                self.pictures[camera] = Picture(self._heard_s, jpeg)
             case SitePart(body):
                 self.site = body
 
     def tell_health(self) -> None:
         """Send the health as it is now to all viewers."""
         self._told_s = monotonic()
+        self._forget_pictures()
         self.hub.publish("health", message("health", time(), self.health_json()))
+
+    def _forget_pictures(self) -> None:
+        """Forget pictures that nobody will be shown any more."""
+        now_s = monotonic()
+        self.pictures = {
+            name: one for name, one in self.pictures.items() if now_s - one.at_s < PICTURES_KEPT_S
+        }
 
     @property
     def health_told_s(self) -> float:

@@ -9,7 +9,16 @@ from time import monotonic
 from typing import Any
 
 from trecsim.page.last_seen import snapshot_part
-from trecsim.page.link import EventPart, HealthPart, PulsePart, Setup, SitePart, ToPage, framed
+from trecsim.page.link import (
+    EventPart,
+    HealthPart,
+    PicturePart,
+    PulsePart,
+    Setup,
+    SitePart,
+    ToPage,
+    framed,
+)
 from trecsim.values import Snapshot
 
 EVENTS_KEPT = 2_000  # for a page process that is started again
@@ -19,7 +28,7 @@ _Seen = tuple[Snapshot, list[float], float]  # how long ago each was seen, when 
 
 
 class Outgoing:
-    """Holds the newest snapshot, health and site, and all events; hands them to one process.
+    """Holds the newest snapshot, health, site and pictures, and all events, for one process.
 
     Putting something in never waits for the process.
 
@@ -35,6 +44,7 @@ class Outgoing:
         self._health: HealthPart | None = None
         self._snapshot: _Seen | None = None
         self._events: deque[EventPart] = deque(maxlen=EVENTS_KEPT)
+        self._pictures: dict[str, PicturePart] = {}
         self._fresh: set[str] = set()
         self._next_event = 0  # running number of the next event to send
         self._count = 0  # events so far
@@ -58,6 +68,12 @@ class Outgoing:
         with self._changed:
             self._site = site
             self._fresh.add("site")
+            self._changed.notify()
+
+    def put_picture(self, picture: PicturePart) -> None:
+        """Replace the picture of its camera that waits."""
+        with self._changed:
+            self._pictures[picture.camera] = picture
             self._changed.notify()
 
     def put_event(self, event: dict[str, Any], kept: bool) -> None:
@@ -96,7 +112,7 @@ class Outgoing:
                 yield PulsePart()
 
     def _has_more(self) -> bool:
-        return bool(self._fresh) or self._next_event < self._count
+        return bool(self._fresh or self._pictures) or self._next_event < self._count
 
     def _taken(self) -> tuple[list[ToPage], _Seen | None]:
         fresh, self._fresh = self._fresh, set()
@@ -106,6 +122,8 @@ class Outgoing:
         self._next_event = self._count
         if "health" in fresh and self._health is not None:
             messages.append(self._health)
+        messages += self._pictures.values()
+        self._pictures = {}
         return messages, self._snapshot if "snapshot" in fresh else None
 
 

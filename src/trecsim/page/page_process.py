@@ -23,7 +23,15 @@ from trecsim.extras import has_extra, install_command
 from trecsim.health import Health
 from trecsim.page.address import PageAddress, listen, url_of
 from trecsim.page.last_seen import LastSeen
-from trecsim.page.link import FROM_PAGE, HealthPart, PageRequest, Setup, SitePart, receive_body
+from trecsim.page.link import (
+    FROM_PAGE,
+    HealthPart,
+    PageRequest,
+    PicturePart,
+    Setup,
+    SitePart,
+    receive_body,
+)
 from trecsim.page.outgoing import Outgoing
 from trecsim.page.page_data import PageData
 from trecsim.page.site_view import SiteView
@@ -43,8 +51,8 @@ _CREDENTIALS = "TRECSIM_CREDENTIALS_"
 class PageProcess:
     """Runs the page in a process of its own and keeps it running.
 
-    No method waits for the page process. Of snapshots, health and site only the newest is sent;
-    events are sent in order, and again to a process that replaces one that crashed.
+    No method waits for the page process. Of snapshots, health, site and pictures only the newest is
+    sent; events are sent in order, and again to a process that replaces one that crashed.
 
     Parameters
     ----------
@@ -138,6 +146,20 @@ class PageProcess:
             what people do, and, before these, the ones that they are about.
         """
         self._outgoing.put_event(dict(event), kept)
+
+    def picture(self, camera: str, t_s: float, jpeg: bytes) -> None:
+        """Show what a camera sees to those who look at it now; the page keeps none but the newest.
+
+        Parameters
+        ----------
+        camera
+            The camera.
+        t_s
+            When the image was taken [s].
+        jpeg
+            The image.
+        """
+        self._outgoing.put_picture(PicturePart(camera, t_s, jpeg))
 
     def requests(self) -> list[PageRequest]:
         """Return what people at the page have asked for since the last call."""

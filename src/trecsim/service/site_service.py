@@ -6,11 +6,11 @@
                                                 └──────────────────────────> page
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from trecsim.geometry import Rig
 from trecsim.health import Health
@@ -23,15 +23,18 @@ from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
 from trecsim.service.live_inputs import LiveInputs
 from trecsim.service.monitor import Monitor
+from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
 from trecsim.service.reloading import Reloading
 from trecsim.service.systemd import Heartbeat, notify
 from trecsim.service.timed_estimator import TimedEstimator
-from trecsim.service.viewing import site_view
+from trecsim.service.viewing import shows_pictures, site_view
 from trecsim.site_run import recordings_folder, run
 from trecsim.sites.check import CheckedSite
 from trecsim.sites.site_reading import SiteFile
+from trecsim.sources.base import Source
 from trecsim.store.site_store import SiteStore
+from trecsim.values import Frame
 
 
 class SiteService:
@@ -48,6 +51,7 @@ class SiteService:
         self._heartbeat = Heartbeat()
         self._reloading: Reloading | None = None
         self._keeper: EventKeeper | None = None
+        self._pictures: PictureMaker | None = None
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -81,7 +85,10 @@ class SiteService:
         """
         self._show(checked.file, checked.rig)
         monitor = Monitor(checked.rig.names, inputs.readings if inputs else ())
-        feed = _feed(inputs, monitor) if inputs else None
+        feed = None
+        if inputs is not None:
+            self._pictures = self._picture_maker(checked)
+            feed = _feed(inputs, monitor, self._pictures)
         self._reloading = Reloading(checked.file, lambda file: self._show(file, checked.rig))
         watchers = monitor.sinks()
         told: list[Callable[[Health], None]] = [self._reloading]
@@ -108,6 +115,8 @@ class SiteService:
                 self._keeper, faults = _fault_events(checked, store, feed, self._show_event)
                 ending.enter_context(self._keeper)
                 told += [FaultLog(), faults]
+            if self._pictures is not None:
+                ending.enter_context(self._pictures)
             ending.enter_context(Pulse(judged, tuple(told)))
             if inputs is not None:
                 ending.callback(inputs.close)
@@ -153,6 +162,14 @@ class SiteService:
             self.reload()
         elif request.kind == "event" and self._keeper is not None:
             self._keeper.acted(request.body["event"])
+        elif request.kind == "picture" and self._pictures is not None:
+            self._pictures.look(request.body["camera"])
+
+    def _picture_maker(self, checked: CheckedSite) -> PictureMaker | None:
+        """Return who makes pictures of the cameras, where the page shows them."""
+        if self._page is None or not shows_pictures(checked.file):
+            return None
+        return PictureMaker(jpeg, self._page.picture)
 
 
 def _store(checked: CheckedSite, out: Path | None) -> SiteStore:
@@ -174,7 +191,10 @@ def _fault_events(
     return keeper, FaultEvents(watch, keeper.put, lambda: feed.is_read)
 
 
-def _feed(inputs: LiveInputs, monitor: Monitor) -> Feed:
+def _feed(inputs: LiveInputs, monitor: Monitor, pictures: PictureMaker | None) -> Feed:
     estimator = inputs.estimator
     timed = estimator and TimedEstimator(estimator, monitor.take_estimate)
-    return Feed(inputs.sources, timed)
+    if pictures is None:
+        return Feed(inputs.sources, timed)
+    images = cast(Sequence[Source[Frame]], inputs.sources)
+    return Feed([Watched(source, pictures.take) for source in images], timed)

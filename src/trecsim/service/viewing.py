@@ -38,7 +38,14 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         lines={name: line.model_dump(mode="json") for name, line in site.lines.items()},
         edges={name: edge.model_dump(mode="json") for name, edge in site.edges.items()},
         floor_m=floor_of(rig, outlines_m=outlines_m),
+        pictures=shows_pictures(file),
     )
+
+
+def shows_pictures(file: SiteFile) -> bool:
+    """Return whether a site shows pictures of its cameras: it is told to, and has images."""
+    table = file.site.page
+    return table is not None and table.pictures and bool(file.site.sources)
 
 
 def page_of_site(path: Path, out: Path | None = None) -> PageProcess | None:

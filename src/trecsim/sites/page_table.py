@@ -38,6 +38,8 @@ class PageTable(Table):
     """Certificate of the page with its chain, PEM; makes it `https`."""
     tls_key: FilePath | None = None
     """Key of the certificate, PEM."""
+    pictures: bool = False
+    """Whether the page shows pictures of the cameras, two a second at most; none is stored."""
     trusted_proxy: HostNumber | None = None
     """IP address of the reverse proxy whose `X-Forwarded-For` and `X-Forwarded-Proto` count."""
     insecure: bool = False

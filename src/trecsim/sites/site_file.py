@@ -251,7 +251,6 @@ NOT_YET = {
     ),
     **{key: f"{key} are {LATER}" for key in LISTED},
     **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
-    "pictures": f"pictures of the cameras are {LATER}",
 }
 
 

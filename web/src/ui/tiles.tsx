@@ -2,6 +2,7 @@ import { Glyph, Icon } from "./icons.tsx";
 import { Drawn } from "./planview.tsx";
 import { concerned, shownAlerts } from "./shown.ts";
 import { useStore } from "./use.ts";
+import { usePicture } from "../net/picture.ts";
 import { isFault } from "../state/alerts.ts";
 import { fit } from "../draw/mark.ts";
 import { palette } from "../draw/palette.ts";
@@ -83,7 +84,8 @@ export function Tile(
 ) {
   const health = state.health?.cameras[camera.name];
   const how = tileState(state, health);
-  const picture = state.site?.pictures === true && how !== "replay";
+  const asks = state.site?.pictures === true && !["replay", "down", "old"].includes(how);
+  const picture = usePicture(camera.name, asks);
   const view = () => store.go({ view: `camera:${camera.name}` });
   return (
     <button type="button" class={`tile ${how}`} data-camera={camera.name} onClick={view}
@@ -157,10 +159,10 @@ function Age(
   );
 }
 
-function Picture({ camera, picture }: { camera: Camera; picture: boolean }) {
+function Picture({ camera, picture }: { camera: Camera; picture: string }) {
   return (
     <>
-      {picture && <img alt="" src={`/api/cameras/${encodeURIComponent(camera.name)}/picture`} />}
+      {picture && <img alt="" src={picture} />}
       <Drawn
         label={`What camera ${named(camera.name)} sees, drawn`}
         draw={(canvas) => {
@@ -169,7 +171,7 @@ function Picture({ camera, picture }: { camera: Camera; picture: boolean }) {
           if (!sheet || !site) return;
           drawTile(sheet.pen, palette(), sheet.width, sheet.height, {
             site, camera, snapshot: store.shown, alarmed: concerned().alarmed,
-            selected: store.address.person, picture,
+            selected: store.address.person, picture: picture !== "",
           });
         }}
       />
