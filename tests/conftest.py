@@ -1,6 +1,7 @@
 """Fixtures for all tests."""
 
 from pathlib import Path
+from typing import IO
 
 import pytest
 from hypothesis import settings
@@ -18,6 +19,16 @@ settings.load_profile("repeatable")
 
 
 collect_ignore = ["servers"]  # run by the system's Python, which has GStreamer
+
+
+@pytest.fixture
+def blank_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leave the figures of a page blank: to draw them takes longer than all the rest."""
+
+    def savefig(_: object, file: IO[bytes], **__: object) -> None:
+        file.write(b'<svg viewBox="0 0 1 1"></svg>')
+
+    monkeypatch.setattr("matplotlib.figure.Figure.savefig", savefig)
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def walk(tmp_path: Path) -> Path:
+def walk(tmp_path: Path, blank_figures: None) -> Path:
     return make_recording(tmp_path / "walk", 12)
 
 

@@ -15,8 +15,8 @@ Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def quick(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let runs take no time; the error falls with joint_sigma_m."""
+def quick(monkeypatch: pytest.MonkeyPatch, blank_figures: None) -> None:
+    """Let runs and figures take no time; the error falls with joint_sigma_m."""
 
     def run(job: Job) -> dict[str, float]:
         error_m = 0.05 - job.settings.joint_sigma_m + 1e-5 * ((job.seed or 0) % 7)

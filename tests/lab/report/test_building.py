@@ -111,6 +111,7 @@ def test_lengths_are_compared_with_the_tape(made: str) -> None:
     assert "36.5" in page.text
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_what_is_missing_is_said_and_leaves_no_empty_figure(made: str, tmp_path: Path) -> None:
     walk = make_recording(tmp_path / "walk", 20)
     summary = report(walk / "tracks.csv", tmp_path / "r.html")

@@ -88,6 +88,7 @@ def test_a_planted_interaction_is_in_the_report(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("design", "points"), [("one-at-a-time", None), ("random", 24)])
+@pytest.mark.usefixtures("blank_figures")
 def test_other_designs_find_the_strongest_setting_too(
     tmp_path: Path, design: str, points: int | None
 ) -> None:
@@ -99,6 +100,7 @@ def test_other_designs_find_the_strongest_setting_too(
     )
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_the_table_of_a_document_is_made_from_the_results(tmp_path: Path) -> None:
     study = study_of()
     write_results(findings(study, made_runs(study, tmp_path), code_digest()), tmp_path)
@@ -111,6 +113,7 @@ def test_the_table_of_a_document_is_made_from_the_results(tmp_path: Path) -> Non
     assert "**" not in table[4]
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_an_effect_without_any_chance_stands_in_the_table(tmp_path: Path) -> None:
     study = study_of()
     write_results(findings(study, made_runs(study, tmp_path), code_digest()), tmp_path)
@@ -118,6 +121,7 @@ def test_an_effect_without_any_chance_stands_in_the_table(tmp_path: Path) -> Non
     assert "(> 100 ×)" in markdown(rows)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_incomplete_and_failed_runs_are_told_and_left_out(tmp_path: Path) -> None:
     study = study_of()
     runs = made_runs(study, tmp_path)[
@@ -133,12 +137,14 @@ def test_incomplete_and_failed_runs_are_told_and_left_out(tmp_path: Path) -> Non
     assert math.isfinite(found.findings[0].analysis.effects[0].spread)
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_few_seeds_are_warned_of(tmp_path: Path) -> None:
     study = study_of(seeds="1-2")
     found = findings(study, made_runs(study, tmp_path), code_digest())
     assert found.remarks[0] == "only 2 seeds: use at least 5"
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_runs_of_a_former_study_are_not_counted(tmp_path: Path) -> None:
     study = study_of()
     runs = made_runs(study, tmp_path)
@@ -159,6 +165,7 @@ def test_too_few_runs_say_nothing(tmp_path: Path) -> None:
         findings(study, made_runs(study, tmp_path)[:1], code_digest())
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_runs_of_an_older_version_are_reported_by_its_name(tmp_path: Path) -> None:
     study = study_of()
     written(study, tmp_path, made_runs(study, tmp_path, code="older"))

@@ -25,7 +25,7 @@ from trecsim.lab.report.page import Section, Text, page
 from trecsim.lab.report.recording import Recording, read_recording
 from trecsim.lab.report.recording_files import find
 from trecsim.lab.report.style import need_matplotlib
-from trecsim.store.atomic import atomic_write
+from trecsim.store.atomic import atomic_write, disk_faults
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +99,8 @@ def report(
     folder = recording if recording.is_dir() else recording.parent
     out = Path(out) if out is not None else folder / "report.html"
     places = find(recording, rig=rig, poses=poses, truth=truth)
+    with disk_faults(out):
+        out.parent.stat()  # a folder that is missing is told before all the work
     measured = read_measured(lengths) if lengths is not None else None
     read = read_recording(places, from_s=from_s, to_s=to_s, progress=progress)
     sections = _sections(read, measured)
