@@ -38,7 +38,12 @@ def opened(browser, url, *, width=1024, height=768, dark=False, expected=()):
     page.on("console", lambda m: complaints.append(m.text) if m.type in BAD else None)
     page.on("pageerror", lambda error: complaints.append(str(error)))
     origin = "/".join(url.split("/")[:3])
-    page.on("request", lambda r: None if r.url.startswith(origin) else elsewhere.append(r.url))
+    page.on(
+        "request",
+        lambda r: (
+            None if r.url.removeprefix("blob:").startswith(origin) else elsewhere.append(r.url)
+        ),
+    )
     page.goto(url)
     yield page
     context.close()

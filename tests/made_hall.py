@@ -31,6 +31,7 @@ class Tracking:
     def __init__(self, page: RunningPage) -> None:
         self.people = [3, 7]
         self.silent: str | None = None
+        self.pictures: dict[str, bytes] = {}  # by camera, for who looks
         self._page = page
         self._ended = Event()
 
@@ -65,3 +66,7 @@ class Tracking:
                 cameras[self.silent] = CameraHealth("stale", 0.0, 6.0)
             fusion = FusionHealth("running", 25.0, 1.0, 0.02, len(self.people))
             self._page.process.health(Health(t_s, cameras, fusion))
+            for request in self._page.process.requests():
+                camera = request.body.get("camera")
+                if request.kind == "picture" and camera in self.pictures:
+                    self._page.process.picture(camera, t_s, self.pictures[camera])

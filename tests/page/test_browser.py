@@ -1,8 +1,10 @@
 """The operator page in a real Chromium, served by a real page process."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 from time import time
 
+import numpy as np
 import pytest
 
 from made_browser import PATIENCE_MS, chromium, opened
@@ -42,6 +44,7 @@ def test_the_page_shows_who_is_there_and_that_all_is_well(chromium, tracking) ->
         assert page.inner_text("title") == "All clear - hall"
         assert page.locator("#twin tbody th").all_text_contents() == ["3", "7"]
         assert page.locator(".tile").count() == 3
+        assert page.locator(".tile img").count() == 0
         page.wait_for_selector(".view[data-drawn='2']")
         calls = int(page.get_attribute(".view", "data-calls"))
         assert 5 <= calls <= 20
@@ -68,6 +71,25 @@ def test_a_camera_that_goes_silent_is_said_at_once_and_acknowledged_until_it_is_
         tracking.event("end", time())
         expect(page.locator(".card")).to_have_count(0)
         expect(page.locator(".past .what")).to_have_text("Camera Cam1 sent no picture")
+
+
+def test_tiles_show_pictures_where_the_site_allows_them_and_ask_for_no_others(chromium) -> None:
+    jpeg = pytest.importorskip("trecsim.sources.jpeg", reason="PyAV is not installed")
+    picture = jpeg.jpeg_of(np.full((48, 64, 3), 90, np.uint8), (640, 640))
+    with running_page(site=replace(SITE, pictures=True)) as process:
+        tracking = Tracking(process)
+        tracking.pictures = {"cam0": picture}
+        with (
+            tracking.running(),
+            opened(chromium, f"{process.process.url}live?view=plan", expected=("503",)) as page,
+        ):
+            image = page.locator(".tile[data-camera='cam0'] img")
+            first = image.get_attribute("src")
+            assert first.startswith("blob:")
+            assert image.evaluate("one => one.decode().then(() => one.naturalWidth)") == 64
+            expect(image).not_to_have_attribute("src", first, timeout=PATIENCE_MS)  # a newer one
+            assert page.locator(".tile[data-camera='cam1'] img").count() == 0
+            assert page.inner_text(".tile[data-camera='cam1'] .drawn") == "drawn"
 
 
 def test_the_address_holds_what_is_shown(chromium, tracking) -> None:
