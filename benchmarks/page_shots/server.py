@@ -91,10 +91,13 @@ def health(situation: Situation) -> dict[str, Any]:
                    "age_s": 0.05 if situation.fusion == "running" else 6.2, "people": 6},
         "store": {"state": "writing", "fault": None},
         "stages": {
-            "cameras": {"median_ms": 48.0, "p95_ms": 70.0},
-            "2D poses": {"median_ms": 61.0, "p95_ms": 90.0},
-            "3D people": {"median_ms": 9.0, "p95_ms": 14.0},
-            "sending": {"median_ms": 4.0, "p95_ms": 9.0},
+            "estimate": {"median_ms": 52.0, "p95_ms": 80.0},
+            "image to poses": {"median_ms": 96.0, "p95_ms": 140.0},
+            "sync": {"median_ms": 14.0, "p95_ms": 31.0},
+            "fusion": {"median_ms": 2.1, "p95_ms": 4.0},
+            "image to people": {"median_ms": 112.0, "p95_ms": 171.0},
+            "store": {"median_ms": 21.0, "p95_ms": 60.0},
+            "publish": {"median_ms": 4.0, "p95_ms": 9.0},
         },
         "restarts": {"estimator": 1},
     }  # fmt: skip

@@ -2,14 +2,13 @@
 
 import pytest
 
-from made_browser import PATIENCE_MS, chromium, opened
+from made_browser import PATIENCE_MS, opened
 from made_hall import SITE, Tracking
 from made_page import running_page
 from trecsim.page.bundle import STATIC
 
 expect = pytest.importorskip("playwright.sync_api", reason="playwright is not installed").expect
 axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed")
-__all__ = ["chromium"]  # a fixture
 
 pytestmark = pytest.mark.skipif(
     not (STATIC / "index.html").is_file(), reason="the page is not built; make page builds it"

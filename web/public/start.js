@@ -1,5 +1,6 @@
-// Runs before anything is drawn: the theme, so that nothing flashes, and what is said where the
-// page cannot run. Written for any browser.
+// Runs before anything is drawn: the theme, so that nothing flashes; the question who is signed in,
+// so that the answer is there when the page is; and what is said where the page cannot run. Written
+// for any browser.
 (function () {
   var root = document.documentElement;
   var kept = null;
@@ -14,6 +15,8 @@
     theme = dark ? "dark" : "light";
   }
   root.setAttribute("data-theme", theme);
+
+  if (window.fetch) window.me = fetch("/api/me", { credentials: "same-origin", cache: "no-store" });
 
   function say(title, line) {
     if (root.getAttribute("data-started") !== null) return;

@@ -286,6 +286,7 @@ export class Store {
     this.loaded = film;
     this.#filmMarks = noMarks;
     this.#show();
+    this.#goOn();
     this.changed();
     this.draw();
   }
@@ -322,10 +323,14 @@ export class Store {
     // Browsers limit how often the address may change.
     clearTimeout(this.#writing);
     this.#writing = window.setTimeout(() => this.go({}, true), 400);
-    if (this.own.playing && !this.#playing) {
-      this.#playedAt = performance.now() / 1000;
-      this.#playing = requestAnimationFrame(this.#play);
-    }
+    this.#goOn();
+  }
+
+  /** Play on, unless paused. */
+  #goOn(): void {
+    if (!this.replaying || !this.own.playing || this.#playing) return;
+    this.#playedAt = performance.now() / 1000;
+    this.#playing = requestAnimationFrame(this.#play);
   }
 
   /** Return the moment that a time of day names, within the last day; null where it is none. */

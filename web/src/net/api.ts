@@ -4,8 +4,18 @@ import type { CloudEvent, Me, Reason } from "../state/messages.ts";
 
 export class SignedOut extends Error {}
 
-async function request(path: string, options: RequestInit = {}): Promise<Response> {
-  const response = await fetch(path, { credentials: "same-origin", cache: "no-store", ...options });
+declare global {
+  interface Window {
+    /** The answer to who is signed in, asked for before the page was loaded; taken once. */
+    me?: Promise<Response> | undefined;
+  }
+}
+
+const request = (path: string, options: RequestInit = {}): Promise<Response> =>
+  checked(fetch(path, { credentials: "same-origin", cache: "no-store", ...options }));
+
+async function checked(asked: Promise<Response>): Promise<Response> {
+  const response = await asked;
   if (response.status === 401) throw new SignedOut("signed out");
   return response;
 }
@@ -40,7 +50,9 @@ export const getSite = (): Promise<unknown> => json("/api/site");
 
 /** Return who is signed in; null where the server has no users. */
 export async function getMe(): Promise<Me | null> {
-  const response = await request("/api/me");
+  const asked = window.me;
+  delete window.me;
+  const response = await (asked ? checked(asked) : request("/api/me"));
   return response.ok ? ((await response.json()) as Me) : null;
 }
 

@@ -72,7 +72,7 @@ function stopped(s: Situation): Status | null {
   if (fusion?.state === "starting") {
     return {
       ...base, row: 2, look: "plain", severity: "warning", title: "Watching has not begun",
-      line: "3D people: no result yet.",
+      line: "3D people: no result yet. The first start on a machine takes minutes.",
     };
   }
   if (fusion?.state === "ended") {

@@ -42,7 +42,9 @@ export function Review() {
   useEffect(() => {
     if (!films || !subject || t !== null) return;
     const start = alert ? alert.start - 5 : (recording?.from_s ?? NaN);
-    if (Number.isFinite(start)) store.go({ t: start }, true);
+    if (!Number.isFinite(start)) return;
+    store.set({ playing: true });
+    store.go({ t: start }, true);
   }, [films, subject, t]);
 
   useEffect(() => {

@@ -54,7 +54,7 @@ export function Stage() {
       {flat ? <div class="view"><Plan large /></div> : <View />}
       <Tools shop={shop} />
       <Hint shop={shop} />
-      {!lost && <Legend />}
+      {!lost && <Legend shop={shop} />}
       {lost && !shop.replaying && Number.isFinite(shop.state.heardAt) && <Lost state={shop.state} />}
     </div>
   );
@@ -238,21 +238,23 @@ function Hint({ shop }: { shop: Store }) {
   return null;
 }
 
-function Legend() {
+function Legend({ shop }: { shop: Store }) {
+  const { paths, forecasts } = shop.own.layers;
+  const some = forecasts && (shop.shown?.people ?? []).some((one) => one.forecast.length > 0);
   return (
     <ul class="legend" aria-hidden="true">
-      <li>
+      {paths && <li>
         <svg width="26" height="6"><path d="M0 3h26" stroke="currentColor" stroke-width="2.5" opacity=".7" /></svg>
         Last 10 s
-      </li>
-      <li>
+      </li>}
+      {some && <li>
         <svg width="34" height="12">
           <ellipse cx="17" cy="6" rx="16.5" ry="5.5" fill="currentColor" opacity=".18" />
           <ellipse cx="17" cy="6" rx="9" ry="3.2" fill="currentColor" opacity=".3" />
           <path d="M3 6h28" stroke="currentColor" stroke-width="1.5" stroke-dasharray="3 3" />
         </svg>
         Next 4 s, 50 and 90 %
-      </li>
+      </li>}
       <li>
         <svg width="14" height="14">
           <circle cx="7" cy="7" r="5.5" fill="none" stroke="currentColor" stroke-width="1.5" stroke-dasharray="3 2.4" />

@@ -178,44 +178,47 @@ function Changes({ state }: { state: State }) {
   );
 }
 
-/** Part of another stage, or beside the way to the page. */
-const WITHIN = /^(decode|estimate|store)$/;
-const ms = (of: number): string => (of < 100 ? `${of.toFixed(0)} ms` : `${(of / 1000).toFixed(2)} s`);
+const ms = (of: number): string =>
+  of < 9.95 ? `${of.toFixed(1)} ms` : of < 999.5 ? `${of.toFixed(0)} ms` : `${(of / 1000).toFixed(2)} s`;
 
-const WHOLE = /^image[ _]to[ _]people$/;
+/** The stages that an image goes through until its people are known; their times add up. */
+const WAY: Record<string, string> = {
+  "image to poses": "2D poses", sync: "All cameras", fusion: "3D people",
+};
+const WHOLE = "image to people";
+/** What happens then, beside each other. */
+const THEN: Record<string, string> = { publish: "Sending to the page", store: "Writing to the disk" };
 
 function Delay({ health }: { health: Health | null }) {
-  const all = Object.entries(health?.stages ?? {});
-  // The server measures the whole way too; the other stages are parts of it.
-  const whole = all.find(([name]) => WHOLE.test(name));
-  const stages = all.filter(([name]) => !WHOLE.test(name) && !WITHIN.test(name));
-  const sum = (of: "median_ms" | "p95_ms") => stages.reduce((all, [, stage]) => all + stage[of], 0);
-  const total = Math.max(whole?.[1].median_ms ?? 0, sum("median_ms"));
-  const worst = whole?.[1].p95_ms ?? sum("p95_ms");
+  const all = health?.stages ?? {};
+  const way = Object.entries(WAY).flatMap(([key, name]) => (all[key] ? [{ name, stage: all[key] }] : []));
+  const then = Object.entries(THEN).flatMap(([key, name]): [string, string][] =>
+    (all[key] ? [[name, ms(all[key].median_ms)]] : []));
+  const total = Math.max(all[WHOLE]?.median_ms ?? 0, way.reduce((sum, { stage }) => sum + stage.median_ms, 0));
   let start = 0;
   return (
     <>
       <div class="head"><h2>Delay, picture to people</h2><div class="end note">median</div></div>
       <div class="block">
-        {all.length === 0 ? <p class="note">Not measured yet.</p> : (
+        {way.length === 0 ? <p class="note">Not measured yet.</p> : (
           <>
             <p class="big">
               {ms(total)}
-              <small>95 of 100 below {ms(worst)}</small>
+              {all[WHOLE] && <small>95 of 100 below {ms(all[WHOLE].p95_ms)}</small>}
             </p>
             <div class="bars">
-              {stages.map(([name, stage]) => {
+              {way.map(({ name, stage }) => {
                 const from = start;
                 start += stage.median_ms;
                 return (
                   <div key={name}>
-                    <span>{named(name)}</span>
+                    <span>{name}</span>
                     <svg viewBox="0 0 100 6" preserveAspectRatio="none" aria-hidden="true">
                       <rect class="back" width="100" height="6" />
                       <rect class="bar" x={(100 * from) / total} height="6"
                         width={Math.max(0.8, (100 * stage.median_ms) / total)} />
                     </svg>
-                    <b>{stage.median_ms.toFixed(stage.median_ms < 10 ? 1 : 0)} ms</b>
+                    <b>{ms(stage.median_ms)}</b>
                   </div>
                 );
               })}
@@ -223,6 +226,7 @@ function Delay({ health }: { health: Health | null }) {
           </>
         )}
       </div>
+      {then.length > 0 && <Facts rows={then} />}
     </>
   );
 }

@@ -92,6 +92,7 @@ export function Facts() {
 function CamerasFact({ state, to }: { state: State; to: () => void }) {
   const [good, all] = live(state);
   if (!state.health) return <Fact kind="cameras" name="Cameras" value="Unknown" old to={to} />;
+  if (all === 0) return <Fact kind="cameras" name="Cameras" value="None yet" to={to} />;
   return <Fact kind="cameras" name="Cameras" value={`${good} of ${all}`} note="live" to={to} />;
 }
 
