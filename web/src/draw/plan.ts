@@ -283,7 +283,8 @@ function drawPerson(pen: Pen, c: Palette, view: PlanView, input: PlanInput, pers
   }
   const right = severity ? 15 : input.names ? 11 : 8;
   const px = input.names ? 13 : 11;
-  write(pen, c, String(person.id), x + right, y - (severity ? 0 : 6), severity ? ink : c.text, px);
+  const tone = severity === "warning" ? c.warn : severity ? ink : c.text;
+  write(pen, c, String(person.id), x + right, y - (severity ? 0 : 6), tone, px);
 }
 
 function write(

@@ -107,7 +107,7 @@ function None({ state }: { state: State }) {
     );
   }
   const zone = state.site.timezone;
-  const as = last?.closed ? `, closed as ${REASONS[last.closed.reason].toLowerCase()}` : "";
+  const as = last?.closed ? `, closed as ${REASONS[last.closed.reason].toLowerCase()}` : ", acknowledged";
   return (
     <div class="none">
       <strong>No open alerts</strong>

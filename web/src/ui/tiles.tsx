@@ -55,6 +55,9 @@ export function Tiles() {
   const rest = cameras.slice(fits);
   return (
     <section class="tiles" aria-label="Cameras">
+      {cameras.length === 0 && state.health && (
+        <p>No camera is known yet. They come with the site file and its rig.</p>
+      )}
       {cameras.slice(0, fits).map((camera) => (
         <Tile key={camera.name} camera={camera} state={state}
           best={best?.name === camera.name ? best.severity : null} />
