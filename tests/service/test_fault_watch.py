@@ -23,7 +23,9 @@ class Site:
 
     def __post_init__(self):
         self.events = []
-        watch = FaultWatch("hall", self.open_events, clock=lambda: self.now_s)
+        watch = FaultWatch(
+            "hall", self.open_events, people=lambda: [{"person": 7}], clock=lambda: self.now_s
+        )
         self.read = True
         self.tell = FaultEvents(watch, self.events.append, lambda: self.read)
 
@@ -58,6 +60,7 @@ def test_a_camera_that_falls_silent_and_comes_back_is_one_episode_with_its_times
     assert began["time"] == "2027-01-15T08:00:05.500Z"
     assert (data["rule"]["id"], data["rule"]["kind"]) == ("camera-health", "camera.health")
     assert len(data["rule"]["config"]) == 64
+    assert data["people"] == over["data"]["people"] == [{"person": 7}]
     assert (data["severity"], data["camera"], data["state"]) == ("warning", "north", "stale")
     assert data["fault"] == "camera north is stale: nothing answers"
     assert (data["t_start_s"], data["t_detect_s"], data["t_end_s"]) == (

@@ -113,6 +113,10 @@ test("faults of 3D people and storage have their own words", () => {
   assert.equal(where(store, T), "People are tracked. Storage fails for 4 s: no space left.");
 });
 
+test("a fault of the site is about nobody of those who were there", () => {
+  assert.deepEqual(only(fold(silent("new", { people: [{ person: 14 }] }))).people, []);
+});
+
 test("a part that works again is not said to fail, although its alert goes on", () => {
   const well = health();
   const alert = only(fold(silent("new")));

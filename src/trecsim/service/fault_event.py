@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from trecsim.service.site_parts import KINDS, LIMITS, PartState
@@ -13,11 +13,13 @@ TYPES = tuple(f"trecsim.{kind}.v1" for kind in KINDS)
 """Types of these events."""
 
 
-def begun(site: str, part: PartState, now_s: float) -> dict[str, Any]:
+def begun(
+    site: str, part: PartState, now_s: float, people: Sequence[Mapping[str, Any]] = ()
+) -> dict[str, Any]:
     """Return the event that a fault begins, without its place in the episode.
 
-    The episode belongs to the rule and the camera. It holds nothing about people, and points to no
-    tracks: these are not kept longer because a camera failed.
+    The episode belongs to the rule and the camera. It points to no tracks: these are not kept
+    longer because a camera failed.
 
     Parameters
     ----------
@@ -27,6 +29,8 @@ def begun(site: str, part: PartState, now_s: float) -> dict[str, Any]:
         What failed.
     now_s
         When that was decided, Unix time [s].
+    people
+        Who was at the site then.
     """
     start_s = round(part.since_s, 3)
     place = {"camera": part.camera} if part.camera else {}
@@ -41,7 +45,7 @@ def begun(site: str, part: PartState, now_s: float) -> dict[str, Any]:
         "probability": 1.0,
         "predicted": False,
         "lead_s": None,
-        "people": [],
+        "people": list(people),
         **place,
         **_found(part),
         "evidence": {"t_from_s": None, "t_to_s": None, "cameras": [*place.values()]},

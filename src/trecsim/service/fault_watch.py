@@ -80,6 +80,8 @@ class FaultWatch:
     open_events
         Newest event of each episode that was open when the site ran last, the oldest first. They
         go on, or end when their fault has gone.
+    people
+        Tells who is at the site, as events list people.
     clock
         A steady clock [s].
     """
@@ -89,9 +91,10 @@ class FaultWatch:
         site: str,
         open_events: Iterable[Mapping[str, Any]] = (),
         *,
+        people: Callable[[], list[dict[str, Any]]] = list,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._site, self._clock = site, clock
+        self._site, self._people, self._clock = site, people, clock
         self._parts: dict[_Key, _Memory] = {}
         self._superseded: list[_Episode] = []
         for event in open_events:
@@ -138,7 +141,7 @@ class FaultWatch:
         return []
 
     def _begin(self, memory: _Memory, part: PartState, t_s: float) -> _Event:
-        event = begun(self._site, part, t_s)
+        event = begun(self._site, part, t_s, self._people())
         memory.begin(event["data"], self._clock())
         return event
 

@@ -4,7 +4,7 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
-from typing import Protocol
+from typing import Any, Protocol
 
 from trecsim.health import (
     CameraHealth,
@@ -17,6 +17,7 @@ from trecsim.health import (
     fusion_state,
 )
 from trecsim.recent import Recent, stage_of
+from trecsim.service.people_there import people_of
 from trecsim.sinks import Sinks, Taken
 from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Poses2D, Snapshot
@@ -103,7 +104,7 @@ class Monitor:
         self._recorder: Recording | None = None
         self._wall_clock, self._clock = wall_clock, clock
         self._stages = {name: Recent() for name in STAGES}
-        self._people = 0
+        self._last: Snapshot | None = None
         self.restarts: Counter[str] = Counter()
         self.queue_drops: Mapping[str, int] = {}
         self.ledger_fault: str | None = None
@@ -115,9 +116,13 @@ class Monitor:
 
     def write(self, snapshot: Snapshot, /) -> None:
         """Take where everybody is."""
-        self._people = int(snapshot.is_confirmed.sum())
+        self._last = snapshot
         age_ms = self._age_ms(snapshot.t_s)
         self._note("image to people", age_ms, age_ms)
+
+    def people(self) -> list[dict[str, Any]]:
+        """Return who was there in the last result, as events list people."""
+        return [] if self._last is None else people_of(self._last)
 
     def take_step(self, step: StepTiming, /) -> None:
         """Take what a frame set cost."""
@@ -197,5 +202,5 @@ class Monitor:
             rate_hz=steps.rate_hz(now_s),
             step_ms=stage.median_ms if stage else None,
             age_s=age_s,
-            people=self._people,
+            people=0 if self._last is None else int(self._last.is_confirmed.sum()),
         )

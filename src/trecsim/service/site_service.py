@@ -112,7 +112,9 @@ class SiteService:
             store = None
             if feed is not None:
                 store = ending.enter_context(_store(checked, out))
-                self._keeper, faults = _fault_events(checked, store, feed, self._show_event)
+                self._keeper, faults = _fault_events(
+                    checked, store, feed, monitor.people, self._show_event
+                )
                 ending.enter_context(self._keeper)
                 told += [FaultLog(), faults]
             if self._pictures is not None:
@@ -182,12 +184,13 @@ def _fault_events(
     checked: CheckedSite,
     store: SiteStore,
     feed: Feed,
+    people: Callable[[], list[dict[str, Any]]],
     tell: Callable[[Mapping[str, Any], bool], None],
 ) -> tuple[EventKeeper, FaultEvents]:
     """Return who keeps events, and who makes them of faults: those that were open go on."""
     open_events = [one.event for one in store.ledger.open_events(TYPES)]
     keeper = EventKeeper(store.ledger, tell, open_events)
-    watch = FaultWatch(checked.file.site.name, open_events)
+    watch = FaultWatch(checked.file.site.name, open_events, people=people)
     return keeper, FaultEvents(watch, keeper.put, lambda: feed.is_read)
 
 

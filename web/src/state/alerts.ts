@@ -103,7 +103,8 @@ function told(alert: Alert, data: EventData): Alert {
     start: data.t_start_s ?? alert.start,
     end: data.t_end_s ?? alert.end,
     probability: data.probability ?? alert.probability,
-    people: data.people?.map((one) => one.person) ?? alert.people,
+    // Faults of the site list who was there; they are about nobody of them.
+    people: alert.part ? [] : (data.people?.map((one) => one.person) ?? alert.people),
     count: data.count ?? alert.count,
     state: data.state ?? alert.state,
     fault: data.fault ?? alert.fault,
