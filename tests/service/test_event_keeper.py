@@ -81,6 +81,24 @@ def test_on_a_full_disk_events_are_told_at_once_and_kept_later_each_once(tmp_pat
     assert [one["data"]["seq"] for one in disk.kept()] == [0, 1, 2]
 
 
+def test_events_outlive_a_disk_that_fills_up_while_they_come(tmp_path: Path) -> None:
+    told = Told()
+    with Ledger(tmp_path) as ledger:
+        pages = ledger._connection.execute("PRAGMA page_count").fetchone()[0]
+        ledger._connection.execute(f"PRAGMA max_page_count = {pages + 2}")
+        with EventKeeper(ledger, told, retry_s=0.02) as keeper:
+            for number in range(20):
+                long = phase("new", f"e{number}")
+                keeper.put({**long, "data": {**long["data"], "fault": "x" * 2000}})
+            until(lambda: len(told) == 20)
+            assert keeper.fault is not None
+            assert "full" in keeper.fault
+            assert 0 < ledger.count_events() < 20
+            ledger._connection.execute("PRAGMA max_page_count = 100000")
+            until(lambda: keeper.fault is None)
+        assert [one.event for one in ledger.events()] == [event for event, _ in told]
+
+
 def test_the_end_of_an_episode_from_before_follows_what_was_there_even_on_a_full_disk(
     tmp_path: Path,
 ) -> None:
