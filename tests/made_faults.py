@@ -20,7 +20,7 @@ def remarks(poses: Iterable[Poses2D], rig: Rig, **kwargs) -> tuple[list[str], in
     tally = Tally()
     for _ in follow(poses, rig, tally=tally, **kwargs):
         pass
-    return tally.remarks, len(tally.people)
+    return tally.remarks, tally.people
 
 
 def changed(poses: Iterable[Poses2D], change: Change, *names: str) -> list[Poses2D]:

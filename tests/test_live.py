@@ -47,7 +47,7 @@ def test_a_live_site_reports_who_is_not_confirmed_yet_and_counts_nobody_of_them(
     played = PosesStream(scene.poses, scene.rig.names)
     live(Feed([played]), scene.rig, Sinks([snapshots]), tally=tally)
     assert PROVISIONAL in {state for one in snapshots.items for state in one.state.tolist()}
-    assert tally.people == {int(i) for one in snapshots.items for i in one.confirmed().id}
+    assert tally.people == len({int(i) for one in snapshots.items for i in one.confirmed().id})
 
 
 def test_a_stalled_camera_delays_nobody():

@@ -13,6 +13,7 @@ from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17
 from trecsim.store.rows import rows_of
+from trecsim.store.timing_csv import StepTiming
 from trecsim.tracking import Tally, _Reach, follow
 from trecsim.values import Poses2D, Snapshot
 
@@ -91,8 +92,8 @@ def test_people_who_are_nowhere_are_left_out_and_told_once(caplog):
     np.testing.assert_array_equal(kept.xyz_m, xyz_m[4:])
     assert np.isfinite(rows_of(kept)["xyz_m"]).all()
     assert [record.getMessage() for record in caplog.records] == [
-        "at 1.000 s, person 0 was nowhere within 10 km of the cameras: left out, and so is whoever "
-        "is so later; look at the settings of the fusion and the rig"
+        "at 1.000 s, person 0 had no position within 10 km of the cameras and is left out, "
+        "as are all such people later; check the settings of the fusion and the rig"
     ]
 
 
@@ -120,3 +121,11 @@ def test_a_clock_that_drifts_is_put_right_by_the_rig():
     times_s = [snapshot.t_s for snapshot in follow(images, Rig((first, slow)), tally=tally)]
     assert tally.frame_sets == 100  # of two images each: the clocks agree
     np.testing.assert_allclose(times_s, 0.04 * np.arange(100), atol=1e-9)
+
+
+def test_a_run_of_months_counts_everybody_once_and_does_not_remember_everybody():
+    tally, step = Tally(), StepTiming(t_s=0.0, images=2, people=3, fusion_ms=0.1)
+    for newest in range(2, 30_000):  # one person stays, the others come and go
+        tally.add(step, [0, newest - 1, newest])
+    assert tally.people == 30_000
+    assert len(tally._recent) == 10_000

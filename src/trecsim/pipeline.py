@@ -160,7 +160,7 @@ def track(
     return TrackSummary(
         out=out,
         frame_sets=tally.frame_sets,
-        people=len(tally.people),
+        people=tally.people,
         fusion_ms=tally.fusion_ms(),
         remarks=tally.remarks,
     )

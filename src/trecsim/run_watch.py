@@ -126,7 +126,7 @@ class RunWatch:
             fault=str(fault) if fault else None,
             images=self.done,
             frame_sets=self.tally.frame_sets,
-            people=len(self.tally.people),
+            people=self.tally.people,
             first_s=self.first_s,
             last_s=self.last_s,
             wall_s=time.monotonic() - began_s,

@@ -3,7 +3,7 @@
 import logging
 import math
 import time
-from collections import deque
+from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 
@@ -24,18 +24,19 @@ logger = logging.getLogger(__name__)
 
 _FURTHEST_M = 1e4  # from the middle of the cameras; nobody is seen from so far
 _REMEMBERED = 100_000  # an hour and more at 25 frame sets a second
+_RECENT = 10_000  # identities; one that so many others were reported after does not come back
 
 
 @dataclass(slots=True)
 class Tally:
-    """What a tracking run has done so far.
+    """What a tracking run has done so far; its size does not grow with the length of the run.
 
     Attributes
     ----------
     fusion_s
         Time that association and fit took, for the last frame sets [s].
     people
-        Every identity reported.
+        Number of different identities reported.
     frame_sets
         Number of frame sets.
     remarks
@@ -43,9 +44,10 @@ class Tally:
     """
 
     fusion_s: deque[float] = field(default_factory=lambda: deque(maxlen=_REMEMBERED))
-    people: set[int] = field(default_factory=set)
+    people: int = 0
     frame_sets: int = 0
     remarks: list[str] = field(default_factory=list)
+    _recent: OrderedDict[int, None] = field(default_factory=OrderedDict, repr=False)
 
     def remark(self, texts: Iterable[str]) -> None:
         """Log what does not fit, and keep it."""
@@ -57,7 +59,18 @@ class Tally:
         """Count one frame set and the people that were there after it."""
         self.fusion_s.append(1e-3 * step.fusion_ms)
         self.frame_sets += 1
-        self.people.update(identities)
+        for identity in identities:
+            self._count(identity)
+        while len(self._recent) > _RECENT:
+            self._recent.popitem(last=False)
+
+    def _count(self, identity: int) -> None:
+        """Count an identity that was not reported before."""
+        if identity in self._recent:
+            self._recent.move_to_end(identity)
+            return
+        self._recent[identity] = None
+        self.people += 1
 
     def fusion_ms(self) -> dict[str, float]:
         """Return median, 95th percentile, maximum and mean of the fusion's time [ms]."""
@@ -94,8 +107,8 @@ class _Reach:
         if not self._told:
             self._told = True
             logger.warning(
-                "at %.3f s, person %d was nowhere within %g km of the cameras: left out, and so "
-                "is whoever is so later; look at the settings of the fusion and the rig",
+                "at %.3f s, person %d had no position within %g km of the cameras and is left out, "
+                "as are all such people later; check the settings of the fusion and the rig",
                 snapshot.t_s, snapshot.id[~good][0], 1e-3 * _FURTHEST_M,
             )  # fmt: skip
         return snapshot.of(good)

@@ -58,5 +58,5 @@ def test_provisional_people_are_reported_but_not_counted_and_keep_their_identiti
     assert any(PROVISIONAL in one.state for one in snapshots)
     confirmed = {one.t_s: one.confirmed().id.tolist() for one in snapshots}
     assert {t_s: len(people) for t_s, people in confirmed.items()} == steps
-    assert tally.people == {person for people in confirmed.values() for person in people}
+    assert tally.people == len({person for people in confirmed.values() for person in people})
     assert follower.next_id == 1 + max(one.id.max(initial=7) for one in snapshots)

@@ -73,7 +73,7 @@ def run(
         raise InputError("--resume needs the directory of the recording: give --out DIRECTORY")
     if seconds is not None and not seconds > 0.0:
         raise InputError(f"--seconds: expected a time above 0, found {seconds:g}")
-    with site_page(site, out, json=json) as page, stopping_in_order() as stop:
+    with stopping_in_order() as stop, site_page(site, out, json=json) as page:
         checked = check_site(site)
         for remark in checked.remarks:
             note(remark)
@@ -126,7 +126,7 @@ class _Lines:
         if not tally.frame_sets:
             note(f"{self._images}; no frame set yet, the kernels may still be compiling")
             return
-        people = counted_people(len(tally.people))
+        people = counted_people(tally.people)
         note(f"{self._images}, {people} so far{fusion_time(tally.fusion_ms())}")
 
 
