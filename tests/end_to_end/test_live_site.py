@@ -1,6 +1,7 @@
 """`trecsim run` on live sources, as an operator and the service manager see it from outside."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -16,8 +17,9 @@ import httpx
 import pytest
 
 import trecsim
+from made_recording import make_recording
 from made_site import make_site
-from trecsim.store.tracks import read_tracks
+from trecsim.store.tracks import export_tracks, read_tracks
 from trecsim.values import Snapshot
 
 PAGE = "[page]\nport = 0\n"
@@ -55,7 +57,9 @@ def running(site: Path, *options: str) -> AbstractContextManager[Running]:
 @contextmanager
 def serving(*arguments: str) -> Iterator[Running]:
     command = [sys.executable, "-c", "from trecsim.cli import main; main()", *arguments]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     said: list[str] = []
     assert process.stdout is not None
     assert process.stderr is not None
@@ -101,6 +105,26 @@ def test_people_reach_a_program_and_sigterm_ends_in_order_with_all_kept(
         assert replayed.get("api/site").json()["site"]["kind"] == "recording"
         replayed.process.send_signal(signal.SIGINT)
         assert replayed.process.wait(WAIT_S) == 0
+
+
+@pytest.mark.parametrize(
+    ("command", "ending"),
+    [("run", signal.SIGINT), ("replay", signal.SIGINT), ("replay", signal.SIGTERM)],
+)
+def test_a_signal_to_all_processes_right_after_the_line_of_the_page_ends_in_order(
+    long_site: Path, tmp_path: Path, command: str, ending: signal.Signals
+) -> None:
+    if command == "run":
+        given = ["run", str(long_site), "--as-live", "--out", str(tmp_path / "out")]
+    else:
+        folder = make_recording(tmp_path / "recorded")
+        export_tracks(folder / "tracks.csv", folder / "tracks.parquet")
+        given = ["replay", str(folder), "--port", "0"]
+    with serving(*given) as site:
+        os.killpg(site.process.pid, ending)
+        assert site.process.wait(WAIT_S) == 0
+    assert any("stopping; once more to stop at once" in line for line in site.said)
+    assert not any("Traceback" in line for line in site.said)
 
 
 def test_sighup_takes_over_what_may_change_and_keeps_the_old_where_the_new_is_wrong(

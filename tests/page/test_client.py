@@ -3,7 +3,9 @@
 import os
 import signal
 from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
+from threading import Thread
 from time import time
 
 import numpy as np
@@ -15,6 +17,7 @@ from made_tracks import snapshot
 from page_processes import linux, process_of
 from trecsim.errors import InputError
 from trecsim.page.address import PageAddress
+from trecsim.page.client import _Outage
 
 TOKEN = "a-token-of-twenty-characters"
 
@@ -49,7 +52,9 @@ def test_nobody_is_a_snapshot_too(page: RunningPage) -> None:
 
 
 @linux
-def test_after_a_crash_of_the_page_a_program_misses_no_event() -> None:
+def test_after_a_crash_of_the_page_a_program_misses_no_event_and_says_what_it_does(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
     with running_page() as page:
         page.process.event(event("first"))
         until(lambda: page.client.get("/api/events").json()["events"] != [])
@@ -63,6 +68,54 @@ def test_after_a_crash_of_the_page_a_program_misses_no_event() -> None:
         while isinstance(got, trecsim.Snapshot) or got.id == "first":
             got = next(live)
         assert got.id == "second"
+        broken, *_, again = [
+            record.getMessage() for record in caplog.records if "conn" in record.getMessage()
+        ]
+        assert broken.startswith(f"no connection to {page.process.url}: ")
+        assert broken.endswith("; trying again in 0.5 s")
+        assert again == f"connected to {page.process.url} again"
+
+
+def test_a_long_outage_is_logged_with_its_pauses_and_then_only_when_the_reason_changes(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    outage = _Outage("http://hall")
+    pauses_s = [outage.pause_s("refused") for _ in range(50)]
+    assert pauses_s == [0.5, 1.0, 2.0, 4.0, *[8.0] * 46]
+    assert caplog.messages == [
+        f"no connection to http://hall: refused; trying again in {pause_s:g} s"
+        for pause_s in (0.5, 1.0, 2.0, 4.0, 8.0)
+    ]
+    outage.pause_s("no route")
+    assert caplog.messages[-1] == "no connection to http://hall: no route; trying again in 8 s"
+    outage.end()
+    assert caplog.messages[-1] == "connected to http://hall again"
+    assert outage.pause_s("refused") == 0.5
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        (401, "sign in first, with a token"),
+        (403, "this token may not read it"),
+        (404, "there is no live page at this address"),
+    ],
+)
+def test_a_refusal_ends_the_tries(code: int, said: str) -> None:
+    class Refusing(BaseHTTPRequestHandler):
+        protocol_version = "HTTP/1.1"
+
+        def do_GET(self) -> None:
+            self.send_error(code)
+
+        def log_message(self, format: str, *args: object) -> None:
+            pass
+
+    with HTTPServer(("127.0.0.1", 0), Refusing) as server:
+        Thread(target=server.serve_forever, daemon=True).start()
+        with pytest.raises(InputError, match=f"the page refuses the connection: {said}"):
+            next(trecsim.connect(f"http://127.0.0.1:{server.server_port}"))
+        server.shutdown()
 
 
 def test_a_token_opens_a_page_that_asks_for_one(

@@ -137,3 +137,11 @@ def test_the_page_process_has_no_passwords_of_cameras(monkeypatch: pytest.Monkey
         environment = Path(f"/proc/{process_of(page)}/environ").read_bytes()
     assert b"PATH=" in environment
     assert b"s3cret" not in environment
+
+
+@linux
+def test_the_page_process_gives_way_to_the_tracking() -> None:
+    own = os.getpriority(os.PRIO_PROCESS, 0)
+    with running_page() as page:
+        page.client.get("/api/health")  # it has begun
+        assert os.getpriority(os.PRIO_PROCESS, process_of(page)) == min(19, own + 5)

@@ -41,11 +41,11 @@ def replay(
         raise InputError(f"--speed: expected {SLOWEST:g} to {FASTEST:g}, found {speed:g}")
     found = recording_at(recording)
     view = recording_view(found)
-    with page_anywhere(view, PageData(recordings=found.folder), port) as page:
+    data = PageData(recordings=found.folder)
+    with stopping_in_order() as stop, page_anywhere(view, data, port) as page:
         tell_page(page.url, json=json)
-        note("it goes on until Ctrl-C")
-        with stopping_in_order() as stop:
-            play(found, page, speed=speed, stop=stop)
+        note("the replay goes on until Ctrl-C")
+        play(found, page, speed=speed, stop=stop)
     facts = {
         "recording": found.folder,
         "from_s": found.from_s,

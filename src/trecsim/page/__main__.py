@@ -10,7 +10,9 @@ import sys
 
 from trecsim.page.link import TO_PAGE, Setup, receive_body
 
-NICENESS = 5  # the tracking comes first
+# Where all cores are busy, the tracking gets three times the share of the page: viewers must not
+# slow it down. The page still gets enough to send every snapshot, as its work is short.
+NICENESS = 5
 
 
 def main() -> None:

@@ -96,7 +96,7 @@ class PageAddress:
         if protected:
             return None
         if self.insecure:
-            return "the page takes passwords over plain HTTP: whoever listens on the way has them"
+            return "the page takes passwords over plain HTTP: others on the network can read them"
         return (
             "other machines can reach the page but not sign in: passwords need TLS (tls_cert and "
             "tls_key) or a trusted_proxy under [page]"

@@ -1,5 +1,6 @@
 """A client of the live page, for programs."""
 
+import logging
 import ssl
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -20,11 +21,19 @@ if TYPE_CHECKING:
     from websockets.exceptions import InvalidStatus
     from websockets.sync.client import ClientConnection
 
-PAUSES_S = (0.5, 1.0, 2.0, 4.0, 8.0)  # before each try after a break
+logger = logging.getLogger(__name__)
+
+PAUSES_S = (0.5, 1.0, 2.0, 4.0, 8.0)  # before each try after a break; the last one from then on
 SILENT_S = 10.0  # a page that says nothing for so long is gone: it tells its health twice a second
 LARGEST_BYTES = 64_000_000
 _SCHEMES = {"http": "ws", "https": "wss", "ws": "ws", "wss": "wss"}
-_REFUSED = (400, 401, 403, 404, 421)  # trying again changes nothing
+_REFUSED = {  # trying again changes nothing
+    400: "it does not understand the request",
+    401: "sign in first, with a token",
+    403: "this token may not read it",
+    404: "there is no live page at this address",
+    421: "it does not serve this host name",
+}
 _SIGNED_OUT = 4401
 _JOINTS = len(COCO17.joints)
 
@@ -65,8 +74,9 @@ def connect(
 ) -> Iterator[Snapshot | LiveEvent]:
     """Yield what happens at a live site: people and events, for as long as you ask.
 
-    After a break it connects again and goes on after the last event. A program that is slow gets
-    the newest snapshots and all events.
+    After a break it logs the reason, connects again with growing pauses and goes on after the last
+    event; it gives up only where the page refuses the connection. A program that is slow gets the
+    newest snapshots and all events.
 
     Parameters
     ----------
@@ -88,7 +98,7 @@ def connect(
     Raises
     ------
     InputError
-        The address is none, nobody answers there, or the token is wrong.
+        The address is none, nobody answers there at first, or the page refuses the connection.
     SetupError
         Optional packages are missing.
     """
@@ -97,11 +107,11 @@ def connect(
             "connect needs packages that are not installed: " + install_command("page")
         )
     link = _Link(_address(url), token, tls, last_event_id)
-    tries = 0
+    outage = _Outage(redacted(url))
     while True:
         try:
             for message in link.messages():
-                tries = 0
+                outage.end()
                 if message["type"] == "snapshot":
                     yield snapshot_of(message)
                 elif message["type"] == "event":
@@ -109,8 +119,36 @@ def connect(
         except _BrokenError as broken:
             if not link.was_open:
                 raise InputError(f"nothing answers at {redacted(url)}: {broken}") from None
-        sleep(PAUSES_S[min(tries, len(PAUSES_S) - 1)])
-        tries += 1
+            sleep(outage.pause_s(str(broken)))
+
+
+class _Outage:
+    """Counts the tries since a connection broke and logs why it cannot be made again.
+
+    Each of the first tries is logged; later ones only when the reason changes.
+    """
+
+    def __init__(self, url: str) -> None:
+        self._url = url
+        self._tries = 0
+        self._reason = ""
+
+    def pause_s(self, reason: str) -> float:
+        """Return how long to wait before the next try [s]."""
+        pause_s = PAUSES_S[min(self._tries, len(PAUSES_S) - 1)]
+        self._tries += 1
+        if self._tries <= len(PAUSES_S) or reason != self._reason:
+            logger.warning(
+                "no connection to %s: %s; trying again in %g s", self._url, reason, pause_s
+            )
+        self._reason = reason
+        return pause_s
+
+    def end(self) -> None:
+        """Take in that the page sends messages."""
+        if self._tries:
+            logger.warning("connected to %s again", self._url)
+        self._tries, self._reason = 0, ""
 
 
 class _BrokenError(Error):
@@ -153,7 +191,7 @@ class _Link:
             try:
                 message: Message = msgspec.json.decode(stream.recv(SILENT_S))
             except TimeoutError:
-                raise _BrokenError("the page says nothing") from None
+                raise _BrokenError(f"the page sent nothing for {SILENT_S:g} s") from None
             except ConnectionClosed as closed:
                 if closed.rcvd is not None and closed.rcvd.code == _SIGNED_OUT:
                     raise InputError("the page does not take this token any more") from None
@@ -212,7 +250,7 @@ def _refusal(refused: "InvalidStatus") -> Error:
         said = msgspec.json.decode(response.body or b"{}").get("error", "")
     except (msgspec.MsgspecError, AttributeError):
         said = ""
-    text = said or f"it answers {response.status_code}"
+    text = said or _REFUSED.get(response.status_code, f"it answers {response.status_code}")
     if response.status_code in _REFUSED:
         return InputError(f"the page refuses the connection: {text}")
     return _BrokenError(text)

@@ -13,7 +13,6 @@ from pathlib import Path
 from selectors import EVENT_READ, DefaultSelector
 from threading import Event, Thread
 from time import monotonic
-from types import TracebackType
 from typing import Any, Self
 
 import msgspec
@@ -110,12 +109,7 @@ class PageProcess:
         self._runner.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *ending: object) -> None:
         self._ending.set()
         if self._link is not None:
             _hang_up(self._link)

@@ -5,7 +5,6 @@ import math
 import time
 from collections.abc import Callable
 from threading import Event, Thread
-from types import TracebackType
 from typing import Self
 
 from trecsim.health import DOWN_S, Health
@@ -39,12 +38,7 @@ class Pulse:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *ending: object) -> None:
         self._ending.set()
         self._thread.join()
 
@@ -59,7 +53,7 @@ class Pulse:
                     status_s = time.monotonic()
                     notify(f"STATUS={_in_a_line(health)}")
             except Exception:  # the boundary: a fault here must not blind the operator for good
-                logger.exception("the state of the site could not be told; it is tried again")
+                logger.exception("the state of the site could not be reported; trying again")
             if self._ending.wait(EVERY_S):
                 return
 
