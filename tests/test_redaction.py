@@ -33,6 +33,14 @@ from trecsim.redaction import redacted
             "found rtsp://a:pw@cam/1; write url = 'rtsp://...'",
             "found rtsp://***@cam/1; write url = 'rtsp://...'",
         ),
+        ("http://cam/1?password=my pw&rate=5", "http://cam/1?password=***&rate=5"),
+        ("'http://cam/1?user=me&pwd=it's mine': no", "'http://cam/1?user=***&pwd=***': no"),
+        ("http://cam/1?password=my pw: refused", "http://cam/1?password=***: refused"),
+        ("cam/1?usr=me&pwd=my pw", "cam/1?usr=***&pwd=***"),
+        ("cam/1?loginuse=me&loginpas=pw, then", "cam/1?loginuse=***&loginpas=***, then"),
+        ("admin:my pw@cam/1: refused", "***@cam/1: refused"),
+        ("north=admin:p@s/s w:d@cam:554/1", "north=***@cam:554/1"),
+        ("at 12:30 the camera\nfailed: a@b", "at 12:30 the camera\nfailed: a@b"),
         ("rtsp://cam:554/1", "rtsp://cam:554/1"),
         ("https://cam:8443: refused", "https://cam:8443: refused"),
         ("site.toml: line 3: name: expected a@b", "site.toml: line 3: name: expected a@b"),
@@ -74,6 +82,28 @@ def test_no_part_of_a_password_is_shown_whatever_it_holds(password, message, res
     assert "admin" not in shown
     assert not any(word in shown for word in WORDS), shown
     assert f"***@cam{rest}" in shown
+
+
+@given(password=PASSWORDS, message=st.sampled_from(MESSAGES), rest=st.sampled_from(["", ":554/1"]))
+def test_no_part_of_a_password_is_shown_in_an_address_without_a_scheme(password, message, rest):
+    shown = redacted(message.format(f"admin:x{password}@cam{rest}"))
+    assert not any(word in shown for word in WORDS), shown
+    assert f"***@cam{rest}" in shown
+
+
+@given(
+    words=st.tuples(
+        *[st.sampled_from([" ", "  ", "'s ", "/", "@", "%20", "?", "#", "=", ".", "!"])] * 2
+    ),
+    key=st.sampled_from(["password", "pwd", "pass", "auth_token", "loginpas"]),
+    end=st.sampled_from(["", "&rate=5", ": refused", ", then", "'; give a file"]),
+)
+def test_no_part_of_a_password_in_a_query_is_shown(words, key, end):
+    password = "qxz{}zqj{}jzx".format(*words)
+    for scheme in ("http://", "rtsp://", ""):
+        shown = redacted(f"north={scheme}cam/1?rate=5&{key}={password}{end}")
+        assert not any(word in shown for word in WORDS), shown
+        assert shown.endswith(f"{key}=***{end}")
 
 
 @given(password=PASSWORDS, kept=st.integers(0, 30))

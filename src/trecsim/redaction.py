@@ -10,12 +10,19 @@ _CUT = re.compile(rf"{_SCHEME}.*[:@].*(?<!://)\.\.\.")
 _CUT_USER = re.compile(
     rf"{_SCHEME}[^\s'\"<>/:]*:(?![0-9]{{0,5}}(?:[^\w%]|$))[^\s'\"<>/]*"  # no port follows
 )
-_BARE_USER = re.compile(r"(?<![^\s'\"=(\[{])[^\s'\"=/:@(\[{]+:[^\s'\"/@]+@(?=[\w.-]+)")
+# Without a scheme: "admin:pw@cam". A colon before a space, a slash or a backslash is none of these.
+_BARE_USER = re.compile(r"(?<![^\s'\"=(\[{])[^\s'\"=/:@(\[{]+:(?![\s/\\]).*@(?=[\w.-]+)")
+# A value may hold spaces and quotes. It ends with "&", with the quotes or the clause around it, or
+# with the line.
+_VALUE = r"(?:(?!&|['\"](?:$|[\s,;:.)\]}])|[,;:)](?:$|\s)).)+"
 _QUERY = re.compile(
-    r"([?&;][\w.-]*(?:pass|pwd|token|key|auth|secret|user|sig)[\w.-]*=)[^&\s'\"]+", re.IGNORECASE
+    rf"([?&;][\w.-]*(?:pas|pwd|token|key|auth|secret|user|usr|login|sig|cred)[\w.-]*=){_VALUE}",
+    re.IGNORECASE | re.MULTILINE,
 )
 # Some cameras take it in the path: rtsp://10.0.0.12/user=admin_password=pw_channel=1_stream=0.sdp
-_PASSWORD = re.compile(r"((?:password|passwd|pwd|\bpw|\bpass)=)[^&\s'\"]+", re.IGNORECASE)
+_PASSWORD = re.compile(
+    rf"((?:password|passwd|pwd|\bpw|\bpass)=){_VALUE}", re.IGNORECASE | re.MULTILINE
+)
 
 
 def redacted(text: str) -> str:
@@ -26,13 +33,17 @@ def redacted(text: str) -> str:
     >>> redacted("cannot read rtsp://admin:pw@10.0.0.12:554/stream1?token=4711")
     'cannot read rtsp://***@10.0.0.12:554/stream1?token=***'
     """
+    if "=" in text:  # before all else: a value may hold an @, or what looks like a scheme
+        text = _PASSWORD.sub(r"\1***", _QUERY.sub(r"\1***", text))
+    if "@" in text:
+        text = _BARE_USER.sub("***@", text)
     if ":/" in text:
         text = _CUT.sub(r"\1***", text)
     if "@" in text:
-        text = _BARE_USER.sub("***@", _USER.sub(r"\1***@", text))
+        text = _USER.sub(r"\1***@", text)
     if ":/" in text:  # an address that was cut before its @
         text = _CUT_USER.sub(r"\1***", text)
-    return _PASSWORD.sub(r"\1***", _QUERY.sub(r"\1***", text)) if "=" in text else text
+    return text
 
 
 def is_address(text: str) -> bool:

@@ -30,7 +30,7 @@ _OTHER = {
     "format_whitelist": "mpegts,mpjpeg,mjpeg,h264,hevc,flv,matroska,mov,nut",
     "protocol_whitelist": "http,https,tcp,tls,udp,httpproxy,crypto",
 }
-_PASSWORD = re.compile(r"(?:pass(?:word|wd)?|pwd|pw)=(?!\{password\})[^&/?]", re.IGNORECASE)
+_PASSWORD = re.compile(r"(?:pas(?:s(?:word|wd)?)?|pwd|pw)=(?!\{password\})[^&/?]", re.IGNORECASE)
 _NUMBER = re.compile(r"[0-9]{1,3}")
 _DEVICE = re.compile(r"/dev/[A-Za-z0-9/_.:-]{1,200}")
 USER, PASSWORD = "{user}", "{password}"
