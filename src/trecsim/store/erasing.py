@@ -59,7 +59,7 @@ def erase(
     person: int | None = None,
     who: str = "trecsim erase",
 ) -> Erased:
-    """Delete what recordings hold of a time, of one person or of everybody.
+    """Delete a period from recordings, for everybody or for one person.
 
     A site may go on recording meanwhile. The act is entered in the audit log of the folder, if it
     has one. Events are not deleted: they end with their own limit.

@@ -5,21 +5,20 @@ import math
 import os
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 
 from trecsim.errors import InputError
 from trecsim.store.atomic import disk_faults, opened_for_reading, partial_path
-from trecsim.store.growing import GrowingFile
+from trecsim.store.growing import GrowingFile, KeepsPartial
 from trecsim.store.names import POSES_FORMAT
 from trecsim.values import Poses2D
 
 _END_BYTES = 1 << 22  # of a file to continue: read for the last times of the cameras
 
 
-class PosesWriter:
+class PosesWriter(KeepsPartial):
     """Writes ``*.poses.jsonl``; after a crash all written images are kept.
 
     Each image is flushed as a line to ``NAME.partial`` beside `path`. When the block ends without
@@ -77,17 +76,6 @@ class PosesWriter:
     def abandon(self) -> None:
         """End early: keep the content in ``NAME.partial``."""
         self._file.abandon()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._file.__exit__(kind, error, trace)
 
 
 def _reopen(path: Path) -> None:

@@ -10,8 +10,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from difflib import get_close_matches
 from pathlib import Path
-from types import TracebackType
-from typing import IO, Self
+from typing import IO
 
 import numpy as np
 import pyarrow as pa
@@ -20,7 +19,7 @@ from pyarrow import csv as pa_csv
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.store.atomic import opened_for_reading
-from trecsim.store.growing import GrowingFile, without_cut_line
+from trecsim.store.growing import GrowingFile, KeepsPartial, without_cut_line
 from trecsim.store.native import native_reader
 from trecsim.store.rows import (
     COLUMNS,
@@ -42,7 +41,7 @@ _BUFFERED_ROWS = 4096
 _CHUNK_BYTES = 1 << 20
 
 
-class CsvWriter:
+class CsvWriter(KeepsPartial):
     """Writes tracks as CSV; a crash loses at most the last two seconds.
 
     The rows go to ``NAME.partial``, which gets its final name when the block ends without an error.
@@ -94,8 +93,8 @@ class CsvWriter:
 
     def close(self) -> None:
         """Complete the file: rename it to its final name."""
-        with self:
-            pass
+        with self._file:
+            self._write_rows()
 
     def abandon(self) -> None:
         """End early: keep the content in ``NAME.partial``."""
@@ -103,21 +102,6 @@ class CsvWriter:
             self._write_rows()
         finally:
             self._file.abandon()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        if kind is not None:
-            self.abandon()
-            return
-        with self._file:
-            self._write_rows()
 
 
 def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
