@@ -23,7 +23,7 @@ def mean(runs: list[dict[str, float]]) -> dict[str, float]:
 def measure(options: Options) -> Figures:
     """Measure the errors of the simulated detector, beside those of the real one."""
     from detector.openpose_on_shelf import MEASURED, recorded, simulated
-    from trecsim.lab.simulation.detector import ANNOTATED, REAL
+    from trecsim.lab.simulation.detector_errors import ANNOTATED, REAL
 
     seeds = SEEDS[:1] if options.quick else SEEDS
     options.input.update(

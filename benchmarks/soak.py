@@ -46,7 +46,7 @@ def scene() -> "Simulation":
     """Return two minutes of a room: the first person stands, the others walk through."""
     import numpy as np
 
-    from trecsim.lab.simulation.detector import Detector
+    from trecsim.lab.simulation.detector_errors import Detector
     from trecsim.lab.simulation.paths import through
     from trecsim.lab.simulation.room import corner_rig
     from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, simulate

@@ -70,7 +70,7 @@ def crowd(task: tuple[int, int, Mapping[str, Any]]) -> tuple[dict[str, dict[str,
     import numpy as np
 
     from trecsim.lab.simulation import read_scene, simulate
-    from trecsim.lab.simulation.detector import PERFECT
+    from trecsim.lab.simulation.detector_errors import PERFECT
     from trecsim.lab.simulation.scene import Wanderers
     from trecsim.store.truth import Truth
 

@@ -13,7 +13,8 @@ from harness.shelf_recording import read_shelf, truth_of
 from trecsim.geometry.camera import Camera
 from trecsim.lab.simulation.body_shape import body
 from trecsim.lab.simulation.camera_placement import look_at
-from trecsim.lab.simulation.detector import Detector, Footage, detect
+from trecsim.lab.simulation.detector import Footage, detect
+from trecsim.lab.simulation.detector_errors import Detector
 from trecsim.lab.simulation.paths import FloorPath, through
 from trecsim.lab.simulation.walkers import poses as poses_at
 from trecsim.lab.simulation.walkers import walker

@@ -12,7 +12,7 @@ import pytest
 
 from detector.openpose_on_shelf import MEASURED, recorded, simulated
 from harness.figures import find, stored
-from trecsim.lab.simulation.detector import ANNOTATED
+from trecsim.lab.simulation.detector_errors import ANNOTATED
 
 RARE = {"left and right swapped": 0.3} | {name: 0.2 for name in MEASURED if name.endswith("p99 px")}
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from trecsim.lab.simulation.detector import Detector
+from trecsim.lab.simulation.detector_errors import Detector
 from trecsim.lab.simulation.paths import through
 from trecsim.lab.simulation.room import corner_rig
 from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, Simulation, simulate

@@ -10,7 +10,7 @@ from fusion.somebody import MODEL
 from trecsim.fusion import FusionSettings, Tracker, kernels, tuning
 from trecsim.fusion.body import stiffness, usual_body
 from trecsim.fusion.kernels import anatomy, body_equations, cholesky, lengths
-from trecsim.lab.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector_errors import PERFECT
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet, Poses2D
 

@@ -9,7 +9,7 @@ from trecsim.fusion import Tracker, initialisation
 from trecsim.fusion.birth import Candidate
 from trecsim.fusion.images import Detections
 from trecsim.fusion.initialisation import Birth, own_detections
-from trecsim.lab.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector_errors import PERFECT
 from trecsim.skeleton import COCO17
 
 LEGS = [COCO17.index(f"{side}_{part}") for part in ("knee", "ankle") for side in ("left", "right")]

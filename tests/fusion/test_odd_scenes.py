@@ -13,7 +13,7 @@ from often import often
 from trecsim.errors import InputError
 from trecsim.fusion import Tracker
 from trecsim.geometry import Camera, Rig
-from trecsim.lab.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector_errors import PERFECT
 from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, simulate
 from trecsim.values import FrameSet, Poses2D
 

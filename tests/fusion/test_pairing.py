@@ -10,7 +10,7 @@ from fusion.made import made, path
 from fusion.somebody import MODEL
 from often import often
 from trecsim.fusion import kernels
-from trecsim.lab.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector_errors import PERFECT
 
 CAMERAS = MODEL.cameras
 SEEDS = st.integers(0, 2**32 - 1)

@@ -7,7 +7,7 @@ from fusion.made import NOISE, frame_sets, made, outcome, path
 from trecsim.errors import CalibrationError, ConfigError, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.geometry import Camera, Rig
-from trecsim.lab.simulation.detector import PERFECT, Detector
+from trecsim.lab.simulation.detector_errors import PERFECT, Detector
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet, Poses2D
 

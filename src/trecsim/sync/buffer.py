@@ -8,20 +8,15 @@ import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from itertools import islice
-from statistics import median
 
 from trecsim.errors import Error
-from trecsim.sync.camera_queue import LEARN_INTERVALS, CameraQueue
+from trecsim.sync.camera_queue import LEARN_INTERVALS
 from trecsim.sync.stream_remarks import LATE_S, StreamRemarks
 from trecsim.sync.stream_time import StreamTime
+from trecsim.sync.waiting_images import WaitingImages
 from trecsim.values import FrameSet, Poses2D
 
 LEARN_S = 1.0  # so long the periods are learnt, or for LEARN_INTERVALS, if that comes first
-WINDOW_PERIODS = 0.9  # below 1, so that an image never falls together with its successor's peers
-NEAREST_PERIODS = 0.55  # join the nearest set if within this; slightly above half a period
-OTHER_RATE = 1.5  # ratio of two cameras' periods from which on they do not run in step
-FALLBACK_WINDOW_S = 0.02  # where no camera delivered twice
 MAX_WAITING = 4096  # images; a camera that floods us cannot fill the memory
 EMPTY_EVERY_S = 0.1  # of live cameras that are all silent, an empty set tells so often
 
@@ -126,11 +121,10 @@ class FrameSetBuffer:
         if max_delay_s > 0.0 and self._offsets_s:  # they disturb the order a recording came in
             values_s = self._offsets_s.values()
             max_delay_s += max(0.0, *values_s) - min(0.0, *values_s)
-        self._window_s = window_s
         self._max_delay_s = max_delay_s
         self._count = 0
-        self._cameras: dict[str, CameraQueue] = {}
         self._time: StreamTime[str] = StreamTime()
+        self._waiting = WaitingImages(self._time, window_s, max_delay_s)
         self._misdated: deque[Poses2D] = deque()
         self._newest: tuple[float, float] | None = None  # stamp of the newest set, and its arrival
         self._given_s = -math.inf
@@ -163,7 +157,7 @@ class FrameSetBuffer:
             The present, by the clock of arrivals [s].
         """
         self._time.move_on(arrived_s)
-        self._remarks.silence(self._cameras, self._time, self._max_delay_s)
+        self._remarks.silence(self._waiting.cameras, self._time, self._max_delay_s)
         yield from self._closed()
         if self._newest is None or self._count or not self._time.all_silent():
             return
@@ -187,7 +181,7 @@ class FrameSetBuffer:
         if late_s > max(LATE_S, self._max_delay_s):
             self._remarks.late(image.camera, late_s)
         self._remarks.delivers(image.camera)
-        camera = self._cameras.setdefault(image.camera, CameraQueue())
+        camera = self._waiting.of(image.camera)
         self._misdated.extend(camera.pop_misdated(image))
         time = self._time.note(image.camera, image.t_s, arrived_s)
         camera.add(image, time.own_s, time.heard_s)
@@ -203,35 +197,14 @@ class FrameSetBuffer:
             return True
         if not self._count or (self._learning and self._count < MAX_WAITING):
             return False
-        if self._count >= MAX_WAITING or self._overdue():
-            return True
-        oldest = self._oldest()
-        return not any(
-            self._may_still_deliver(name, camera, oldest) for name, camera in self._cameras.items()
-        )
+        return self._count >= MAX_WAITING or self._waiting.can_close()
 
     def _take(self) -> FrameSet:
         """Return the oldest set, complete or not, or images that are far ahead of the others."""
         if self._misdated:
             self._count -= 1
             return FrameSet(self._misdated[0].t_s, (self._misdated.popleft(),))
-        window_s = self._window()
-        opener = self._far_ahead(window_s) or self._oldest()
-        limit_s = NEAREST_PERIODS * self._period()
-        members = [
-            camera
-            for camera in self._cameras.values()
-            if camera is opener
-            or (
-                camera.images
-                and 0.0 <= camera.head_s - opener.head_s <= window_s
-                and _in_phase(camera, opener, limit_s)
-            )
-        ]
-        taken = sorted(
-            (camera.images.popleft() for camera in members),
-            key=lambda one: (one.image.t_s, one.image.camera),
-        )
+        taken = self._waiting.take()
         self._count -= len(taken)
         views = tuple(one.image for one in taken)
         if self._are_ahead(views):
@@ -242,7 +215,7 @@ class FrameSetBuffer:
 
     def _are_ahead(self, views: tuple[Poses2D, ...]) -> bool:
         """Tell whether these images' cameras run further ahead than late images explain."""
-        if views[0].t_s - self._given_s <= self._patience() + LATE_S:
+        if views[0].t_s - self._given_s <= self._waiting.patience_s + LATE_S:
             return False
         names, stamps_s = [view.camera for view in views], [view.t_s for view in views]
         ahead = self._time.ahead(names, stamps_s, tolerance_s=self._max_delay_s + LATE_S)
@@ -250,82 +223,6 @@ class FrameSetBuffer:
 
     def _time_of(self, newest_s: float) -> float:
         """Return a set's time: not before the last one's, unless a clock has jumped."""
-        if not 0.0 < self._given_s - newest_s <= self._patience() + LATE_S:
+        if not 0.0 < self._given_s - newest_s <= self._waiting.patience_s + LATE_S:
             self._given_s = newest_s
         return self._given_s
-
-    def _oldest(self) -> CameraQueue:
-        return min(
-            (camera for camera in self._cameras.values() if camera.images),
-            key=lambda camera: camera.head_s,
-        )
-
-    def _far_ahead(self, window_s: float) -> CameraQueue | None:
-        """Return a camera whose image is later than the oldest's set, and waits in vain."""
-        end_s = self._oldest().head_s + window_s
-        told_s = min(
-            camera.last_s
-            for name, camera in self._cameras.items()
-            if camera.images or not self._is_silent(name)
-        )
-        late_s = max(end_s, told_s)
-        return next((camera for camera in self._overdue() if camera.head_s > late_s), None)
-
-    def _overdue(self) -> list[CameraQueue]:
-        """Return the cameras whose oldest image has waited long enough for the others."""
-        since_s = self._time.elapsed_s - self._patience()
-        return [
-            camera
-            for camera in self._cameras.values()
-            if camera.images and camera.images[0].own_s < since_s
-        ]
-
-    def _may_still_deliver(self, name: str, camera: CameraQueue, oldest: CameraQueue) -> bool:
-        """Tell whether a camera may still deliver what belongs to the oldest image's set."""
-        if camera.images or self._is_silent(name):
-            return False
-        time = self._time.heard(name)
-        if time.heard_s <= oldest.images[0].heard_s:  # nothing since then
-            return True
-        return oldest.head_s - camera.last_s <= self._max_delay_s + time.silent_after_s
-
-    def _is_silent(self, name: str) -> bool:
-        return self._time.is_silent(self._time.heard(name), self._max_delay_s)
-
-    def _patience(self) -> float:
-        """Return how long a set waits for cameras that are not silent [s]."""
-        return self._window() + self._max_delay_s
-
-    def _period(self) -> float:
-        """Return the fastest camera's mean period [s]; infinite if no camera delivered twice."""
-        return min(
-            (
-                camera.period_s
-                for name, camera in self._cameras.items()
-                if camera.images or not self._is_silent(name)
-            ),
-            default=math.inf,
-        )
-
-    def _window(self) -> float:
-        if self._window_s is not None:
-            return self._window_s
-        period_s = self._period()
-        return WINDOW_PERIODS * period_s if period_s < math.inf else FALLBACK_WINDOW_S
-
-
-def _in_phase(camera: CameraQueue, opener: CameraQueue, limit_s: float) -> bool:
-    """Tell whether an image within the window belongs to this set rather than to the next.
-
-    Cameras that run in step do, however their clocks jitter. One that begins, resumes or has
-    another rate goes where it is nearest; at the beginning, as far as one can see ahead.
-    """
-    lags_s = [
-        one.image.t_s - opening.image.t_s
-        for one, opening in islice(zip(camera.images, opener.images, strict=False), LEARN_INTERVALS)
-    ]
-    if not 1.0 / OTHER_RATE < camera.period_s / opener.period_s < OTHER_RATE:
-        return lags_s[0] <= limit_s
-    if camera.resumes or opener.resumes:
-        return min(lags_s[0], abs(median(lags_s))) <= limit_s
-    return True

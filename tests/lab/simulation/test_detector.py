@@ -8,7 +8,8 @@ from pydantic import ValidationError
 
 from trecsim.lab.simulation.annotation_bias import with_annotation_bias
 from trecsim.lab.simulation.body_shape import body
-from trecsim.lab.simulation.detector import PERFECT, Detector, Footage, detect
+from trecsim.lab.simulation.detector import Footage, detect
+from trecsim.lab.simulation.detector_errors import PERFECT, Detector
 from trecsim.lab.simulation.occlusion import Obstacle
 from trecsim.lab.simulation.paths import through
 from trecsim.lab.simulation.room import corner_rig

@@ -7,7 +7,7 @@ import pytest
 
 from trecsim.errors import CalibrationError, InputError
 from trecsim.lab.simulation.camera_clocks import Clock
-from trecsim.lab.simulation.detector import PERFECT
+from trecsim.lab.simulation.detector_errors import PERFECT
 from trecsim.lab.simulation.failures import Knock, Outage
 from trecsim.lab.simulation.scene import Scene, Simulation, room_scene, simulate
 from trecsim.values import Poses2D

@@ -9,7 +9,8 @@ import pytest
 
 from trecsim.errors import InputError
 from trecsim.geometry import Camera, Rig
-from trecsim.lab.simulation.detector import PERFECT, Footage, detect
+from trecsim.lab.simulation.detector import Footage, detect
+from trecsim.lab.simulation.detector_errors import PERFECT
 from trecsim.lab.simulation.paths import through
 from trecsim.lab.simulation.room import corner_rig
 from trecsim.lab.simulation.scene import Clock, PathWalkers, Scene, Wanderers, room_scene, simulate

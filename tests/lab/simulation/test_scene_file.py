@@ -10,7 +10,7 @@ import pytest
 from trecsim.errors import ConfigError, InputError
 from trecsim.lab.simulation import BUILT_IN, read_scene, simulate
 from trecsim.lab.simulation.actions import Stand, Turn, Walk
-from trecsim.lab.simulation.detector import PERFECT, Detector
+from trecsim.lab.simulation.detector_errors import PERFECT, Detector
 from trecsim.lab.simulation.people import PeopleGroups, ScriptedPeople, Wanderers
 from trecsim.lab.simulation.scene import Scene
 from trecsim.lab.simulation.scene_file import scene_schema

@@ -14,7 +14,8 @@ from trecsim.calibration.formats.read_options import ReadOptions
 from trecsim.calibration.formats.rig_building import apply_floor
 from trecsim.calibration.formats.rig_remarks import remark_on_cameras
 from trecsim.errors import CalibrationError
-from trecsim.geometry.camera import CLOCK_LIMITS, Camera
+from trecsim.geometry.camera import Camera
+from trecsim.geometry.camera_faults import CLOCK_LIMITS
 from trecsim.geometry.rig import Rig
 from trecsim.store.atomic import atomic_write
 

@@ -11,7 +11,8 @@ from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
 from trecsim.lab.simulation.camera_clocks import Clock
-from trecsim.lab.simulation.detector import Detector, Footage, detect
+from trecsim.lab.simulation.detector import Footage, detect
+from trecsim.lab.simulation.detector_errors import Detector
 from trecsim.lab.simulation.failures import Knock, Outage
 from trecsim.lab.simulation.occlusion import Obstacle
 from trecsim.lab.simulation.people import PathWalkers, People, Person, Wanderers

@@ -22,7 +22,7 @@ from trecsim.lab.simulation.camera_tables import (
     RigTable,
     possible,
 )
-from trecsim.lab.simulation.detector import ANNOTATED, PERFECT, REAL, Detector
+from trecsim.lab.simulation.detector_errors import ANNOTATED, PERFECT, REAL, Detector
 from trecsim.lab.simulation.occlusion import Obstacle
 from trecsim.lab.simulation.people import PeopleGroups, ScriptedPeople, Wanderers
 from trecsim.lab.simulation.roles import SHORTEST_M, TALLEST_M, Role, Visit
