@@ -55,7 +55,7 @@ def test_every_bone_of_the_trunk_and_limbs_has_a_usual_length():
 def test_lengths_that_two_cameras_have_taught_hold_a_body_before_one():
     """Somebody of unusual size is followed with the own lengths, not with the usual ones."""
     scene = made([ACROSS], detector=PERFECT, cameras=2)
-    tracker = Tracker(scene.rig, FusionSettings(doubt_s=60.0))
+    tracker = Tracker(scene.rig, FusionSettings(single_view_death_s=60.0))
     one = {scene.rig.names[0]}
     last = [tracker.step(only(s, one) if s.t_s > 4.0 else s) for s in frame_sets(scene)][-1]
     body = usual_body(COCO17)
@@ -88,7 +88,7 @@ def test_somebody_whom_only_one_camera_sees_keeps_the_right_distance():
     scene = made([ACROSS], detector=PERFECT)
     eye = scene.rig.names[0]
     sets = [s if s.t_s < 2 else only(s, {eye}) for s in frame_sets(scene)]
-    tracker = Tracker(scene.rig, FusionSettings(doubt_s=60.0))
+    tracker = Tracker(scene.rig, FusionSettings(single_view_death_s=60.0))
     result = outcome(scene, [tracker.step(s) for s in sets if s.views and s.t_s < 4])
     assert result.ids == {0}
     assert not np.isnan(result.error_m).any()
@@ -368,7 +368,7 @@ def test_a_person_found_again_by_a_second_camera_keeps_the_identity():
     scene = made([ACROSS])
     eye = scene.rig.names[0]
     sets = [only(s, {eye}) if 2 < s.t_s < 4 else s for s in frame_sets(scene)]
-    tracker = Tracker(scene.rig, FusionSettings(doubt_s=60.0))
+    tracker = Tracker(scene.rig, FusionSettings(single_view_death_s=60.0))
     result = outcome(scene, [tracker.step(s) for s in sets if s.views])
     assert result.ids == {0}
     assert np.nanmean(result.error_m[-25:]) < 0.05

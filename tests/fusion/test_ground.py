@@ -78,7 +78,7 @@ def test_one_camera_keeps_the_distance_of_somebody_who_walks_for_four_seconds():
         s if s.t_s < 3 else FrameSet(s.t_s, tuple(v for v in s.views if v.camera == eye))
         for s in frame_sets(scene)
     ]
-    tracker = Tracker(scene.rig, FusionSettings(doubt_s=60.0))
+    tracker = Tracker(scene.rig, FusionSettings(single_view_death_s=60.0))
     result = outcome(scene, [tracker.step(s) for s in sets if s.views])
     assert result.ids == {0}
     assert np.nanmax(result.error_m[50:]) < 0.45

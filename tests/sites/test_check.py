@@ -147,6 +147,15 @@ def test_settings_outside_of_what_is_sensible_are_remarked(site: Path) -> None:
     )
 
 
+def test_settings_by_their_earlier_names_are_remarked(site: Path) -> None:
+    site.write_text(site.read_text() + "[fusion]\ndoubt_s = 2\n")
+    checked = check_site(site)
+    assert checked.file.site.fusion.model_dump()["single_view_death_s"] == 2.0
+    assert checked.remarks[-1] == (
+        "fusion.doubt_s is called single_view_death_s today; the old name still works"
+    )
+
+
 def test_more_joints_than_a_body_has_are_refused_with_their_line(site: Path) -> None:
     told = faults_of(site, "[sources.cam1]", "[fusion]\nmin_joints = 18\n[sources.cam1]")
     assert "line 6: fusion: min_joints = 18 leaves nobody" in told

@@ -69,6 +69,36 @@ def test_the_rig_may_be_a_table(tmp_path: Path) -> None:
     assert site.rig.floor.floor().up == "y"
 
 
+def test_settings_by_their_earlier_names_are_read_unless_both_names_are_given(
+    tmp_path: Path,
+) -> None:
+    old = GOOD.replace("death_s = 2", "doubt_s = 4\nquick_share = 0.5")
+    site = read_site(site_file(tmp_path, old)).site
+    taken = FusionSettings(single_view_death_s=4.0, white_share=0.5)
+    assert fusion_settings(site.fusion) == taken
+    both = GOOD.replace("death_s = 2", "doubt_s = 4\nsingle_view_death_s = 3")
+    (told,) = faults(tmp_path, both)
+    assert told.startswith("line 16: fusion.doubt_s: unknown key")
+
+
+@pytest.mark.parametrize(
+    ("name", "taken"),
+    [
+        ("onnx:models/pose.onnx", "onnx:{folder}/models/pose.onnx"),
+        ("onnx:/models/pose.onnx", "onnx:/models/pose.onnx"),
+        ("onnx:", "onnx:"),
+        ("rtmlib:rtmo-m", "rtmlib:rtmo-m"),
+        ("movenet", "movenet"),
+    ],
+)
+def test_the_file_of_an_estimator_is_relative_to_the_site_file(
+    tmp_path: Path, name: str, taken: str
+) -> None:
+    text = GOOD.replace('"movenet"', f'"{name}"')
+    site = read_site(site_file(tmp_path, text)).site
+    assert site.estimator.name == taken.format(folder=tmp_path)
+
+
 def test_all_faults_are_told_at_once_by_line_with_the_nearest_name(tmp_path: Path) -> None:
     text = (
         GOOD.replace("[sources.south]\nvideo", "[sources.south]\nvidoe")

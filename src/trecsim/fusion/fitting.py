@@ -50,7 +50,7 @@ def extend(people: Population, grid: KnotGrid, t_s: float, model: Model) -> None
     for _ in range(steps):
         kernels.extend_all(
             people.trajectories, seen, model.torso, model.stiffness,
-            math.exp(-s.knot_s / s.velocity_memory_s), math.exp(-s.knot_s / s.drag_memory_s),
+            math.exp(-s.knot_s / s.velocity_memory_s), math.exp(-s.knot_s / s.coasting_memory_s),
         )  # fmt: skip
 
 

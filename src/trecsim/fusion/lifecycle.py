@@ -44,7 +44,7 @@ def expected_cameras(
     """
     s, n = model.settings, len(people)
     asked, expected = np.empty(n, bool), np.full(n, 2, np.int64)
-    if kernels.ask_all(people.sightings, t_s, (s.death_s, s.doubt_s), asked):
+    if kernels.ask_all(people.sightings, t_s, (s.death_s, s.single_view_death_s), asked):
         kernels.expect_all(
             model.lenses, model.silhouette, looking(), model.torso, people.xyz_m, asked, expected
         )
@@ -72,13 +72,13 @@ def survivors(
 
     - when no camera supports it for `death_s`; for half of that if no camera has it in view, for
       0.7 of it if three or more should detect it;
-    - when for `doubt_s` only one of three or more cameras that should detect it does;
+    - when for `single_view_death_s` only one of three or more cameras that should detect it does;
     - when other tracks explain all of its detections in `REDUNDANT_CHECKS` checks.
     """
     s = model.settings
     alive = np.empty(len(people), bool)
     kernels.survive_all(
-        people.sightings, people.confirmed, expected, people.xyz_m, t_s, (s.death_s, s.doubt_s),
-        alive,
+        people.sightings, people.confirmed, expected, people.xyz_m, t_s,
+        (s.death_s, s.single_view_death_s), alive,
     )  # fmt: skip
     return alive & (people.redundant_count < REDUNDANT_CHECKS)

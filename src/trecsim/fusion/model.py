@@ -97,6 +97,6 @@ def _noise(skeleton: Skeleton, s: FusionSettings) -> Noise:
         outlier_share=float(s.outlier_share),
         log_flip=math.log(s.flip_share / (1.0 - s.flip_share)),
         tail=float(s.tail_freedom),
-        white_share=float(s.quick_share),
-        bias_share=float(s.lasting_share),
+        white_share=float(s.white_share),
+        bias_share=float(s.bias_share),
     )

@@ -44,7 +44,7 @@ class DeadTrack:
 
 
 def reidentify(
-    dead: list[DeadTrack], xyz_m: Float64[np.ndarray, "3"], t_s: float, recall_s: float
+    dead: list[DeadTrack], xyz_m: Float64[np.ndarray, "3"], t_s: float, reidentify_s: float
 ) -> DeadTrack | None:
     """Return the dead track nearest to a new one whose torso is at `xyz_m`; None if none is near.
 
@@ -54,20 +54,20 @@ def reidentify(
         Candidates.
     xyz_m, t_s
         Position of the new track's torso, and the time [s].
-    recall_s
+    reidentify_s
         Tracks that have been dead for longer do not count [s].
     """
     near = [
         (one.distance_m(xyz_m, t_s), one)
-        for one in within(dead, t_s, recall_s)
+        for one in within(dead, t_s, reidentify_s)
         if one.distance_m(xyz_m, t_s) < REIDENTIFY_M + REIDENTIFY_MPS * (t_s - one.t_s)
     ]
     return min(near, key=lambda pair: pair[0])[1] if near else None
 
 
-def within(dead: list[DeadTrack], t_s: float, recall_s: float) -> list[DeadTrack]:
-    """Return the tracks that have been dead for no longer than `recall_s` at `t_s`."""
-    return [one for one in dead if t_s - one.t_s <= recall_s]
+def within(dead: list[DeadTrack], t_s: float, reidentify_s: float) -> list[DeadTrack]:
+    """Return the tracks that have been dead for no longer than `reidentify_s` at `t_s`."""
+    return [one for one in dead if t_s - one.t_s <= reidentify_s]
 
 
 class Identities:
@@ -75,7 +75,7 @@ class Identities:
 
     Parameters
     ----------
-    recall_s
+    reidentify_s
         For how long after a track's death its identity may be given again, to the same person [s].
     first_id
         The first identity.
@@ -86,14 +86,14 @@ class Identities:
         Tracks whose identities may be given again.
     """
 
-    def __init__(self, recall_s: float, first_id: int = 0) -> None:
+    def __init__(self, reidentify_s: float, first_id: int = 0) -> None:
         self.dead: list[DeadTrack] = []
-        self._recall_s = recall_s
+        self._reidentify_s = reidentify_s
         self._next_id = first_id
 
     def identify(self, torso_m: Float64[np.ndarray, "3"], t_s: float) -> tuple[int, bool]:
         """Return the identity of a new track at `torso_m`, and whether it is a dead track's."""
-        back = reidentify(self.dead, torso_m, t_s, self._recall_s)
+        back = reidentify(self.dead, torso_m, t_s, self._reidentify_s)
         if back is not None:
             self.dead.remove(back)
             return back.id, True
@@ -102,7 +102,7 @@ class Identities:
 
     def note_dead(self, tracks: list[DeadTrack], t_s: float) -> None:
         """Remember the tracks that die at `t_s`, and forget those that died too long ago."""
-        self.dead = within(self.dead, t_s, self._recall_s) + tracks
+        self.dead = within(self.dead, t_s, self._reidentify_s) + tracks
 
 
 def dead_tracks(

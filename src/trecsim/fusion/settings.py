@@ -1,7 +1,7 @@
 """All settings of the fusion in one table: meaning, unit, default, and what each replaces."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -9,6 +9,15 @@ from trecsim.errors import ConfigError
 
 BELOW_ONE = ("outlier_share", "flip_share")
 """Settings that are probabilities."""
+
+RENAMED = {
+    "doubt_s": "single_view_death_s",
+    "drag_memory_s": "coasting_memory_s",
+    "lasting_share": "bias_share",
+    "quick_share": "white_share",
+    "recall_s": "reidentify_s",
+}
+"""Names of today by the names that settings had before."""
 
 # Outside of its sensible range by more than this factor, a setting is far outside.
 _FAR = 3.0
@@ -38,7 +47,7 @@ class FusionSettings:
     velocity_memory_s
         Time constant with which the predicted velocity of a supported joint goes over to that of
         the body [s].
-    drag_memory_s
+    coasting_memory_s
         The same for a joint that no camera supports [s] (in the thesis: dragged along).
     joint_sigma_m
         Measurement noise: standard deviation of a good key point, as a length at the person's
@@ -56,10 +65,10 @@ class FusionSettings:
     error_memory_s
         Correlation time of a detector's short-lived errors [s]: of images of a camera that are
         closer in time, each adds less information.
-    quick_share
+    white_share
         White share of the measurement variance: errors that are independent from image to image,
         and that smoothing removes.
-    lasting_share
+    bias_share
         Bias share of the measurement variance: errors that last for seconds. No smoothing removes
         them; they are added to the reported covariance.
     outlier_share
@@ -80,10 +89,10 @@ class FusionSettings:
         A track is deleted after no camera has supported it for this time; after half of it if no
         camera has the person in view, after 0.7 of it if three or more do [s] (in the thesis: the
         threshold of support, and the look-back over which it is counted).
-    doubt_s
+    single_view_death_s
         A track that one camera supports, though three or more have the person in view, is deleted
         after this time [s].
-    recall_s
+    reidentify_s
         A new track where the person of a dead one may be by now gets the old identity within this
         time [s].
     duplicate_m
@@ -109,7 +118,7 @@ class FusionSettings:
     accel_arm: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for gestures")
     accel_leg: float = _setting(1.6, (0.8, 5.0), "as `accel_torso`; higher for sprinting and kicks")
     velocity_memory_s: float = _setting(0.6, (0.3, 2.0), "hardly ever")
-    drag_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
+    coasting_memory_s: float = _setting(0.15, (0.05, 0.5), "hardly ever")
     joint_sigma_m: float = _setting(
         0.02,
         (0.012, 0.04),
@@ -137,10 +146,10 @@ class FusionSettings:
         (0.01, 0.1),
         "longer for an estimator that smooths over time, if there are many images per second",
     )
-    quick_share: float = _setting(
+    white_share: float = _setting(
         0.3, (0.1, 1.0), "1 for synthetic key points with independent noise"
     )
-    lasting_share: float = _setting(
+    bias_share: float = _setting(
         1.0,
         (0.3, 2.0),
         "with the estimator, if `trecsim evaluate` finds the uncertainty too small or too large",
@@ -169,13 +178,13 @@ class FusionSettings:
         (0.3, 2.0),
         "shorter against false positives after people left; longer if people are hidden for longer",
     )
-    doubt_s: float = _setting(
+    single_view_death_s: float = _setting(
         1.5,
         (0.5, 5.0),
         "shorter against false positives of one camera; longer if the other cameras often miss "
         "people",
     )
-    recall_s: float = _setting(
+    reidentify_s: float = _setting(
         1.5,
         (0.5, 5.0),
         "longer if people pass behind things, and few others are there to be confused with",
@@ -218,6 +227,22 @@ class FusionSettings:
                 far = "far outside" if not low / _FAR <= value <= high * _FAR else "outside"
                 sensible = _range(f.name, low, high)
                 yield f"{f.name} = {value:g} is {far} the sensible range ({sensible})"
+
+
+def by_names_of_today(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values of settings by the names of today, where they are given by earlier ones.
+
+    Examples
+    --------
+    >>> by_names_of_today({"recall_s": 3.0, "death_s": 1.0})
+    {'reidentify_s': 3.0, 'death_s': 1.0}
+    """
+    return {_name_of_today(name, values): value for name, value in values.items()}
+
+
+def _name_of_today(name: str, beside: Mapping[str, Any]) -> str:
+    today = RENAMED.get(name, name)
+    return name if today in beside else today
 
 
 def _range(name: str, low: float, high: float) -> str:

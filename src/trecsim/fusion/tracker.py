@@ -102,7 +102,7 @@ class Tracker:
         self._provisional = provisional
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._clocks = Clocks(len(rig))
-        self._identities = Identities(s.recall_s, first_id)
+        self._identities = Identities(s.reidentify_s, first_id)
         self._restart()
 
     def step(self, frame_set: FrameSet) -> Snapshot:

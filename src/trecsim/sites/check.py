@@ -8,17 +8,10 @@ from trecsim import estimators
 from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
+from trecsim.sites.estimator_table import EstimatorTable
+from trecsim.sites.fusion_table import FusionTable, earlier_names, fusion_settings
 from trecsim.sites.live_cameras import camera_remarks, secrets_faults
-from trecsim.sites.site_file import (
-    EstimatorTable,
-    FusionTable,
-    OutputTable,
-    PosesPlace,
-    RigPlace,
-    Site,
-    SourceTable,
-    fusion_settings,
-)
+from trecsim.sites.site_file import OutputTable, PosesPlace, RigPlace, Site, SourceTable
 from trecsim.sites.site_reading import Draft, SiteFile, read_draft
 from trecsim.skeleton import COCO17
 from trecsim.sources import VideoInfo, probe, read_poses
@@ -88,6 +81,7 @@ def check_site(path: Path | str) -> CheckedSite:
     site = draft.site
     remarks += _remarks(site, rig, videos)
     remarks += camera_remarks(site)
+    remarks += earlier_names(draft.data.get("fusion"))
     remarks += [f"fusion: {text}" for text in fusion_settings(site.fusion).remarks()]
     return CheckedSite(SiteFile(draft.path, draft.text, site), rig, videos, tuple(remarks))
 

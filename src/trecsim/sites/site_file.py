@@ -4,24 +4,16 @@ Paths in a site file are relative to the file.
 """
 
 from collections.abc import Callable
-from dataclasses import fields
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    create_model,
-    model_validator,
-)
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from trecsim.calibration import FORMATS, Floor, read_rig
-from trecsim.errors import ConfigError, InputError
-from trecsim.fusion import FusionSettings
+from trecsim.errors import InputError
 from trecsim.fusion.arguments import LONGEST_LAG_S
-from trecsim.fusion.settings import BELOW_ONE
 from trecsim.geometry import Rig
+from trecsim.sites.estimator_table import EstimatorTable
+from trecsim.sites.fusion_table import FusionTable
 from trecsim.sites.page_table import PageTable
 from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
 from trecsim.sources.poses_files import FPS_RANGE
@@ -33,7 +25,6 @@ from trecsim.sources.streams.stream_address import (
 )
 from trecsim.store.retention import Retention
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
-from trecsim.toml_models.described import fields_of
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 """A name that may become a directory or part of an address."""
@@ -148,57 +139,6 @@ class PosesTable(Table):
     """Frames per second, for files with frame numbers instead of times."""
     names: dict[str, str] = Field(default_factory=dict)
     """Name in the rig by the name in the files, for cameras that differ."""
-
-
-class EstimatorTable(Table):
-    """The 2D pose estimator; further keys are its own settings."""
-
-    model_config = ConfigDict(extra="allow")
-
-    name: str = "movenet"
-    """An installed estimator, with its argument after a colon: `onnx:model.onnx`."""
-
-    def settings(self) -> dict[str, Any]:
-        """Return the estimator's own settings."""
-        return dict(self.model_extra or {})
-
-
-class _FusionTable(Table):
-    @model_validator(mode="after")
-    def _fit_together(self) -> Self:
-        try:
-            fusion_settings(self)
-        except ConfigError as error:
-            raise ValueError(str(error).removeprefix("fusion settings: ")) from None
-        return self
-
-
-def fusion_settings(table: Table) -> FusionSettings:
-    """Return the table `[fusion]` as the fusion takes it.
-
-    Raises
-    ------
-    ConfigError
-        When values do not fit together.
-    """
-    return FusionSettings(**table.model_dump())
-
-
-def _limits(name: str) -> dict[str, float]:
-    return {"gt": 0.0, "lt": 1.0} if name in BELOW_ONE else {"gt": 0.0}
-
-
-if TYPE_CHECKING:
-    FusionTable = _FusionTable
-else:
-    FusionTable = create_model(
-        "FusionTable",
-        __base__=_FusionTable,
-        __doc__="Settings of the association and the fit.",
-        **fields_of(
-            FusionSettings, {field.name: _limits(field.name) for field in fields(FusionSettings)}
-        ),
-    )
 
 
 class OutputTable(Table):

@@ -34,9 +34,10 @@ def table(recording: Recording, numbers: list[int]) -> Table:
 @pytest.mark.parametrize(
     ("configuration", "told"),
     [
-        ({"fusion": {"recall_s": 4.0}}, "4 s (setting recall_s)"),
-        ({"fusion": {}}, "1.5 s (setting recall_s)"),
-        ("odd", "1.5 s (setting recall_s)"),
+        ({"fusion": {"reidentify_s": 4.0}}, "4 s (setting reidentify_s)"),
+        ({"fusion": {"recall_s": 4.0}}, "4 s (setting reidentify_s)"),  # its name before
+        ({"fusion": {}}, "1.5 s (setting reidentify_s)"),
+        ("odd", "1.5 s (setting reidentify_s)"),
     ],
 )
 def test_how_long_an_identity_is_kept_is_said_as_it_was_set(

@@ -119,6 +119,7 @@ HOSTILE = {
     "another format": (r"study/1", "study/9", r"line 2.*format"),
     "another design": (r'"grid"', '"magic"', r"line 3.*grid"),
     "a design without points": (r'"grid"', '"random"', r"points: the random design needs"),
+    "an earlier name": (r"knot_s", "doubt_s", r"doubt_s: renamed to single_view_death_s"),
     "an unknown key": (r"lag_s = 0.2", "lags = 0.2", r"lags.*did you mean 'lag_s'"),
     "a lag that is none": (r"lag_s = 0.2", "lag_s = nan", r"line 4.*lag_s"),
     "an unknown scene": (r"crossing-30cm", "crossing-3cm", r"scenes\.narrow.*crossing-3cm"),

@@ -138,16 +138,20 @@ def survive_all(sightings, confirmed, expected, x_m, now_s, waits_s, alive):
     confirmed, expected, x_m
         Who is confirmed, by how many cameras everybody is expected, (track,), and joints.
     now_s, waits_s
-        Time of the frame set; `death_s` and `doubt_s` [s].
+        Time of the frame set; `death_s` and `single_view_death_s` [s].
     alive
         Result, (track,).
     """
-    camera_s, two_view_s, (death_s, doubt_s) = sightings.camera_s, sightings.two_view_s, waits_s
+    camera_s, two_view_s, (death_s, single_view_death_s) = (
+        sightings.camera_s,
+        sightings.two_view_s,
+        waits_s,
+    )
     for k in range(camera_s.shape[0]):
         alone_s = now_s - two_view_s[k]
         alive[k] = (
             now_s - last_seen_s(camera_s[k]) <= death_s * patience(expected[k])
-            and not (alone_s > doubt_s and expected[k] >= CROWDED)
+            and not (alone_s > single_view_death_s and expected[k] >= CROWDED)
             and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
         )
@@ -176,12 +180,16 @@ def ask_all(sightings, now_s, waits_s, asked):
 
     Parameters as for `survive_all`.
     """
-    camera_s, two_view_s, (death_s, doubt_s) = sightings.camera_s, sightings.two_view_s, waits_s
+    camera_s, two_view_s, (death_s, single_view_death_s) = (
+        sightings.camera_s,
+        sightings.two_view_s,
+        waits_s,
+    )
     any_ = False
     for k in range(camera_s.shape[0]):
         asked[k] = (
             now_s - last_seen_s(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
-            or now_s - two_view_s[k] > doubt_s
+            or now_s - two_view_s[k] > single_view_death_s
         )
         any_ |= asked[k]
     return any_

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.fusion.settings import FusionSettings
+from trecsim.fusion.settings import FusionSettings, by_names_of_today
 from trecsim.lab.report import skeletons_figure
 from trecsim.lab.report.curves import curve, draw_curve
 from trecsim.lab.report.page import Block, Figure, Section, Text
@@ -37,14 +37,15 @@ def section(recording: Recording) -> Section:
 
 
 def _lead(recording: Recording) -> str:
-    recall_s = FusionSettings().recall_s
     configuration = recording.summary.get("configuration")
     fusion = configuration.get("fusion") if isinstance(configuration, dict) else None
-    if isinstance(fusion, dict) and isinstance(fusion.get("recall_s"), int | float):
-        recall_s = fusion["recall_s"]
+    used = by_names_of_today(fusion) if isinstance(fusion, dict) else {}
+    reidentify_s = used.get("reidentify_s")
+    if not isinstance(reidentify_s, int | float):
+        reidentify_s = FusionSettings().reidentify_s
     return (
         "Each identity is one person from entering to leaving. A person who returns after more "
-        f"than {recall_s:g} s (setting recall_s), or elsewhere, gets a new identity."
+        f"than {reidentify_s:g} s (setting reidentify_s), or elsewhere, gets a new identity."
     )
 
 

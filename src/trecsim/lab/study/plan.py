@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 
 from trecsim.errors import ConfigError
 from trecsim.fusion import FusionSettings
+from trecsim.fusion.settings import RENAMED
 from trecsim.lab.study.design import (
     Design,
     Factor,
@@ -134,7 +135,12 @@ def _factors(table: StudyTable, origin: str) -> tuple[Factor, ...]:
     factors = []
     for name, setting in table.settings.items():
         if name not in _KINDS:
-            faults.append(f"settings.{name[:60]}: unknown setting; {nearest(name, _KINDS)}")
+            told = (
+                f"renamed to {RENAMED[name]}"
+                if name in RENAMED
+                else (f"unknown setting; {nearest(name, _KINDS)}")
+            )
+            faults.append(f"settings.{name[:60]}: {told}")
             continue
         try:
             factors.append(_factor(name, setting, drawn=table.design == "random"))
