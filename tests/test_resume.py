@@ -138,7 +138,7 @@ def test_a_recording_that_is_complete_stays_as_it_is(
     assert (summary.images, summary.frame_sets) == (0, 0)
     assert (tmp_path / "out" / "summary.json").read_text() == told
     assert "no image is later than 1.560 s, where the recording ends" in caplog.text
-    assert "there is nobody to be found" not in caplog.text
+    assert "so there are no people" not in caplog.text
     assert_complete(tmp_path / "out")
 
 

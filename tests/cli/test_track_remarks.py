@@ -38,7 +38,7 @@ def test_poses_with_only_a_header_are_said_to_hold_no_image(trecsim, shared_data
     code, out, _ = trecsim("track", rig, poses, "--out", tmp_path / "a.csv", "--json")
     summary = json.loads(out)
     assert (code, summary["frame_sets"], summary["people"]) == (0, 0, 0)
-    assert summary["remarks"] == ["the poses hold no image: there is nobody to be found"]
+    assert summary["remarks"] == ["the poses hold no image, so there are no people"]
 
 
 def test_poses_of_unknown_cameras_get_the_error_and_no_remark_on_missing_people(

@@ -73,7 +73,7 @@ def test_good_recordings_with_a_lag_are_not_remarked(longer):
 
 
 def test_poses_without_an_image_are_valid_and_said_to_hold_none(good):
-    assert remarks([], good.rig) == (["the poses hold no image: there is nobody to be found"], 0)
+    assert remarks([], good.rig) == (["the poses hold no image, so there are no people"], 0)
 
 
 def test_an_empty_room_is_said_to_be_empty(good):
@@ -84,18 +84,18 @@ def test_an_empty_room_is_said_to_be_empty(good):
     }
     empty = changed(good.poses, lambda one: replace(one, **nobody))
     assert only(empty, good.rig) == (
-        f"nobody is in the poses: {len(empty)} images of 4 cameras hold no person"
+        f"0 people: the poses hold no person in {len(empty)} images of 4 cameras"
     )
 
 
 def test_one_camera_alone_is_told_to_need_another(good):
     alone = [one for one in good.poses if one.camera == "cam2"]
-    assert only(alone, good.rig).startswith("0 people, as only camera 'cam2' sees anybody;")
+    assert only(alone, good.rig).startswith("0 people: only camera 'cam2' sees people;")
 
 
 def test_a_rig_of_one_camera_is_told_to_need_another(good):
     alone = [one for one in good.poses if one.camera == "cam2"]
-    assert only(alone, Rig((good.rig["cam2"],))).startswith("the rig has one camera; ")
+    assert only(alone, Rig((good.rig["cam2"],))).startswith("0 people: the rig has one camera; ")
 
 
 def test_cameras_that_see_people_at_different_times_are_said_to(good):
@@ -109,7 +109,9 @@ def test_cameras_that_see_people_at_different_times_are_said_to(good):
         for one in good.poses
         if one.camera in ("cam1", "cam2")
     ]
-    assert only(poses, good.rig).startswith("0 people, as no two cameras see somebody at the same")
+    assert only(poses, good.rig).startswith(
+        "0 people: no two cameras see a person at the same time"
+    )
 
 
 def test_key_points_between_0_and_1_are_remarked(good):
@@ -181,7 +183,7 @@ def test_a_camera_of_half_the_rate_is_told_by_its_number_of_images(longer):
 
 def test_a_camera_that_was_turned_is_named_with_the_angle(good):
     text = only(good.poses, turned(good.rig, "cam2", (0.0, 10.0, 0.0)))
-    assert text.startswith("camera 'cam2' does not look where the rig says: people appear by about")
+    assert text.startswith("camera 'cam2' does not look where the rig says: people appear about")
     assert "10 degrees" in text or "11 degrees" in text or "9." in text
 
 

@@ -30,7 +30,7 @@ COMMANDS = {
     "export": "Convert tracks to another format.",
     "backup": "Back up the recordings and the ledger of a site to one file, while the site runs.",
     "restore": "Restore a backup to a new folder.",
-    "erase": "Delete what recordings hold of a time: of everybody, or of one person.",
+    "erase": "Delete a period from recordings, for everybody or for one person.",
     "report": "Write a report on a recording: one HTML page with quality checks.",
     "simulate": "Simulate a scene: synthetic 2D poses with ground truth.",
     "study": "Vary settings of the fusion on synthetic scenes; report which of them matter.",

@@ -18,12 +18,12 @@ def erase(
     person: int | None = None,
     json: bool = False,
 ) -> None:
-    """Delete what recordings hold of a time: of everybody, or of one person.
+    """Delete a period from recordings, for everybody or for one person.
 
-    Files are written anew without these rows; a site may go on recording meanwhile. The act is
+    The files are rewritten without these rows; a site may go on recording meanwhile. The act is
     entered in the audit log (`ledger.sqlite`), which is made if it is missing. Events stay until
-    their own limit, and backups hold what they held. 2D poses (`poses.jsonl`) have no identities:
-    they are deleted with the time of everybody only.
+    their own limit; backups are not changed. 2D poses (`poses.jsonl`) have no identities: they are
+    deleted only where the period is deleted for everybody.
 
     Parameters
     ----------

@@ -22,28 +22,30 @@ def why(spans: Mapping[str, Span], rig: Rig, frame_sets: int, together: int) -> 
     images = sum(span.images for span in spans.values())
     seeing = [name for name, span in spans.items() if span.with_people]
     if not images:
-        return "the poses hold no image: there is nobody to be found"
+        return "the poses hold no image, so there are no people"
     if not seeing:
         return (
-            f"nobody is in the poses: {_counted(images, 'image')} of "
-            f"{_counted(len(spans), 'camera')} hold no person"
+            f"0 people: the poses hold no person in {_counted(images, 'image')} of "
+            f"{_counted(len(spans), 'camera')}"
         )
     if len(rig) == 1:
-        return "the rig has one camera; a place in 3D needs two cameras that see the same person"
+        return (
+            "0 people: the rig has one camera; a position in 3D needs two that see the same person"
+        )
     if len(seeing) == 1:
         return (
-            f"0 people, as only {cameras(seeing, len(rig))} sees anybody; a place in 3D needs two "
+            f"0 people: only {cameras(seeing, len(rig))} sees people; a position in 3D needs two "
             "cameras that see the same person"
         )
     if not together:
         return (
-            "0 people, as no two cameras see somebody at the same time; a place in 3D needs two "
+            "0 people: no two cameras see a person at the same time; a position in 3D needs two "
             "cameras that see the same person. If they do, their times are wrong: give "
             "time_offset_s in the rig"
         )
     return (
-        f"0 people, although two cameras or more see somebody in {together} of "
-        f"{_counted(frame_sets, 'frame set')}: they do not agree on where anybody is, or see each "
+        f"0 people, although two or more cameras see people in {together} of "
+        f"{_counted(frame_sets, 'frame set')}: they do not agree on where people are, or see each "
         "person for too short a time. Is it the rig of these recordings, and are the times right?"
     )
 

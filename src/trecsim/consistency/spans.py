@@ -84,6 +84,6 @@ def apart(spans: Mapping[str, Span], fewest: int) -> str | None:
             f"{listed(when)}, the others from {others.told()}"
         )
     return (
-        f"{text}. Nobody can be seen by cameras of different times: give time_offset_s in the rig "
-        "or, where frames are numbered, number each camera's from the same moment"
+        f"{text}. Only images of the same time are combined: give time_offset_s in the rig or, "
+        "where frames are numbered, number those of each camera from the same moment"
     )

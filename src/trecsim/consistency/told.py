@@ -28,7 +28,7 @@ def hypothesis(found: Hypothesis, rig: Rig) -> tuple[str, str]:
         return cause, _exchanged(found, rig)
     if found.cause == "mirrored":
         return cause, (
-            f"the images of {which} seem to be mirrored: only the other way round do cameras agree "
+            f"the images of {which} seem to be mirrored: when they are flipped, the cameras agree "
             "on where people are; flip the images, or estimate the poses without mirroring"
         )
     width, height = rig[names[0]].size_px
@@ -36,7 +36,7 @@ def hypothesis(found: Hypothesis, rig: Rig) -> tuple[str, str]:
     example = f" (camera {names[0]!r}: {size} instead of {width} x {height})"
     return cause, (
         f"the key points of {which} seem to be in pixels of images {_times(1 / found.factor)} the "
-        f"size that the rig states{example}: only so do cameras agree on where people are; "
+        f"size that the rig states{example}: with that size the cameras agree on where people are; "
         f"multiply the key points by {found.factor:.3g}, or use a rig for that size"
     )
 
@@ -51,7 +51,7 @@ def _exchanged(found: Hypothesis, rig: Rig) -> str:
         ]
         swap = f"cameras seem to be exchanged: what is called {listed(whose)}"
     return (
-        f"{swap}: only the other way round do they agree on where people are; "
+        f"{swap}: with exchanged names they agree on where people are; "
         "exchange their names in the poses or in the rig"
     )
 
@@ -70,17 +70,15 @@ def _times(factor: float) -> str:
 
 def turned(name: str, turn: Turn, since_s: float | None) -> str:
     """Return what is said of a camera that looks elsewhere than the rig states."""
-    size = (
-        f"by about {math.degrees(turn.shift_rad):.2g} degrees ({turn.before_m:.2g} m at the people)"
-    )
+    size = f"about {math.degrees(turn.shift_rad):.2g} degrees ({turn.before_m:.2g} m at the people)"
     if since_s is not None:
         return (
             f"camera {name!r} seems to have been moved at about {seconds(since_s)} s: since then "
-            f"people appear {size} beside where the other cameras see them; calibrate it again"
+            f"people appear {size} away from where the other cameras see them; calibrate it again"
         )
     return (
-        f"camera {name!r} does not look where the rig says: people appear {size} beside where the "
-        "other cameras see them; it was turned or moved after calibration: calibrate it again"
+        f"camera {name!r} does not look where the rig says: people appear {size} away from where "
+        "the other cameras see them; it was turned or moved after calibration: calibrate it again"
     )
 
 
@@ -88,8 +86,8 @@ def moved(name: str, size_rad: float, off_m: float, since_s: float) -> str:
     """Return what is said of a camera that was moved during the recording."""
     return (
         f"camera {name!r} seems to have been moved at about {seconds(since_s)} s: since then "
-        f"people appear {math.degrees(size_rad):.2g} degrees ({off_m:.2g} m) beside where they did "
-        "before; calibrate it again for the time from there on"
+        f"people appear {math.degrees(size_rad):.2g} degrees ({off_m:.2g} m) away from where they "
+        "did before; calibrate it again for the time from then on"
     )
 
 
