@@ -7,8 +7,9 @@ import numpy as np
 
 from fusion.made import made, path
 from trecsim.errors import InputError
+from trecsim.feed import Feed
 from trecsim.lab.simulation.scene import room_scene, simulate
-from trecsim.pipeline import Feed, live
+from trecsim.pipeline import live
 from trecsim.sinks import Sinks
 from trecsim.sources.streams import PosesStream
 from trecsim.tracking import Follower, Tally
@@ -200,7 +201,10 @@ def test_a_fusion_that_fails_is_told_and_begins_anew_with_new_identities(monkeyp
     faults, snapshots = [], Kept()
     feed = Feed([source(name) for name in SCENE.rig.names], fault=faults.append)
     live(feed, SCENE.rig, Sinks([snapshots]))
-    assert [str(fault) for fault in faults] == ["a fault in the fusion"]
+    assert [str(fault) for fault in faults] == [
+        "the fusion failed and begins anew: ZeroDivisionError: a fault in the fusion"
+    ]
+    assert isinstance(faults[0].__cause__, ZeroDivisionError)
     assert feed.restarts == 1
     assert {int(i) for s in snapshots.items[:19] for i in s.id} == {0}
     assert {int(i) for s in snapshots.items[-10:] for i in s.id} == {1}

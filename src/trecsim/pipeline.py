@@ -13,16 +13,15 @@ Recordings are read in the order of their time stamps, so the result is always t
 sources are read as they deliver, and none waits for another.
 """
 
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypedDict, cast
+from typing import TypedDict
 
 from trecsim.callbacks import Progress
 from trecsim.errors import Error, InputError
-from trecsim.estimators import Estimator2D
+from trecsim.feed import CrashError, Feed
 from trecsim.fusion import FusionSettings
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.warmup import warm_up
@@ -30,8 +29,7 @@ from trecsim.geometry import Rig
 from trecsim.sinks import Sinks
 from trecsim.skeleton import COCO17
 from trecsim.sources import read_poses
-from trecsim.sources.base import Arrival, Source
-from trecsim.sources.camera_mailbox import Fault, Mailbox, deliver
+from trecsim.sources.base import Arrival
 from trecsim.sources.usable import usable
 from trecsim.store.atomic import partial_path
 from trecsim.store.parquet_file import TracksInfo
@@ -39,7 +37,7 @@ from trecsim.store.rig_digest import rig_sha256
 from trecsim.store.timing_csv import TimingWriter
 from trecsim.store.tracks import kept_of, tracks_writer
 from trecsim.tracking import Follower, Tally, logger
-from trecsim.values import Frame, Poses2D, Snapshot
+from trecsim.values import Poses2D, Snapshot
 
 LIVE_DELAY_S = 0.1  # a live frame set waits this long for a camera that is late
 
@@ -166,62 +164,6 @@ def track(
     )
 
 
-class Feed:
-    """Live 2D poses: sources side by side, and the estimator if they deliver images.
-
-    Nothing is read before `arrivals` is.
-
-    Parameters
-    ----------
-    sources
-        Each is read in a thread of its own.
-    estimator
-        Finds the 2D poses if the sources deliver images.
-    fault
-        Is told what ended a source or failed on an image, in another thread; logged if None.
-
-    Attributes
-    ----------
-    restarts
-        How often the fusion of these poses failed and began anew.
-    is_read
-        Whether the sources are read now.
-    """
-
-    def __init__(
-        self,
-        sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]],
-        estimator: Estimator2D | None = None,
-        fault: Fault | None = None,
-    ) -> None:
-        self.fault = fault or _log_fault
-        self.restarts = 0
-        self.is_read = False
-        self._sources, self._estimator = sources, estimator
-        self._boxes: list[Mailbox[Poses2D] | Mailbox[Frame]] = []
-
-    @property
-    def dropped(self) -> Counter[str]:
-        """How many images of each camera were dropped, as nobody had time for them."""
-        return sum((Counter(box.dropped) for box in self._boxes), Counter())
-
-    def arrivals(self) -> Iterator[Arrival[Poses2D]]:
-        """Begin to read the sources; yield 2D poses as they come, and that none comes."""
-        self.is_read = True
-        if self._estimator is None:
-            poses: Mailbox[Poses2D] = Mailbox(depth=16)
-            self._boxes = [poses]
-            deliver(cast(Sequence[Source[Poses2D]], self._sources), poses, self.fault)
-            return poses.arrivals()
-        from trecsim.estimators.pool import estimate_live
-
-        frames: Mailbox[Frame] = Mailbox(depth=1)  # an image that waits only gets older
-        deliver(cast(Sequence[Source[Frame]], self._sources), frames, self.fault)
-        poses = estimate_live(frames, self._estimator, self.fault)
-        self._boxes = [frames, poses]
-        return poses.arrivals()
-
-
 def live(
     feed: Feed,
     rig: Rig,
@@ -233,6 +175,7 @@ def live(
     stop: Callable[[], bool] = lambda: False,
     tally: Tally | None = None,
     first_id: int = 0,
+    silence: bool = True,
 ) -> None:
     """Track people in 3D from live sources until all end, or `stop` says so.
 
@@ -262,6 +205,8 @@ def live(
         Is kept up to date.
     first_id
         Identity of the first person.
+    silence
+        Whether to log that a camera is silent; not where somebody else watches the cameras.
     """
     tally = tally if tally is not None else Tally()
     warm_up(losing=True)  # a kernel that is compiled later would stop everything for seconds
@@ -276,6 +221,7 @@ def live(
             step=sinks.take_step,
             first_id=first_id,
             provisional=True,
+            silence=silence,
         )
         try:
             flow(arrivals, follower, sinks)
@@ -283,10 +229,9 @@ def live(
             feed.is_read = False
             raise
         except Exception as error:  # the boundary of the fusion: people are tracked anew
-            logger.exception("the fusion failed, and begins anew")
             feed.restarts += 1
             first_id = follower.next_id
-            feed.fault(error)
+            feed.fault(_failed(error))
         else:
             feed.is_read = False
 
@@ -300,8 +245,10 @@ def _until(
             return
 
 
-def _log_fault(error: Exception) -> None:
-    logger.error("%s", error)
+def _failed(error: Exception) -> CrashError:
+    fault = CrashError(f"the fusion failed and begins anew: {type(error).__name__}: {error}")
+    fault.__cause__ = error
+    return fault
 
 
 @dataclass(frozen=True, slots=True)

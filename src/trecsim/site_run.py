@@ -11,7 +11,8 @@ from pathlib import Path
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
-from trecsim.pipeline import Feed, flow, live, recorded
+from trecsim.feed import Feed
+from trecsim.pipeline import flow, live, recorded
 from trecsim.resuming import Later, stored_before
 from trecsim.run_sinks import live_sinks, recorded_sinks
 from trecsim.run_summary import SUMMARY, RunSummary, gaps_before, write_summary
@@ -158,6 +159,7 @@ def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -
         stop=watch.is_over,
         tally=watch.tally,
         first_id=watch.stored.next_person,
+        silence=False,  # whoever runs a site watches its cameras
     )
 
 

@@ -49,11 +49,10 @@ class Tally:
     remarks: list[str] = field(default_factory=list)
     _recent: OrderedDict[int, None] = field(default_factory=OrderedDict, repr=False)
 
-    def remark(self, texts: Iterable[str]) -> None:
+    def remark(self, text: str) -> None:
         """Log what does not fit, and keep it."""
-        for text in texts:
-            logger.warning("%s", text)
-            self.remarks.append(text)
+        logger.warning("%s", text)
+        self.remarks.append(text)
 
     def add(self, step: StepTiming, identities: Iterable[int]) -> None:
         """Count one frame set and the people that were there after it."""
@@ -138,6 +137,8 @@ class Follower:
         Identity of the first person.
     provisional
         Whether tracks that are not confirmed yet are reported, too.
+    silence
+        Whether to log that a camera is silent; not where somebody else watches the cameras.
 
     Raises
     ------
@@ -156,6 +157,7 @@ class Follower:
         step: Callable[[StepTiming], None] = lambda step: None,
         first_id: int = 0,
         provisional: bool = False,
+        silence: bool = True,
     ) -> None:
         self._tracker = Tracker(
             rig, settings, lag_s=lag_s, first_id=first_id, provisional=provisional
@@ -163,8 +165,10 @@ class Follower:
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
-        self._buffer = FrameSetBuffer(offsets_s, max_delay_s=max_delay_s)
         self._tally = tally if tally is not None else Tally()
+        self._buffer = FrameSetBuffer(
+            offsets_s, max_delay_s=max_delay_s, remark=self._tally.remark, silence=silence
+        )
         self._tell_step = step
         self._given_s = math.nan
         self._highest_id = first_id - 1
@@ -217,7 +221,7 @@ class Follower:
             Whether all images came, and no error ended them.
         """
         yield from self._steps(self._buffer.flush())
-        self._tally.remark(self._consistency.end(complete=complete))
+        self._remark(self._consistency.end(complete=complete, misdated=self._buffer.misdated))
 
     def _steps(self, frame_sets: Iterable[FrameSet]) -> Iterator[Snapshot]:
         for frame_set in frame_sets:
@@ -233,10 +237,14 @@ class Follower:
             self._tally.add(step, confirmed.id.tolist())
             self._highest_id = max(self._highest_id, snapshot.id.max(initial=-1))
             self._tell_step(step)
-            self._tally.remark(self._consistency.observe(frame_set, confirmed))
+            self._remark(self._consistency.observe(frame_set, confirmed))
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s
                 yield snapshot
+
+    def _remark(self, texts: Iterable[str]) -> None:
+        for text in texts:
+            self._tally.remark(text)
 
     def _waited_s(self, frame_set: FrameSet) -> float:
         """Return how long the newest image of a frame set waited for the others [s]."""

@@ -122,11 +122,27 @@ def test_an_image_that_waits_is_given_when_the_stream_ends():
 
 
 def test_a_camera_that_falls_silent_and_comes_back_is_remarked_once_each(caplog):
-    run(delivered(8.0, stalls=[("b", 2.0, 6.0)]))
-    silent, late, again = caplog.messages
-    assert silent == "camera 'b' has delivered no image for 1.42 s"
-    assert late.startswith("camera 'b' delivers 3.96 s late")
-    assert again == "camera 'b' delivers images again"
+    run(delivered(8.0, stalls=[("b", 2.0, 6.0)]))  # what waited in the camera comes late: no remark
+    assert caplog.messages == [
+        "camera 'b' has delivered no image for 1.42 s",
+        "camera 'b' delivers images again",
+    ]
+
+
+def test_where_somebody_else_watches_the_cameras_silence_is_not_remarked(caplog):
+    run(delivered(8.0, stalls=[("b", 2.0, 6.0)]), silence=False)
+    assert caplog.messages == []
+
+
+def test_a_camera_that_is_late_without_having_been_silent_is_remarked_once():
+    remarks = []
+    pairs = [
+        (at, image("b", one.t_s - 3.0) if one.camera == "b" and at > 2.0 else one)
+        for at, one in delivered(6.0)
+    ]
+    run(pairs, remark=remarks.append)
+    (text,) = remarks
+    assert text.startswith("camera 'b' delivers 2.96 s late, after the other cameras' images")
 
 
 def test_short_pauses_are_not_remarked(caplog):

@@ -64,7 +64,7 @@ def demo(
         seconds = SECONDS
     shown = DemoScene(scene, people, cameras, seed)
     ready = prepare(out, seconds, shown)
-    with demo_page(out, json=json) as page, stopping_in_order() as stop:
+    with stopping_in_order() as stop, demo_page(out, json=json) as page:
         compile_first(quiet=json)
         if seconds is None:
             note("the demo goes on until Ctrl-C")

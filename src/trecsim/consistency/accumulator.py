@@ -2,6 +2,7 @@
 
 import math
 from collections import deque
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
 from trecsim.consistency import judge, nobody, pixels, spans, told
@@ -94,13 +95,15 @@ class Consistency:
             return self._examine(final=False)
         return []
 
-    def end(self, *, complete: bool = True) -> list[str]:
+    def end(self, *, complete: bool = True, misdated: Collection[str] = ()) -> list[str]:
         """Return what remains to be said at the end of a run.
 
         Parameters
         ----------
         complete
             Whether all images came. If an error ended the run, it explains why nobody was found.
+        misdated
+            Cameras of which is known, and was said, that their images come at wrong times.
         """
         found = self._examine(final=True)
         delivered = {
@@ -108,16 +111,21 @@ class Consistency:
             for name, span in zip(self.rig.names, self._spans, strict=True)
             if span.images
         }
-        found += self._clocks()
-        text = spans.apart(delivered, self.limit.fewest_images)
+        found += self._clocks(misdated)
+        dated = {name: span for name, span in delivered.items() if name not in misdated}
+        text = spans.apart(dated, self.limit.fewest_images)
         found += [] if text is None else [text]
-        if complete and not self._anybody and not self._said and text is None:
+        explained = bool(self._said) or text is not None
+        if misdated and sum(span.with_people > 0 for span in delivered.values()) > 1:
+            explained = True
+        if complete and not self._anybody and not explained:
             found.append(nobody.why(delivered, self.rig, self._frame_sets, self._together))
         return found
 
-    def _clocks(self) -> list[str]:
+    def _clocks(self, misdated: Collection[str]) -> list[str]:
         """Return what is odd about the times of cameras that did not agree with the others."""
-        hints = {c: told.clock_hint(c, self._spans) for c in sorted(self._odd)}
+        known = {c for name, c in self._place.items() if name in misdated}
+        hints = {c: told.clock_hint(c, self._spans) for c in sorted(self._odd - known)}
         return [told.clock(self.rig.names[c], hint) for c, hint in hints.items() if hint]
 
     def _due(self, t_s: float) -> bool:

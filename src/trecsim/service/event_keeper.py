@@ -5,7 +5,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from threading import Condition, Thread
-from types import TracebackType
 from typing import Any, Protocol, Self
 
 from trecsim.errors import Error, InputError
@@ -71,12 +70,7 @@ class EventKeeper:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *ending: object) -> None:
         with self._changed:
             self._ending = True
             self._changed.notify()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from threading import Event, Thread
 from typing import Self
 
-from trecsim.health import DOWN_S, Health
+from trecsim.health import DOWN_S, CameraHealth, Health
 from trecsim.service.systemd import notify
 
 logger = logging.getLogger(__name__)
@@ -71,14 +71,21 @@ def _in_a_line(health: Health) -> str:
     return f"{len(health.cameras)} cameras, {health.fusion.people} people"
 
 
-class FaultLog:
-    """Writes a line when something fails, and when it works again.
+NAMED_S = 5.0  # by then a source that watches its camera has said what is wrong with it
 
-    What has not worked yet is told `DOWN_S` after the start.
+
+class FaultLog:
+    """Writes a line when a camera or the fusion fails, and when it works again.
+
+    Each fault has one place that logs it. A source that knows what is wrong with its camera has
+    logged that, and a recorder its disk; here is logged what nobody else names: a camera without
+    images whose source finds nothing wrong, and a fusion that stands still. What has not worked yet
+    is logged `DOWN_S` after the start.
     """
 
     def __init__(self) -> None:
-        self._faults: frozenset[str] = frozenset()
+        self._silent: set[str] = set()
+        self._fusion: str | None = None
         self._began_s: float | None = None
 
     def __call__(self, health: Health) -> None:
@@ -88,9 +95,27 @@ class FaultLog:
         if not health.is_well and health.t_s - self._began_s < DOWN_S:
             return
         self._began_s = -math.inf
-        faults = frozenset(health.faults)
-        for fault in sorted(faults - self._faults):
-            logger.warning("%s", fault)
-        for fault in sorted(self._faults - faults):
-            logger.warning("no longer: %s", fault)
-        self._faults = faults
+        self._note_fusion(health.fusion.said)
+        for name, camera in health.cameras.items():
+            if camera.age_s is not None or health.fusion.state != "starting":  # they are read
+                self._note_camera(name, camera)
+
+    def _note_camera(self, name: str, camera: CameraHealth) -> None:
+        if camera.state in ("live", "ended"):
+            if name in self._silent:
+                logger.warning("camera %r delivers images again", name)
+            self._silent.discard(name)
+        elif camera.fault is None and name not in self._silent:
+            if camera.age_s is None:
+                logger.warning("camera %r has delivered no image yet", name)
+            elif camera.age_s >= NAMED_S:
+                logger.warning("camera %r has delivered no image for %.1f s", name, camera.age_s)
+            else:
+                return
+            self._silent.add(name)
+
+    def _note_fusion(self, fault: str | None) -> None:
+        if fault == self._fusion:
+            return
+        logger.warning("%s", fault or "the fusion works again")
+        self._fusion = fault

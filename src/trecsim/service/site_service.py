@@ -12,11 +12,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
+from trecsim.feed import Feed
 from trecsim.geometry import Rig
 from trecsim.health import Health
 from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
-from trecsim.pipeline import Feed
 from trecsim.run_summary import RunSummary
 from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES

@@ -4,17 +4,21 @@ Nothing is resampled and nothing waits for a common clock: a frame set is only t
 images reach the fusion, where each enters at its own time.
 """
 
+import logging
 import math
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
 from dataclasses import replace
 
+from trecsim.callbacks import Remark
 from trecsim.errors import Error
 from trecsim.sync.camera_queue import LEARN_INTERVALS
 from trecsim.sync.stream_remarks import LATE_S, StreamRemarks
 from trecsim.sync.stream_time import StreamTime
 from trecsim.sync.waiting_images import WaitingImages
 from trecsim.values import FrameSet, Poses2D
+
+logger = logging.getLogger(__name__)
 
 LEARN_S = 1.0  # so long the periods are learnt, or for LEARN_INTERVALS, if that comes first
 MAX_WAITING = 4096  # images; a camera that floods us cannot fill the memory
@@ -98,6 +102,10 @@ class FrameSetBuffer:
     ----------
     offsets_s, window_s, max_delay_s
         As for `frame_sets`.
+    remark
+        Is told, once for each camera, that its images are late or ahead of the others'.
+    silence
+        Whether to log that a camera is silent; not where somebody else watches the cameras.
 
     Examples
     --------
@@ -116,6 +124,9 @@ class FrameSetBuffer:
         offsets_s: Mapping[str, float] | None = None,
         window_s: float | None = None,
         max_delay_s: float = 1.0,
+        *,
+        remark: Remark = logger.warning,
+        silence: bool = True,
     ) -> None:
         self._offsets_s = offsets_s or {}
         if max_delay_s > 0.0 and self._offsets_s:  # they disturb the order a recording came in
@@ -125,11 +136,16 @@ class FrameSetBuffer:
         self._count = 0
         self._time: StreamTime[str] = StreamTime()
         self._waiting = WaitingImages(self._time, window_s, max_delay_s)
-        self._misdated: deque[Poses2D] = deque()
+        self._apart: deque[Poses2D] = deque()
         self._newest: tuple[float, float] | None = None  # stamp of the newest set, and its arrival
         self._given_s = -math.inf
         self._learning = True
-        self._remarks = StreamRemarks()
+        self._remarks = StreamRemarks(remark, silence=silence)
+
+    @property
+    def misdated(self) -> Set[str]:
+        """Cameras whose images were late or ahead of the others'."""
+        return self._remarks.misdated
 
     def add(self, image: Poses2D, arrived_s: float | None = None) -> Iterator[FrameSet]:
         """Take in one image; yield the sets that are closed now.
@@ -178,11 +194,10 @@ class FrameSetBuffer:
 
     def _add(self, image: Poses2D, arrived_s: float | None) -> None:
         late_s = self._given_s - image.t_s
-        if late_s > max(LATE_S, self._max_delay_s):
-            self._remarks.late(image.camera, late_s)
-        self._remarks.delivers(image.camera)
+        is_late = late_s > max(LATE_S, self._max_delay_s)
+        self._remarks.delivers(image.camera, late_s if is_late else None)
         camera = self._waiting.of(image.camera)
-        self._misdated.extend(camera.pop_misdated(image))
+        self._apart.extend(camera.pop_misdated(image))
         time = self._time.note(image.camera, image.t_s, arrived_s)
         camera.add(image, time.own_s, time.heard_s)
         self._count += 1
@@ -193,7 +208,7 @@ class FrameSetBuffer:
 
     def _can_close(self) -> bool:
         """Tell whether no image is missing in the oldest set, or none is worth waiting for."""
-        if self._misdated:
+        if self._apart:
             return True
         if not self._count or (self._learning and self._count < MAX_WAITING):
             return False
@@ -201,9 +216,9 @@ class FrameSetBuffer:
 
     def _take(self) -> FrameSet:
         """Return the oldest set, complete or not, or images that are far ahead of the others."""
-        if self._misdated:
+        if self._apart:
             self._count -= 1
-            return FrameSet(self._misdated[0].t_s, (self._misdated.popleft(),))
+            return FrameSet(self._apart[0].t_s, (self._apart.popleft(),))
         taken = self._waiting.take()
         self._count -= len(taken)
         views = tuple(one.image for one in taken)
