@@ -82,6 +82,18 @@ def test_a_source_that_fails_is_told_and_the_others_go_on():
     assert len(snapshots.items[-1].id) == 1
 
 
+def test_a_silent_camera_is_logged_here_only_where_no_service_watches_it(caplog):
+    def live_once(**options):
+        caplog.clear()
+        sources = [source(FIRST, 0.4), *map(source, SCENE.rig.names[1:])]
+        live(Feed(sources), SCENE.rig, Sinks(), **options)
+        return [one for one in caplog.messages if "no image" in one]
+
+    (said,) = live_once()
+    assert said.startswith(f"camera {FIRST!r} has delivered no image for 1.")
+    assert live_once(silence=False) == []
+
+
 def test_it_ends_when_it_is_told_to_even_if_every_camera_is_silent():
     never = Event()
     tally = Tally()

@@ -2,6 +2,7 @@
 
 import logging
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -173,6 +174,23 @@ def test_a_camera_that_is_late_does_not_agree_and_its_beginning_tells_why(longer
     text = only(in_order(changed(longer.poses, later(8.0), "cam2")), longer.rig)
     assert text.startswith("camera 'cam2' does not agree with the others on where people are")
     assert "its images begin 8.01 s after the others', so that its clock or time_offset_s" in text
+
+
+@pytest.mark.parametrize("by_s", [3.0, 60.0, -3.0])
+@pytest.mark.parametrize("from_s", [0.0, 3.0])
+def test_a_wrong_clock_is_one_remark_whoever_notices_it(good, caplog, by_s, from_s):
+    poses = [
+        later(by_s)(one) if one.camera == "cam2" and one.t_s >= from_s else one
+        for one in good.poses
+    ]
+    (text,), people = remarks(poses, good.rig)  # in order of arrival: sync and consistency see it
+    assert people == 3
+    assert caplog.messages == [text]
+    ahead, late = (
+        r"camera 'cam2' is (\d+|\d\.\d+) s ahead of",
+        r"camera 'cam2' delivers \d\.\d+ s late",
+    )
+    assert re.match(ahead if by_s > 0.0 else late, text), text
 
 
 def test_a_camera_of_half_the_rate_is_told_by_its_number_of_images(longer):

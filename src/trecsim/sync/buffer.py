@@ -22,6 +22,7 @@ logger = logging.getLogger(__name__)
 
 LEARN_S = 1.0  # so long the periods are learnt, or for LEARN_INTERVALS, if that comes first
 MAX_WAITING = 4096  # images; a camera that floods us cannot fill the memory
+LOOK_EVERY_S = 0.02  # so often live cameras are looked at for silence
 EMPTY_EVERY_S = 0.1  # of live cameras that are all silent, an empty set tells so often
 
 
@@ -139,6 +140,7 @@ class FrameSetBuffer:
         self._apart: deque[Poses2D] = deque()
         self._newest: tuple[float, float] | None = None  # stamp of the newest set, and its arrival
         self._given_s = -math.inf
+        self._looked_s = -math.inf
         self._learning = True
         self._remarks = StreamRemarks(remark, silence=silence)
 
@@ -173,7 +175,7 @@ class FrameSetBuffer:
             The present, by the clock of arrivals [s].
         """
         self._time.move_on(arrived_s)
-        self._remarks.silence(self._waiting.cameras, self._time, self._max_delay_s)
+        self._look_for_silence()
         yield from self._closed()
         if self._newest is None or self._count or not self._time.all_silent():
             return
@@ -201,10 +203,17 @@ class FrameSetBuffer:
         time = self._time.note(image.camera, image.t_s, arrived_s)
         camera.add(image, time.own_s, time.heard_s)
         self._count += 1
+        if arrived_s is not None:
+            self._look_for_silence()
         if self._learning:
             elapsed_s = self._time.elapsed_s
             known = len(camera.intervals_s) >= LEARN_INTERVALS or elapsed_s >= LEARN_S
             self._learning = not known or elapsed_s < self._max_delay_s
+
+    def _look_for_silence(self) -> None:
+        if self._time.elapsed_s - self._looked_s >= LOOK_EVERY_S:
+            self._looked_s = self._time.elapsed_s
+            self._remarks.silence(self._waiting.cameras, self._time, self._max_delay_s)
 
     def _can_close(self) -> bool:
         """Tell whether no image is missing in the oldest set, or none is worth waiting for."""
@@ -223,10 +232,18 @@ class FrameSetBuffer:
         self._count -= len(taken)
         views = tuple(one.image for one in taken)
         if self._are_ahead(views):
-            self._remarks.ahead(views[0].camera, views[0].t_s - self._given_s)
+            self._remarks.ahead(views[0].camera, self._lead_s(views))
             return FrameSet(views[-1].t_s, views)
         self._newest = views[-1].t_s, taken[-1].heard_s
         return FrameSet(self._time_of(views[-1].t_s), views)
+
+    def _lead_s(self, views: tuple[Poses2D, ...]) -> float:
+        """Return how far ahead of the newest set, or else of the other cameras, images are [s]."""
+        if math.isfinite(self._given_s):
+            return views[0].t_s - self._given_s
+        own = {view.camera for view in views}
+        others = self._waiting.cameras.items()
+        return views[0].t_s - max(one.last_s for name, one in others if name not in own)
 
     def _are_ahead(self, views: tuple[Poses2D, ...]) -> bool:
         """Tell whether these images' cameras run further ahead than late images explain."""
