@@ -62,7 +62,7 @@ def _is_expected(text: str, state: State) -> bool:
     return (
         "GPU stall" in text
         or ("401" in text and not situation.signed_in)
-        or ("SyntaxError" in text and situation.broken)
+        or ("Unexpected identifier" in text and situation.broken)
     )
 
 

@@ -56,14 +56,18 @@ function cameraVerb(alert: Alert): string {
 }
 
 const AGAIN = { camera: "Picture", fusion: "Results", store: "Recorded" };
-const STAYS = "The alert ends once this has lasted.";
+const LASTS = {
+  camera: "The alert ends when pictures have come for a while.",
+  fusion: "The alert ends when results have come for a while.",
+  store: "The alert ends when this has lasted for a while.",
+};
 
 /** Return what a fault means, and for how long it has lasted. */
 export function faultLine(alert: Alert, now: number): string {
   const part = alert.part ?? "camera";
   const lasted = Math.max(0, (alert.end ?? now) - alert.start);
   if (alert.end !== null) return `${AGAIN[part]} ${part === "store" ? "again" : "back"} after ${duration(lasted)}.`;
-  if (alert.back) return STAYS;
+  if (alert.back) return LASTS[part];
   const reason = why(alert) ? `: ${why(alert)}` : "";
   const long = Number.isFinite(alert.start) ? `for ${whole(lasted)}` : "since the start";
   switch (part) {

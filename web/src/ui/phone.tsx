@@ -85,7 +85,7 @@ function About(
       <p>
         {people === undefined
           ? "People unknown."
-          : `${count(people, "person", "people")} here, ${behind(state)}.`}
+          : `${people === 0 ? "Nobody is" : count(people, "person", "people")} here, ${behind(state)}.`}
       </p>
       {real.length > 0 && (
         <dl class="real">
@@ -127,7 +127,7 @@ function Rows({ shop }: { shop: Store }) {
           </span>
         </li>
       ))}
-      <li><Icon name="camera" />{bad.length ? "Other cameras" : "Cameras"}<span class="end">{good} live</span></li>
+      <li><Icon name="camera" />{bad.length ? "Other cameras" : "Cameras"}<span class="end">{cameras.length ? `${good} live` : "None yet"}</span></li>
     </ul>
   );
 }

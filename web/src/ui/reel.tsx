@@ -1,6 +1,6 @@
 // The time that Review replays: its lanes and its controls.
 
-import { useRef, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { Icon } from "./icons.tsx";
 import { Drawn } from "./planview.tsx";
 import { useStore } from "./use.ts";
@@ -21,6 +21,7 @@ export function Lanes({ span, alert }: { span: Span | null; alert: Alert | null 
   const dragging = useRef(false);
   const latest = useRef({ span, alert });
   latest.current = { span, alert };
+  useEffect(() => store.draw(), [span?.from, span?.to, alert]);
   const zone = shop.state.site?.timezone ?? "UTC";
   const at = (event: PointerEvent) => {
     const area = box.current?.getBoundingClientRect();

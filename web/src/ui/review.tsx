@@ -45,7 +45,7 @@ export function Review() {
     if (!Number.isFinite(start)) return;
     store.set({ playing: true });
     store.go({ t: start }, true);
-  }, [films, subject, t]);
+  }, [films, subject, t, alert?.id, recording?.id]);
 
   useEffect(() => {
     if (!films || t === null) return;
@@ -111,7 +111,7 @@ function Why({ alert, recording }: { alert: Alert | null; recording: Recording |
           <p>
             {recording
               ? `${day(recording.from_s, zone)} ${clock(recording.from_s, zone)} to ${clock(recording.to_s, zone)}, ${count(recording.people, "person", "people")}. Joints only: no picture is kept.`
-              : "Choose an alert or a recording on the left. What stands here then: why an alert fired, whether it is real, and its times."}
+              : "Choose an alert or a recording. Then stands here why an alert fired, whether it is real, and its times."}
           </p>
         </div>
       </aside>
