@@ -5,13 +5,17 @@ PYTHON ?= python3
 BIN := .venv/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
-# Where arrays live, shapes, dtypes and types are checked at every call while the tests run. Not
-# where the doors are: what comes in there may be anything, and is refused with better words.
+# Where arrays live, shapes, dtypes and types are checked while the tests run: at the first 2000
+# calls of each test, in test-random at every call. Not where the doors are: what comes in there may
+# be anything, and is refused with better words.
 SHAPES := trecsim.values,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimators.pool,$\
   trecsim.fusion,trecsim.store,trecsim.lab.simulation,trecsim.lab.evaluation,trecsim.lab.plots,$\
   trecsim.lab.report,trecsim.lab.study.design,trecsim.lab.study.resampling,$\
   trecsim.lab.study.default_rank,trecsim.lab.study.inference
+
+# Tests start many processes, each of which would compile all modules again.
+unexport PYTHONDONTWRITEBYTECODE
 
 PYTEST := $(BIN)/python -m pytest --quiet --numprocesses=auto --dist=worksteal $\
   --jaxtyping-packages=$(SHAPES),shape_checker.check

@@ -1,11 +1,14 @@
 """Fixtures for all tests."""
 
+import math
+import os
 from pathlib import Path
 from typing import IO
 
 import pytest
 from hypothesis import settings
 
+import shape_checker
 from often import DAILY, NIGHTLY
 
 # Machines are shared and kernels compile at their first call: time says nothing about a law.
@@ -16,6 +19,22 @@ settings.register_profile(
 )
 settings.register_profile("random", deadline=None, print_blob=True, max_examples=NIGHTLY)
 settings.load_profile("repeatable")
+
+
+@pytest.hookimpl(optionalhook=True)  # of pytest-xdist, for --numprocesses=auto
+def pytest_xdist_auto_num_workers() -> int:
+    """Run one process more than there are processors: many tests wait most of their time."""
+    return (os.cpu_count() or 1) + 1
+
+
+SHAPE_CHECKS = 2000  # of each test; nightly runs make them all
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    """Check the shapes of the first calls of a test, its fixtures included."""
+    nightly = settings.default.max_examples >= NIGHTLY
+    shape_checker.allow(math.inf if nightly else SHAPE_CHECKS)
 
 
 collect_ignore = ["servers"]  # run by the system's Python, which has GStreamer
