@@ -47,7 +47,7 @@ page: | $(BIN)/python  ## Build the operator page, if its sources are newer (nee
 page-pictures: .venv/installed-test page  ## Picture the operator page for the docs with Chromium (minutes).
 	$(BIN)/python benchmarks/page_pictures.py --docs
 
-test-random: .venv/installed-test  ## Run all tests with property tests drawn anew, as a nightly run does.
+test-random: .venv/installed-test  ## Run all tests as a nightly run does: examples drawn anew, more of everything.
 	$(BIN)/python tests/compile_kernels.py
 	$(PYTEST) --hypothesis-profile=random
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import settings
 
 import shape_checker
-from often import DAILY, NIGHTLY
+from often import DAILY, NIGHTLY, is_nightly
 
 # Machines are shared and kernels compile at their first call: time says nothing about a law.
 # Examples are the same in every run, so that a change alone decides whether tests pass; nightly
@@ -33,8 +33,7 @@ SHAPE_CHECKS = 2000  # of each test; nightly runs make them all
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup() -> None:
     """Check the shapes of the first calls of a test, its fixtures included."""
-    nightly = settings.default.max_examples >= NIGHTLY
-    shape_checker.allow(math.inf if nightly else SHAPE_CHECKS)
+    shape_checker.allow(math.inf if is_nightly() else SHAPE_CHECKS)
 
 
 collect_ignore = ["servers"]  # run by the system's Python, which has GStreamer

@@ -6,6 +6,11 @@ NIGHTLY = 100  # examples of a property that says nothing else, in nightly runs
 DAILY = 25  # and in others: they are the same in every run, so that more of them find little
 
 
+def is_nightly() -> bool:
+    """Tell whether this is `make test-random`, which may take its time."""
+    return settings.default.max_examples >= NIGHTLY
+
+
 def often(count: int) -> int:
     """Return `count` in nightly runs (`make test-random`), in others a quarter of it."""
     return -(-count * settings.default.max_examples // NIGHTLY)
