@@ -5,6 +5,7 @@ import socket
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ import pytest
 from made_cameras import MadeCamera
 from made_rigs import ring
 from rtsp_servers import SIZE_PX, rtsp_camera
-from trecsim import cli
+from trecsim import cli, site_doctor
 from trecsim.calibration import write_rig
 from trecsim.doctor import Finding
 from trecsim.geometry import Rig
@@ -61,8 +62,9 @@ def test_the_clock_of_a_camera_is_told(tmp_path: Path) -> None:
 
 
 def test_a_port_in_use_and_a_camera_that_is_off_make_the_command_fail(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(site_doctor, "examine_site", partial(examine_site, look_s=2.0))
     with closing(socket.create_server(("127.0.0.1", 0))) as taken:
         port = taken.getsockname()[1]
         path = site(tmp_path, f'[sources.cam0]\ndevice = "/dev/none"\n[page]\nport = {port}\n')
