@@ -4,9 +4,12 @@ import asyncio
 import socket
 from typing import Any
 
+import httpx
 import pytest
+from starlette.responses import PlainTextResponse
 
 from made_page import event, next_of, run_apart, running_page
+from trecsim.page import policy
 from trecsim.page import stream as stream_module
 from trecsim.page.address import PageAddress
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
@@ -67,6 +70,21 @@ def test_rates_forget_who_asked_longest_ago_rather_than_grow() -> None:
         rates.allows(str(number))
     assert rates.allows("first")  # it was forgotten
     assert not rates.allows(str(KEYS_KEPT - 1))
+
+
+def test_somebody_who_asks_too_often_is_told_to_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(policy, "REQUESTS_AT_ONCE", 3.0)
+    monkeypatch.setattr(policy, "REQUESTS_PER_S", 0.0)
+    page = policy.Policy(PlainTextResponse("here"), PageAddress())
+
+    async def ask() -> list[httpx.Response]:
+        transport = httpx.ASGITransport(page)
+        async with httpx.AsyncClient(transport=transport, base_url="http://localhost") as client:
+            return [await client.get("/") for _ in range(5)]
+
+    answers = run_apart(ask())
+    assert [one.status_code for one in answers] == [200, 200, 200, 429, 429]
+    assert answers[-1].headers["Retry-After"] == "1"
 
 
 def test_the_log_keeps_the_newest_events_each_once() -> None:
