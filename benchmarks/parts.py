@@ -15,9 +15,8 @@ import numpy as np
 from harness.switching import replaced
 from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
-from trecsim.fusion.association import Association, associate
 from trecsim.fusion.images import Images, prepare
-from trecsim.fusion.kernels import FREE, TAKEN, Bones
+from trecsim.fusion.kernels import Bones
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
@@ -94,23 +93,16 @@ def _inlier(*_: Any) -> float:
     return 1e300  # odds
 
 
-def _hard(*arguments: Any) -> Association:
-    soft = associate(*arguments)
-    return replace(soft, responsibility=(soft.match >= 0).astype(np.float64))
+def _all(*_: Any) -> float:
+    return 1.0
 
 
 def _two_cameras(people: Any, *_: Any) -> Any:
     return np.full(len(people), 2, np.int64)
 
 
-def _confirmed_by_time(people: Any, model: Model, _t_s: float) -> None:
-    people.confirmed |= people.two_view_duration_s >= model.settings.confirm_s - 1e-9
-
-
-def _nobody_is_lonely(tracker: Any, images: Images, association: Association) -> Any:
-    owner = np.full(len(images.xy_px), FREE, np.int64)
-    owner[association.match[association.match >= 0]] = TAKEN
-    return owner, int((owner == FREE).sum())
+def _all_trusted(two_view_s: Any, _swap_evidence: Any) -> Any:
+    return np.full(two_view_s.shape, np.inf)
 
 
 def _at_one_time(*arguments: Any) -> Images:
@@ -160,7 +152,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
         Part("mirrored people turned round", "who began mirrored stays mirrored",
              changes={"evidence.unmirror": _nothing}),
         Part("soft responsibilities of people", "a detection is wholly the person's it goes to",
-             changes={"association.associate": _hard}),
+             changes={"kernels.matching.responsibility": _all}),
         Part("tempered responsibilities", "17 key points are worth 17 independent ones",
              changes={"kernels.matching.TEMPER": 1.0}),
         Part("EM steps", "one step instead of three",
@@ -200,7 +192,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"birth._absorb": _nothing}),
         Part("confirmation", "everybody is reported at once", {"confirm_s": NEVER}),
         Part("three cameras at once", "they too must agree for `confirm_s`",
-             changes={"lifecycle.confirm": _confirmed_by_time}),
+             changes={"kernels.presence.SURE_CAMERAS": ALWAYS}),
         Part("two cameras sure at once", "they too must agree for `confirm_s`",
              changes={"birth.SURE_BIRTH_SCORE": ALWAYS}),
         Part("expected visibility", "it never matters how many cameras should see somebody",
@@ -209,7 +201,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
              changes={"kernels.visibility_kernels.hidden_share": _none}),
         Part("doubt", "one of many cameras keeps somebody alive", {"single_view_death_s": ALWAYS}),
         Part("lonely people looked at again", "whom one camera sees stays where it is",
-             changes={"tracker.Tracker._owners": _nobody_is_lonely}),
+             changes={"kernels.updating.trusted_two_view_s": _all_trusted}),
         Part("recall", "nobody gets an old identity back", {"reidentify_s": NEVER}),
         Part("duplicates", "two tracks of one person both stay", {"duplicate_m": NEVER}),
     ),

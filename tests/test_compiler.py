@@ -18,11 +18,11 @@ PACKAGE = Path(trecsim.__file__).parent
 SOURCES = [*sorted((PACKAGE / "fusion" / "kernels").glob("*.py"))]
 SOURCES += sorted((PACKAGE / "lab" / "simulation" / "kernels").glob("*.py"))
 
-# A kernel calls one of another file, which uses a constant of a third.
+# A kernel calls one of another file, which uses a constant of a third. Python calls both.
 PROBE = """
 import numpy as np
-from trecsim.probes.caller import total
-print(float(total(np.arange(3.0))))
+from trecsim.probes.caller import shared, total
+print(float(total(np.arange(3.0)) + shared(0.0)))
 """
 FILES = {
     "__init__.py": "",
@@ -55,7 +55,8 @@ def copy(tmp_path: Path) -> Path:
     package = tmp_path / "trecsim"
     (package / "probes").mkdir(parents=True)
     (package / "__init__.py").write_text("", encoding="utf-8")
-    shutil.copy(PACKAGE / "compiler.py", package)
+    for name in ("compiler.py", "kernel_entries.py"):
+        shutil.copy(PACKAGE / name, package)
     shutil.copytree(PACKAGE / "geometry", package / "geometry")
     for name, text in FILES.items():
         (package / "probes" / name).write_text(text, encoding="utf-8")

@@ -15,7 +15,7 @@ import pickle
 import shutil
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache, partial
 from pathlib import Path
@@ -30,6 +30,8 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from platformdirs import user_cache_path
 
+from trecsim.kernel_entries import Signature
+
 # Folders of compiled code of other versions of the sources that are kept, for switching branches.
 _OTHERS_KEPT = 3
 _PREFIX = "kernels-"
@@ -38,23 +40,23 @@ _PREFIX = "kernels-"
 def kernel(function: Callable[..., Any] | None = None, *, allocates: bool = False) -> Any:
     """Compile a function that Python calls, when it is first called, and keep the result.
 
+    Other kernels may call it too, as an `inner` one.
+
     Parameters
     ----------
     function
-        A function of numbers and arrays. It may call other kernels, and use constants of its own
-        folder, of a module `tuning` beside that and of `trecsim.geometry`; a test checks that
-        kernels import nothing else of this package.
+        A function of numbers, arrays and groups of arrays (NamedTuples). It may call other kernels,
+        and use constants of its own folder, of a module `tuning` beside that and of
+        `trecsim.geometry`; a test checks that kernels import nothing else of this package.
     allocates
         Whether it makes arrays of its own. The others need no code that counts references to
         arrays, which takes a tenth of the compile time.
     """
-    if function is None:
-        return partial(kernel, allocates=allocates)
-    plain = inspect.unwrap(function)  # of the tests' check of shapes, which wraps all functions
-    compiled = _compiled(plain, _nrt=allocates)
-    if not config.DISABLE_JIT:
-        compiled._cache = KernelCache(plain)  # what `enable_caching` does with numba's own
-    return compiled
+    return (
+        partial(_kernel, Kernel, allocates)
+        if function is None
+        else _kernel(Kernel, allocates, function)
+    )
 
 
 def inner(function: Callable[..., Any] | None = None, *, allocates: bool = False) -> Any:
@@ -68,14 +70,33 @@ def inner(function: Callable[..., Any] | None = None, *, allocates: bool = False
     function, allocates
         As for `kernel`; `allocates` also if it is given new arrays by a function that makes them.
     """
-    if function is None:
-        return partial(inner, allocates=allocates)
-    plain = inspect.unwrap(function)
+    return (
+        partial(_kernel, InnerKernel, allocates)
+        if function is None
+        else _kernel(InnerKernel, allocates, function)
+    )
+
+
+def _kernel(kind: type, allocates: bool, function: Callable[..., Any]) -> Any:
+    plain = inspect.unwrap(function)  # of the tests' check of shapes, which wraps all functions
     compiled = _compiled(plain, no_cpython_wrapper=True, _nrt=allocates)
     if not config.DISABLE_JIT:
-        compiled.__class__ = InnerKernel
+        compiled.__class__ = kind
         compiled._compiler.__class__ = _Translator
+        compiled.allocates = allocates or kind is InnerKernel
     return compiled
+
+
+def _entry(kernel: Any, arguments: Sequence[Any]) -> Any:
+    """Return what Python calls to run `kernel` with arguments such as these."""
+    plain = kernel.py_func
+    signature = Signature(plain.__name__, arguments)
+    flat = signature.flat(kernel, plain.__module__) if signature.has_groups else plain
+    entry = _compiled(flat, _nrt=kernel.allocates)
+    # What `enable_caching` does with numba's own.
+    entry._cache = KernelCache(plain, signature.entry)
+    kernel.entry = entry
+    return signature.grouping(entry) if signature.has_groups else entry
 
 
 def _compiled(function: Callable[..., Any], **options: Any) -> Any:
@@ -94,12 +115,17 @@ class InnerKernel(CPUDispatcher):  # type: ignore[misc]  # numba gives it no typ
 
     Numba would optimise it and make machine code of it by itself. Here it is only translated, then
     optimised as a part of the kernels that call it.
+
+    Attributes
+    ----------
+    entry
+        What is compiled for calls from Python; absent before the first.
     """
 
     def __call__(self, *arguments: Any) -> Any:
         """Call the version for Python."""
         if "for_python" not in self.__dict__:
-            self.for_python = kernel(self.py_func, allocates=True)
+            self.for_python = _entry(self, arguments)
         return self.for_python(*arguments)
 
     def add_overload(self, cres: CompileResult) -> None:
@@ -107,6 +133,10 @@ class InnerKernel(CPUDispatcher):  # type: ignore[misc]  # numba gives it no typ
         cres = cres._replace(entry_point=object())
         self.targetctx.insert_user_function(cres.entry_point, cres.fndesc, [cres.library])
         self.overloads[tuple(cres.signature.args)] = cres
+
+
+class Kernel(InnerKernel):
+    """A kernel that the product calls from Python."""
 
 
 class _Translator(_FunctionCompiler):  # type: ignore[misc]  # numba gives it no type
@@ -147,15 +177,17 @@ class KernelCache:
     ----------
     function
         The kernel's Python function.
+    entry
+        Source of the function that Python calls.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], entry: str) -> None:
         source = Path(inspect.getfile(function))
         self._sources = source.parent
         self._digest = digest_of(source.parent)
         self._folder = cache_folder(source.parent)
         self._name = f"{source.stem}.{function.__qualname__}"
-        self._bytecode = function.__code__.co_code
+        self._code = function.__code__.co_code, entry
         self._enabled = True
 
     @property
@@ -205,7 +237,7 @@ class KernelCache:
 
     def _path(self, sig: Any, codegen: Any) -> Path:
         assert self._folder is not None
-        key = repr((sig, codegen.magic_tuple(), numba.__version__, self._bytecode))
+        key = repr((sig, codegen.magic_tuple(), numba.__version__, self._code))
         return self._folder / f"{self._name}-{hashlib.sha256(key.encode()).hexdigest()[:20]}.nbc"
 
 

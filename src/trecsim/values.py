@@ -11,7 +11,8 @@ from jaxtyping import Bool, Float64, Int64, Shaped, UInt8
 
 PROVISIONAL, CONFIRMED, COASTING = "provisional", "confirmed", "coasting"
 """States of a person in a `Snapshot`."""
-_STATES = np.array([COASTING, CONFIRMED])
+STATES = np.array([COASTING, CONFIRMED])
+"""The states by whether any camera supports the person."""
 
 
 def _not_given() -> np.ndarray:
@@ -151,7 +152,7 @@ class Snapshot:
         if self.velocity_cov_m2ps2.ndim != 4:
             object.__setattr__(self, "velocity_cov_m2ps2", np.full(self.cov_m2.shape, np.nan))
         if self.state.dtype.kind != "U":
-            object.__setattr__(self, "state", _STATES.take(self.support.any(axis=1)))
+            object.__setattr__(self, "state", STATES.take(self.support.any(axis=1)))
 
     def __repr__(self) -> str:
         people = ", ".join(map(str, self.id[:_LISTED].tolist()))

@@ -23,6 +23,14 @@ def matched(match, flip=None):
     return kernels.Matches(match, flip, np.ones(match.shape))
 
 
+LIMITS = kernels.Limits(confirm_s=0.15, death_s=0.5, single_view_death_s=1.5, duplicate_m=0.25)
+
+
+def believed(n=1):
+    """Return that nothing speaks against the tracks."""
+    return kernels.Doubts(np.zeros(n), np.zeros(n))
+
+
 SEEDS = st.integers(0, 2**32 - 1)
 
 
@@ -81,7 +89,7 @@ def test_who_lives_on(last_s, two_s, confirmed, expected, lives):
     alive = np.empty(1, bool)
     kernels.survive_all(
         sightings(np.array([[last_s, -np.inf]]), np.array([two_s])), np.array([confirmed]),
-        np.array([expected]), np.zeros((1, 17, 3)), 10.0, (0.5, 1.5), alive,
+        believed(), np.array([expected]), np.zeros((1, 17, 3)), 10.0, LIMITS, alive,
     )  # fmt: skip
     assert alive[0] == lives
 
@@ -95,7 +103,7 @@ def test_where_somebody_should_be_seen_is_asked_only_of_those_whose_life_hangs_o
 ):
     out = np.empty(1, bool)
     seen = sightings(np.array([[last_s, -np.inf]]), np.array([two_s]))
-    some = kernels.ask_all(seen, 10.0, (0.5, 1.5), out)
+    some = kernels.ask_all(seen, 10.0, LIMITS, out)
     assert out[0] == asked
     assert some == asked
 
@@ -105,7 +113,40 @@ def test_a_body_that_is_not_finite_dies():
     x[0, 4, 1] = np.inf
     alive = np.empty(1, bool)
     kernels.survive_all(
-        sightings(np.full((1, 2), 10.0), np.array([10.0])), np.array([True]), np.array([2]), x,
-        10.0, (0.5, 1.5), alive,
+        sightings(np.full((1, 2), 10.0), np.array([10.0])), np.array([True]), believed(),
+        np.array([2]), x, 10.0, LIMITS, alive,
     )  # fmt: skip
     assert not alive[0]
+
+
+def judged(camera_s, redundant_count, confirmed, n_compared):
+    n = len(camera_s)
+    x = np.zeros((n, 17, 3))
+    x[:, :, 0] = 0.1 * np.arange(n)[:, None]
+    expected, asked, alive = np.empty(n, np.int64), np.empty(n, bool), np.empty(n, bool)
+    told = kernels.judge_all(
+        sightings(camera_s, np.full(n, 10.0)), confirmed,
+        kernels.Doubts(np.zeros(n), redundant_count), x, MODEL.torso, n_compared, 10.0, LIMITS,
+        expected, asked, alive,
+    )  # fmt: skip
+    return told, expected.tolist(), asked.tolist(), alive.tolist()
+
+
+def test_tracks_are_judged_at_once_and_the_new_ones_are_no_duplicates():
+    camera_s = np.array([[10.0, 10.0, 10.0], [10.0, 10.0, 9.0]])
+    confirmed = np.zeros(2, bool)
+    told, expected, asked, alive = judged(camera_s, np.array([0.0, 3.0]), confirmed, 1)
+    assert told == (False, False, False)
+    assert confirmed.tolist() == [True, False]  # three cameras see the first
+    assert expected == [2, 2]
+    assert asked == [False, False]
+    assert alive == [True, False]  # others explain the second
+    told, *_ = judged(camera_s, np.zeros(2), confirmed, 2)
+    assert told == (True, False, True)
+
+
+def test_whose_last_image_is_old_is_asked_for():
+    told, _, asked, alive = judged(np.array([[9.7], [10.0]]), np.zeros(2), np.ones(2, bool), 0)
+    assert told == (False, True, True)
+    assert asked == [True, False]
+    assert alive == [True, True]

@@ -11,8 +11,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.images import Images
-from trecsim.fusion.kernels import Matches, Prediction
+from trecsim.fusion.kernels import Matches
 from trecsim.fusion.model import Model
 from trecsim.fusion.tuning import GATE_M
 
@@ -39,30 +38,6 @@ class Association:
     def matches(self) -> Matches:
         """The same as the kernels take it, each image for what it tells by itself."""
         return Matches(self.match, self.flip, self.responsibility)
-
-
-def associate(
-    model: Model,
-    images: Images,
-    prediction: Prediction,
-) -> Association:
-    """Assign the detections of every image to the tracks.
-
-    Parameters
-    ----------
-    model
-        Constants of the run.
-    images
-        The frame set.
-    prediction
-        The tracks at each image's time.
-    """
-    shape = (len(prediction.cov_m2), len(images))
-    matches = Matches(np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(shape))
-    kernels.associate_all(
-        model.cameras, model.noise, images.measurements, prediction, GATE_M, matches
-    )
-    return Association(*matches)
 
 
 def score(

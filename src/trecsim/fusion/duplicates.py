@@ -3,7 +3,6 @@
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
@@ -21,9 +20,20 @@ class Duplicates:
         return len(self._since_s)
 
     def found(
-        self, people: Population, model: Model, association: Association, t_s: float
+        self,
+        people: Population,
+        model: Model,
+        association: Association,
+        t_s: float,
+        some_close: bool,
     ) -> list[int]:
-        """Return the indices of the tracks that are duplicates of older ones at `t_s`."""
+        """Return the indices of the tracks that are duplicates of older ones at `t_s`.
+
+        `some_close` tells whether any two of them are close at all.
+        """
+        if not some_close:
+            self._since_s.clear()
+            return []
         pairs = duplicate_pairs(people, model, association)
         younger = {(int(people.id[i]), int(people.id[k])): k for i, k in pairs}
         self._since_s = {pair: self._since_s.get(pair, t_s) for pair in younger}
@@ -38,10 +48,7 @@ def duplicate_pairs(
     Only tracks that the association knows are compared.
     """
     known = len(association.match)
-    torso_m = people.xyz_m[:known]
-    if not kernels.any_close(torso_m, model.torso, model.settings.duplicate_m):
-        return []
-    torso_m = torso_m[:, model.torso]
+    torso_m = people.xyz_m[:known, model.torso]
     distance_m = np.linalg.norm(torso_m[:, None] - torso_m[None], axis=-1).mean(axis=-1)
     first, second = np.nonzero(np.triu(distance_m < model.settings.duplicate_m, k=1))
     seen = association.match >= 0

@@ -148,7 +148,7 @@ def first_states(births: Sequence[Birth], t_s: float, live: int, model: Model) -
             birth.xyz_m,
             np.where(np.isfinite(birth.candidate.xyz_m[:, 0]), FIRST_SIGMA_M, GUESSED_SIGMA_M),
             FIRST_SPEED_MPS * model.settings.knot_s,
-            model.stiffness,
+            model.motion.stiffness,
         )
     return people
 

@@ -1,6 +1,7 @@
 """Confirmation and death of tracks (thesis section 3.6.4)."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Int64
@@ -8,29 +9,39 @@ from jaxtyping import Bool, Int64
 from trecsim.fusion import kernels
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.tuning import REDUNDANT_CHECKS
 
 
-def confirm(people: Population, model: Model, t_s: float) -> None:
-    """Confirm, in place, tracks that two cameras have supported long enough, or three do now."""
-    kernels.confirm_all(
-        people.last_seen_s, people.two_view_duration_s, t_s, model.settings.confirm_s,
-        people.confirmed,
-    )  # fmt: skip
+class Judgement(NamedTuple):
+    """Which tracks live on.
+
+    Attributes
+    ----------
+    is_alive, all_alive
+        Whether each lives on, and whether all do.
+    some_close
+        Whether any two tracks are close to each other.
+    """
+
+    is_alive: Bool[np.ndarray, " track"]
+    all_alive: bool
+    some_close: bool
 
 
-def expected_cameras(
+def judge(
     people: Population,
     model: Model,
+    n_compared: int,
     looking: Callable[[], Bool[np.ndarray, " cam"]],
     t_s: float,
-) -> Int64[np.ndarray, " track"]:
-    """Return how many of the cameras that deliver images should detect each person.
+) -> Judgement:
+    """Confirm tracks, in place, and tell which live on.
 
     Parameters
     ----------
     people, model
         Tracks, and constants of the run.
+    n_compared
+        Only so many tracks, the first, may be duplicates of each other.
     looking
         Returns which cameras deliver images; called only if a track may die.
     t_s
@@ -38,35 +49,8 @@ def expected_cameras(
 
     Notes
     -----
-    A camera should detect a person whose torso is in its raw image and whom no nearer person hides
-    for the most part. This is worked out only for tracks that may die of it; for others it is two.
-    It is -1 where nearer people hide the person from every camera that has it in view.
-    """
-    s, n = model.settings, len(people)
-    asked, expected = np.empty(n, bool), np.full(n, 2, np.int64)
-    if kernels.ask_all(people.sightings, t_s, (s.death_s, s.single_view_death_s), asked):
-        kernels.expect_all(
-            model.lenses, model.silhouette, looking(), model.torso, people.xyz_m, asked, expected
-        )
-    return expected
+    A track is confirmed that two cameras have supported long enough, or that three do now.
 
-
-def survivors(
-    people: Population, model: Model, expected: Int64[np.ndarray, " track"], t_s: float
-) -> Bool[np.ndarray, " track"]:
-    """Return which tracks live on.
-
-    Parameters
-    ----------
-    people, model
-        Tracks, and constants of the run.
-    expected
-        See `expected_cameras`.
-    t_s
-        Time of the frame set [s].
-
-    Notes
-    -----
     A provisional track dies unless two cameras support it again within a quarter of a second. A
     confirmed one dies
 
@@ -75,10 +59,46 @@ def survivors(
     - when for `single_view_death_s` only one of three or more cameras that should detect it does;
     - when other tracks explain all of its detections in `REDUNDANT_CHECKS` checks.
     """
-    s = model.settings
-    alive = np.empty(len(people), bool)
-    kernels.survive_all(
-        people.sightings, people.confirmed, expected, people.xyz_m, t_s,
-        (s.death_s, s.single_view_death_s), alive,
+    n = len(people)
+    expected, asked, alive = np.empty(n, np.int64), np.empty(n, bool), np.empty(n, bool)
+    close, some_asked, all_alive = kernels.judge_all(
+        people.sightings, people.confirmed, people.doubts, people.xyz_m, model.torso, n_compared,
+        t_s, model.limits, expected, asked, alive,
     )  # fmt: skip
-    return alive & (people.redundant_count < REDUNDANT_CHECKS)
+    if some_asked:
+        expected = expected_cameras(people, model, looking(), asked)
+        all_alive = kernels.survive_all(
+            people.sightings, people.confirmed, people.doubts, expected, people.xyz_m, t_s,
+            model.limits, alive,
+        )  # fmt: skip
+    return Judgement(alive, all_alive, close)
+
+
+def expected_cameras(
+    people: Population,
+    model: Model,
+    looking: Bool[np.ndarray, " cam"],
+    asked: Bool[np.ndarray, " track"],
+) -> Int64[np.ndarray, " track"]:
+    """Return how many of the cameras that deliver images should detect each person.
+
+    Parameters
+    ----------
+    people, model
+        Tracks, and constants of the run.
+    looking
+        Which cameras deliver images.
+    asked
+        For which tracks it matters.
+
+    Notes
+    -----
+    A camera should detect a person whose torso is in its raw image and whom no nearer person hides
+    for the most part. This is worked out only for tracks that may die of it; for others it is two.
+    It is -1 where nearer people hide the person from every camera that has it in view.
+    """
+    expected = np.full(len(people), 2, np.int64)
+    kernels.expect_all(
+        model.lenses, model.silhouette, looking, model.torso, people.xyz_m, asked, expected
+    )
+    return expected

@@ -5,11 +5,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Int64
 
 from trecsim.fusion import body, undistortion, visibility
 from trecsim.fusion.body import UsualBody
-from trecsim.fusion.kernels import Bones, Cameras, Lenses, Limbs, Noise, Silhouette, Undistortion
+from trecsim.fusion.kernels import (
+    Bones,
+    Cameras,
+    Lenses,
+    Limbs,
+    Limits,
+    Motion,
+    Noise,
+    Silhouette,
+    Undistortion,
+)
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
 from trecsim.skeleton import Skeleton
@@ -33,8 +43,10 @@ class Model:
         Parameters that decide which camera has whom in view, and who hides whom.
     noise
         Measurement model of the detector.
-    stiffness
-        Weight of the smoothing prior, per joint.
+    motion
+        What is assumed of how people move.
+    limits
+        Settings that decide which tracks are reported and which end.
     bones
         The limbs of the skeleton and their usual lengths, for births.
     body
@@ -54,7 +66,8 @@ class Model:
     lenses: Lenses
     silhouette: Silhouette
     noise: Noise
-    stiffness: Float64[np.ndarray, " joint"]
+    motion: Motion
+    limits: Limits
     bones: Bones
     body: UsualBody
     limbs: Limbs
@@ -64,7 +77,7 @@ class Model:
 def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
     """Derive the constants of a run."""
     usual = body.usual_body(skeleton)
-    torso = [i for i, name in enumerate(skeleton.joints) if name.endswith(("shoulder", "hip"))]
+    torso = _torso(skeleton)
     return Model(
         rig=rig,
         skeleton=skeleton,
@@ -80,11 +93,31 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         lenses=visibility.lenses(rig),
         silhouette=visibility.silhouette(skeleton),
         noise=_noise(skeleton, settings),
-        stiffness=body.stiffness(skeleton, settings),
+        motion=_motion(skeleton, settings, torso),
+        limits=Limits(
+            settings.confirm_s, settings.death_s, settings.single_view_death_s, settings.duplicate_m
+        ),
         bones=Bones(np.ascontiguousarray(usual.joints[usual.bone]), usual.length_m[usual.bone]),
         body=usual,
         limbs=Limbs(usual.joints, usual.slack_m**2, body.contact_height_m(skeleton)),
-        torso=np.array(torso or range(len(skeleton.joints)), np.int64),
+        torso=torso,
+    )
+
+
+def _torso(skeleton: Skeleton) -> Int64[np.ndarray, " joint_of_torso"]:
+    torso = [i for i, name in enumerate(skeleton.joints) if name.endswith(("shoulder", "hip"))]
+    return np.array(torso or range(len(skeleton.joints)), np.int64)
+
+
+def _motion(
+    skeleton: Skeleton, s: FusionSettings, torso: Int64[np.ndarray, " joint_of_torso"]
+) -> Motion:
+    return Motion(
+        stiffness=body.stiffness(skeleton, s),
+        torso=torso,
+        own_memory=math.exp(-s.knot_s / s.velocity_memory_s),
+        coasting_memory=math.exp(-s.knot_s / s.coasting_memory_s),
+        error_memory_s=s.error_memory_s,
     )
 
 

@@ -1,16 +1,19 @@
 """All tracks as arrays: the state of the fusion."""
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.fusion.kernels import Bodies, Sightings, Trajectories
+from trecsim.fusion.kernels import Bodies, Doubts, Sightings, Trajectories, Who
 
 
-@dataclass(slots=True, eq=False)
+@dataclass(eq=False)
 class Population:
     """The tracks; the first axis of every array is the track.
+
+    What the arrays hold changes with every frame set; other arrays make another population.
 
     Attributes
     ----------
@@ -65,23 +68,33 @@ class Population:
     limb_m2: Float64[np.ndarray, "track limb"]
     ground_level: Float64[np.ndarray, "track 2"]
 
-    @property
+    @cached_property
     def trajectories(self) -> Trajectories:
         """The trajectories, and the joints at the time of the last frame set."""
         return Trajectories(self.R, self.z, self.c, self.xyz_m, self.cov_m2)
 
-    @property
+    @cached_property
     def bodies(self) -> Bodies:
         """What is learnt of the bodies."""
         return Bodies(self.limb_m, self.limb_m2, self.ground_level)
 
-    @property
+    @cached_property
     def sightings(self) -> Sightings:
         """When cameras supported the tracks."""
         return Sightings(
             self.last_seen_s, self.joint_last_seen_s, self.last_two_view_s,
             self.two_view_duration_s, self.mirrored_duration_s,
         )  # fmt: skip
+
+    @cached_property
+    def doubts(self) -> Doubts:
+        """What speaks against the tracks."""
+        return Doubts(self.swap_evidence, self.redundant_count)
+
+    @cached_property
+    def who(self) -> Who:
+        """Whom the tracks follow."""
+        return Who(self.id, self.born_s, self.confirmed)
 
     @classmethod
     def empty(cls, n_joint: int, live: int, n_cam: int, n_limb: int) -> "Population":

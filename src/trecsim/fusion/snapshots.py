@@ -1,20 +1,17 @@
 """Snapshots: evaluate the trajectories at one time."""
 
 from collections.abc import Sequence
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels import Bodies
+from trecsim.fusion.kernels import Now, Reported
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
-from trecsim.fusion.support import support
 from trecsim.fusion.tuning import SAME_S
-from trecsim.values import PROVISIONAL, Snapshot
+from trecsim.values import PROVISIONAL, STATES, Snapshot
 
 
 def snapshot_of(
@@ -62,37 +59,26 @@ def _joined(parts: Sequence[Snapshot]) -> Snapshot:
 def _part(
     people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model, provisional: bool
 ) -> Snapshot:
-    reported = people.born_s <= t_s + SAME_S
-    if not provisional:
-        reported &= people.confirmed
-    everybody = bool(reported.all())
-    who = reported.nonzero()[0]
-
-    def rows(values: Any) -> Any:
-        # NumPy takes rows by `take` in a third of the time that an index needs.
-        return values if everybody else values.take(who, axis=0)
-
-    xyz_m, cov_m2 = people.xyz_m, people.cov_m2
-    if t_s != now_s:
-        xyz_m, cov_m2 = evaluated(people.c, grid, [t_s])[0], np.empty(people.cov_m2.shape)
-        kernels.covariance_all(people.R, grid.knot_time(t_s), cov_m2)
-    elif everybody:  # what is reported is changed below, what is known is not
-        xyz_m, cov_m2 = xyz_m.copy(), cov_m2.copy()
-    velocity_mps, velocity_cov_m2ps2 = velocity(people, grid, t_s)
-    joints = rows(xyz_m), rows(cov_m2), rows(velocity_cov_m2ps2)
-    bodies = people.bodies if everybody else Bodies(*map(rows, people.bodies))
-    kernels.report_all(
-        model.cameras, model.noise, model.limbs, bodies, rows(people.joint_last_seen_s), t_s,
-        joints,
+    n, n_joint = people.xyz_m.shape[:2]
+    out = Reported(
+        np.empty(n, np.int64), np.empty((n, n_joint, 3)), np.empty((n, n_joint, 3, 3)),
+        np.empty((n, n_joint, 3)), np.empty((n, n_joint, 3, 3)), np.empty((n, n_joint), np.int64),
+        np.empty(n, np.int64),
     )  # fmt: skip
-    found = Snapshot(
-        t_s, people.id.take(who), joints[0], joints[1], rows(support(people, t_s)),
-        velocity_mps=rows(velocity_mps), velocity_cov_m2ps2=joints[2],
+    n_reported = kernels.snapshot_all(
+        model.cameras, model.noise, model.limbs, people.who, people.trajectories, people.bodies,
+        people.joint_last_seen_s, Now(t_s, 0.0, *grid.place), (provisional, t_s == now_s), out,
     )  # fmt: skip
-    confirmed = people.confirmed.take(who)
-    if confirmed.all():
-        return found
-    return replace(found, state=np.where(confirmed, found.state, PROVISIONAL))
+    if n_reported < n:
+        out = Reported(*(values[:n_reported] for values in out))
+    state = STATES.take(out.is_supported)
+    if provisional:
+        confirmed = people.confirmed[people.born_s <= t_s + SAME_S]
+        state = state if confirmed.all() else np.where(confirmed, state, PROVISIONAL)
+    return Snapshot(
+        t_s, out.id, out.xyz_m, out.cov_m2, out.support, velocity_mps=out.velocity_mps,
+        velocity_cov_m2ps2=out.velocity_cov_m2ps2, state=state,
+    )  # fmt: skip
 
 
 def velocity(

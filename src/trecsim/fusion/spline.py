@@ -8,9 +8,6 @@ are in `trecsim.fusion.kernels.curve`.
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-from jaxtyping import Float64
-
 ORDER = 4
 
 
@@ -59,15 +56,19 @@ class KnotGrid:
         last_span = self.first + self.live - ORDER
         return max(0, math.floor((t_s - self.origin_s) / self.knot_s) - last_span)
 
+    @property
+    def place(self) -> tuple[float, float, int]:
+        """The grid as the kernels take it: time of knot 0, distance, oldest live control point."""
+        return self.origin_s, self.knot_s, self.first
+
     def moved_to(self, t_s: float) -> "KnotGrid":
         """Return the grid moved on just far enough to reach `t_s`."""
-        steps = self.steps_to(t_s)
+        return self.moved_on(self.steps_to(t_s))
+
+    def moved_on(self, steps: int) -> "KnotGrid":
+        """Return the grid moved on by so many knots."""
         return replace(self, first=self.first + steps) if steps else self
 
     def knot_time(self, t_s: float) -> float:
         """Return `t_s` in knots since the oldest live one, as the kernels take it."""
         return (t_s - self.origin_s) / self.knot_s - self.first
-
-    def knot_times(self, t_s: Float64[np.ndarray, " time"]) -> Float64[np.ndarray, " time"]:
-        """Return `knot_time` of several times."""
-        return np.array([self.knot_time(one_s) for one_s in t_s.tolist()], np.float64)

@@ -9,18 +9,19 @@ from jaxtyping import Float64, Int64
 
 from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
-from trecsim.fusion.association import Association, associate
+from trecsim.fusion.association import Association
 from trecsim.fusion.duplicates import Duplicates, is_duplicate
+from trecsim.fusion.fitting import Step, Update
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
+from trecsim.fusion.kernels import Now
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import Identities, dead_tracks
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
-from trecsim.fusion.support import update_support
-from trecsim.fusion.tuning import CHECK_S, SAME_S, SUPPORT_S, UNASSIGNED_S
+from trecsim.fusion.tuning import CHECK_S, SAME_S, UNASSIGNED_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
@@ -119,12 +120,10 @@ class Tracker:
         if not views and (frame_set.views or self._grid is None):
             return self._snapshot(self._clocks.now_s if self._grid else frame_set.t_s)
         elapsed_s = max(0.0, self._t_s - before_s) if math.isfinite(before_s) else 0.0
-        self._advance(self._t_s)
         images = prepare(views, self._model)
-        association = self._update(images, min(elapsed_s, JUMP_S))
-        replaced = self._start_tracks(images, association)
-        lifecycle.confirm(self._people, self._model, self._t_s)
-        self._end_tracks(association, replaced)
+        update = self._update(images, min(elapsed_s, JUMP_S))
+        replaced = self._start_tracks(images, update)
+        self._end_tracks(update.association, replaced)
         return self._snapshot(self._t_s)
 
     @property
@@ -172,40 +171,37 @@ class Tracker:
             view for view, t, good in zip(views, t_s, use, strict=True) if good and t >= start_s
         ]
 
-    def _advance(self, t_s: float) -> None:
-        """Move the knot grid on to `t_s`; append control points to all trajectories as needed."""
-        s = self._model.settings
-        if self._grid is None:
-            self._grid = KnotGrid(t_s - (self._live - ORDER) * s.knot_s, s.knot_s, self._live)
-        fitting.extend(self._people, self._grid, t_s, self._model)
-        self._grid = self._grid.moved_to(t_s)
-
-    def _update(self, images: Images, elapsed_s: float) -> Association:
-        """Associate detections with the existing tracks, and fit these to them."""
+    def _update(self, images: Images, elapsed_s: float) -> Update:
+        """Move the knot grid on, and take the images into the existing tracks."""
         people, m, t_s = self._people, self._model, self._t_s
+        if self._grid is None:
+            knot_s = m.settings.knot_s
+            self._grid = KnotGrid(t_s - (self._live - ORDER) * knot_s, knot_s, self._live)
+        appended = self._grid.steps_to(t_s)
+        self._grid = self._grid.moved_on(appended)
         cam, taken_s = images.cam.tolist(), images.t_s.tolist()
         since_s = self._clocks.since_s(cam, taken_s)
-        prediction = fitting.predict(people, images, self._knots, t_s)
-        association = associate(m, images, prediction)
-        inlier = fitting.fit(people, images, association, prediction, m, since_s)
-        update_support(people, images, association, inlier, t_s, elapsed_s)
-        if t_s - self._checked_s >= CHECK_S:
+        check = t_s - self._checked_s >= CHECK_S
+        if check:
             self._checked_s = t_s
-            evidence.check_matches(people, images, association, prediction.xyz_m, m)
-        fitting.constrain(people, prediction.now, m, t_s, elapsed_s)
-        evidence.unmirror(people, m)
+        step = Step(Now(t_s, elapsed_s, *self._grid.place), since_s, appended)
+        update = fitting.update(people, images, step, m, check=check)
+        if update.is_mirrored:
+            evidence.unmirror(people, m)
         self._clocks.note(cam, taken_s)
-        return association
+        return update
 
-    def _start_tracks(self, images: Images, association: Association) -> set[int]:
+    def _start_tracks(self, images: Images, update: Update) -> set[int]:
         """Start tracks where unassigned detections of two or more cameras meet.
 
         Return the existing tracks that new ones replace. A track that only one camera supports may
         have drifted, and the detections of one may be of two people: such detections count as
         unassigned, too.
         """
-        pool, owner = self._open_detections(images, association)
         replaced: set[int] = set()
+        if not update.n_open and not len(self._unassigned):
+            return replaced
+        pool, owner = self._open_detections(images, update)
         if not len(pool):
             self._unassigned = pool
             return replaced
@@ -224,7 +220,7 @@ class Tracker:
             free[candidate.member] = False
             own_views = np.isin(images.cam, pool.cam[candidate.member])
             if not owners and is_duplicate(
-                self._people, xyz_m[self._model.torso], own_views, association, self._model
+                self._people, xyz_m[self._model.torso], own_views, update.association, self._model
             ):
                 continue
             identity, known = self._identify(xyz_m, unnamed)
@@ -236,33 +232,20 @@ class Tracker:
         return replaced
 
     def _open_detections(
-        self, images: Images, association: Association
+        self, images: Images, update: Update
     ) -> tuple[Detections, Int64[np.ndarray, " person"]]:
         """Return the detections that may start a track, and the track that each would replace.
 
         That is an index, or `FREE`. Unassigned detections of earlier frame sets come first.
         """
-        owner, n_open = self._owners(images, association)
         old = self._unassigned
         if len(old):
             old = old.still_open(images.cam, self._t_s - UNASSIGNED_S)
-        if not n_open:
+        if not update.n_open:
             return old, np.full(len(old), kernels.FREE)
-        open_ = owner != kernels.TAKEN
-        owner = np.concatenate([np.full(len(old), kernels.FREE), owner[open_]])
+        open_ = update.owner != kernels.TAKEN
+        owner = np.concatenate([np.full(len(old), kernels.FREE), update.owner[open_]])
         return old.joined(images.detections(open_)), owner
-
-    def _owners(
-        self, images: Images, association: Association
-    ) -> tuple[Int64[np.ndarray, " person"], int]:
-        """Return whose each detection is, and how many may start a track.
-
-        That is the index of a track that may be replaced, `FREE` or `TAKEN`.
-        """
-        owner = np.empty(len(images.xy_px), np.int64)
-        two_view_s = evidence.trusted_two_view_s(self._people)
-        n_open = kernels.owners(association.match, two_view_s, self._t_s, SUPPORT_S, owner)
-        return owner, n_open
 
     def _add(self, births: Sequence[Birth], pool: Detections) -> None:
         """Add new tracks, all in one fit to their detections in `pool`."""
@@ -273,9 +256,8 @@ class Tracker:
         # Their images have just been noted, so they weigh little here: the first place is theirs
         # already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
-        prediction = fitting.predict(people, images, self._knots, self._t_s)
-        inlier = fitting.fit(people, images, association, prediction, self._model, since_s)
-        update_support(people, images, association, inlier, self._t_s, 0.0)
+        step = Step(Now(self._t_s, 0.0, *self._knots.place), since_s)
+        fitting.fit(people, images, association, step, self._model)
         self._people = self._people.joined(people)
 
     def _identify(
@@ -292,13 +274,16 @@ class Tracker:
         return self._identities.identify(xyz_m[self._model.torso].mean(axis=0), self._t_s)
 
     def _end_tracks(self, association: Association, replaced: set[int]) -> None:
-        """Delete tracks that are dead, duplicates or replaced."""
+        """Confirm tracks; delete those that are dead, duplicates or replaced."""
         people = self._people
-        duplicates = self._duplicates.found(people, self._model, association, self._t_s)
-        expected = lifecycle.expected_cameras(people, self._model, self._clocks.looking, self._t_s)
-        stays = lifecycle.survivors(people, self._model, expected, self._t_s)
-        if not duplicates and not replaced and stays.all():
+        n_compared, looking = len(association.match), self._clocks.looking
+        found = lifecycle.judge(people, self._model, n_compared, looking, self._t_s)
+        duplicates = self._duplicates.found(
+            people, self._model, association, self._t_s, found.some_close
+        )
+        if not duplicates and not replaced and found.all_alive:
             return
+        stays = found.is_alive
         alive = np.ones(len(people), bool)
         alive[[*replaced, *duplicates]] = False
         died = ~stays & alive

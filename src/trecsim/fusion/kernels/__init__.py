@@ -12,12 +12,19 @@ from trecsim.fusion.kernels.groups import (
     Bodies,
     Bones,
     Cameras,
+    Doubts,
+    Limits,
     Matches,
     Measurements,
+    Motion,
+    Now,
     Prediction,
     Rays,
+    Reported,
     Sightings,
+    Taken,
     Trajectories,
+    Who,
 )
 from trecsim.fusion.kernels.information import (
     control_points,
@@ -47,11 +54,14 @@ from trecsim.fusion.kernels.presence import (
     ask_all,
     confirm_all,
     count_since,
+    judge_all,
     note_support,
     survive_all,
 )
 from trecsim.fusion.kernels.reported_covariance import report_all
+from trecsim.fusion.kernels.snapshot_kernels import snapshot_all
 from trecsim.fusion.kernels.undistortion_kernels import Undistortion, undistort
+from trecsim.fusion.kernels.updating import update_all
 from trecsim.fusion.kernels.velocity import velocity_all
 from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, expect_all
 
@@ -61,18 +71,25 @@ __all__ = [
     "Bodies",
     "Bones",
     "Cameras",
+    "Doubts",
     "Lenses",
     "Limbs",
+    "Limits",
     "Matches",
     "Measurements",
+    "Motion",
     "Noise",
+    "Now",
     "Observed",
     "Prediction",
     "Rays",
+    "Reported",
     "Sightings",
     "Silhouette",
+    "Taken",
     "Trajectories",
     "Undistortion",
+    "Who",
     "age",
     "any_close",
     "ask_all",
@@ -91,6 +108,7 @@ __all__ = [
     "fold_row",
     "image_covariance",
     "inlier_odds",
+    "judge_all",
     "locate",
     "located",
     "match_view",
@@ -107,8 +125,10 @@ __all__ = [
     "responsibility",
     "score_view",
     "scratch",
+    "snapshot_all",
     "start_all",
     "survive_all",
     "undistort",
+    "update_all",
     "velocity_all",
 ]

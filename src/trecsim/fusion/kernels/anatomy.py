@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.body_equations import Shifts, gather
 from trecsim.fusion.kernels.cholesky import cholesky, invert_cholesky, joint_block, solve_cholesky
 from trecsim.fusion.kernels.curve import BLOCK, locate, point
@@ -220,7 +220,7 @@ def relax_body(person, body, n_seen, limbs, moment, tmp):
             apply_body(joint, known[i], d[i], moment, tmp)
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def constrain_all(tracks, bodies, n_seen, limbs, white_share, now, elapsed_s):
     """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 

@@ -80,8 +80,8 @@ def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
             fold_row(R, z, work, 0.0, BLOCK * p + a)
 
 
-@kernel(allocates=True)
-def extend_all(tracks, seen, torso, stiffness, own_memory, drag_memory):
+@inner(allocates=True)
+def extend_all(tracks, seen, torso, stiffness, own_memory, coasting_memory):
     """Move every track and joint on by one control point, in place.
 
     Parameters
@@ -94,7 +94,7 @@ def extend_all(tracks, seen, torso, stiffness, own_memory, drag_memory):
         The joints whose mean velocity is that of the body.
     stiffness
         Per joint; see `extend`.
-    own_memory, drag_memory
+    own_memory, coasting_memory
         How much of its own velocity a joint keeps over one knot, supported or not.
     """
     R, z, c = tracks.R, tracks.z, tracks.c
@@ -103,7 +103,7 @@ def extend_all(tracks, seen, torso, stiffness, own_memory, drag_memory):
     for k in range(R.shape[0]):
         body_step(c[k], seen[k], torso, drift_m)
         for j in range(R.shape[1]):
-            memory = own_memory if seen[k, j] > 0 else drag_memory
+            memory = own_memory if seen[k, j] > 0 else coasting_memory
             extend(R[k, j], z[k, j], c[k, j], stiffness[j], memory, drift_m, work)
 
 

@@ -14,16 +14,25 @@ def cholesky(A):
     """Overwrite the upper triangle of the symmetric positive `A` by ``U``, with ``A = U^T U``.
 
     The diagonal holds the inverse of the factor's, which is what every later step needs.
+
+    Notes
+    -----
+    Joints without a common limb leave zeros in the factor, which are skipped.
     """
     n = A.shape[0]
     for i in range(n):
         by_pivot = 1.0 / math.sqrt(max(A[i, i], 1e-12))  # rounding may leave none of a pivot
         A[i, i] = by_pivot
+        stop = i + 1
         for k in range(i + 1, n):
-            A[i, k] *= by_pivot
-        for p in range(i + 1, n):
+            if A[i, k] != 0.0:
+                A[i, k] *= by_pivot
+                stop = k + 1
+        for p in range(i + 1, stop):
             share = A[i, p]
-            for q in range(p, n):
+            if share == 0.0:
+                continue
+            for q in range(p, stop):
                 A[p, q] -= share * A[i, q]
 
 
@@ -50,6 +59,8 @@ def invert_cholesky(A):
         for k in range(n - 1, i, -1):
             share = A[i, k] * A[i, i]
             A[i, k] = 0.0
+            if share == 0.0:
+                continue
             for j in range(k, n):
                 A[i, j] -= share * A[k, j]
 
@@ -60,11 +71,13 @@ def joint_block(A, first, out):
 
     `A` is the inverse of a Cholesky factor, `first` the joint's first unknown.
     """
-    n = A.shape[0]
-    for p in range(3):
-        for q in range(p + 1):
-            s = 0.0
-            for m in range(first + p, n):
-                s += A[first + p, m] * A[first + q, m]
-            out[p, q] = s
-            out[q, p] = s
+    xx = xy = xz = yy = yz = zz = 0.0  # sums that do not wait for each other
+    for m in range(first, A.shape[0]):
+        x = A[first, m]
+        y = A[first + 1, m] if m > first else 0.0
+        z = A[first + 2, m] if m > first + 1 else 0.0
+        xx, xy, xz = xx + x * x, xy + y * x, xz + z * x
+        yy, yz, zz = yy + y * y, yz + z * y, zz + z * z
+    out[0, 0], out[0, 1], out[0, 2] = xx, xy, xz
+    out[1, 0], out[1, 1], out[1, 2] = xy, yy, yz
+    out[2, 0], out[2, 1], out[2, 2] = xz, yz, zz

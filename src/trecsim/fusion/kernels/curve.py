@@ -11,6 +11,12 @@ ORDER = 4
 
 
 @inner
+def knots(t_s, now):
+    """Return a time in knots since the oldest live control point; see `Now`."""
+    return (t_s - now.origin_s) / now.knot_s - now.first
+
+
+@inner
 def locate(knot_time, live, weights):
     """Write the weights of the four control points active at `knot_time`; return the first of them.
 

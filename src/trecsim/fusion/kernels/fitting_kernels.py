@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.curve import locate, point
 from trecsim.fusion.kernels.information import control_points, curve_covariance, fold_gaussian
 from trecsim.fusion.kernels.locating import (
@@ -170,7 +170,7 @@ def inflate_covariance(R, z, inflation):
         scale(R[j], z[j], 1.0 / math.sqrt(inflation))
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
     """Fit every track to the detections assigned to it in one frame set, in place.
 

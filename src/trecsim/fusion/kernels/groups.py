@@ -7,7 +7,7 @@ track, or of one joint, as a group of the same name without the leading axes.
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 
 class Cameras(NamedTuple):
@@ -150,6 +150,117 @@ class Sightings(NamedTuple):
     two_view_s: Float64[np.ndarray, " track"]
     two_view_duration_s: Float64[np.ndarray, " track"]
     mirrored_duration_s: Float64[np.ndarray, " track"]
+
+
+class Doubts(NamedTuple):
+    """What speaks against the tracks.
+
+    Attributes
+    ----------
+    swap_evidence
+        Evidence that its detections of two cameras are of two people [log likelihood ratio].
+    redundant_count
+        Number of checks in which other tracks explain all of its detections.
+    """
+
+    swap_evidence: Float64[np.ndarray, " track"]
+    redundant_count: Float64[np.ndarray, " track"]
+
+
+class Who(NamedTuple):
+    """Whom the tracks follow.
+
+    Attributes
+    ----------
+    id, born_s, confirmed
+        Identity, when the track began [s], and whether it is reported.
+    """
+
+    id: Int64[np.ndarray, " track"]
+    born_s: Float64[np.ndarray, " track"]
+    confirmed: Bool[np.ndarray, " track"]
+
+
+class Reported(NamedTuple):
+    """What is reported of people at one time; see `trecsim.values.Snapshot`.
+
+    Attributes
+    ----------
+    is_supported
+        1 where any camera supports any joint, else 0.
+    """
+
+    id: Int64[np.ndarray, " person"]
+    xyz_m: Float64[np.ndarray, "person joint 3"]
+    cov_m2: Float64[np.ndarray, "person joint 3 3"]
+    velocity_mps: Float64[np.ndarray, "person joint 3"]
+    velocity_cov_m2ps2: Float64[np.ndarray, "person joint 3 3"]
+    support: Int64[np.ndarray, "person joint"]
+    is_supported: Int64[np.ndarray, " person"]
+
+
+class Motion(NamedTuple):
+    """What is assumed of how people move.
+
+    Attributes
+    ----------
+    stiffness
+        Weight of the smoothing prior, per joint [1/m].
+    torso
+        The joints whose mean velocity is that of the body.
+    own_memory, coasting_memory
+        How much of its own velocity a joint keeps over one knot, supported or not, 0 to 1.
+    error_memory_s
+        Errors of a detector that are closer in time are correlated [s].
+    """
+
+    stiffness: Float64[np.ndarray, " joint"]
+    torso: Int64[np.ndarray, " joint_of_torso"]
+    own_memory: float
+    coasting_memory: float
+    error_memory_s: float
+
+
+class Limits(NamedTuple):
+    """Settings that decide which tracks are reported and which end; see `FusionSettings`."""
+
+    confirm_s: float
+    death_s: float
+    single_view_death_s: float
+    duplicate_m: float
+
+
+class Taken(NamedTuple):
+    """When the images of a frame set were taken.
+
+    Attributes
+    ----------
+    t_s
+        Their times [s].
+    since_s
+        How long before each its camera took the last one [s].
+    """
+
+    t_s: Float64[np.ndarray, " view"]
+    since_s: Float64[np.ndarray, " view"]
+
+
+class Now(NamedTuple):
+    """The time of a frame set, and its place on the knot grid.
+
+    Attributes
+    ----------
+    t_s, elapsed_s
+        Time of the frame set, and since the last one [s].
+    origin_s, knot_s, first
+        Time of knot 0, distance between knots [s], index of the oldest live control point.
+    """
+
+    t_s: float
+    elapsed_s: float
+    origin_s: float
+    knot_s: float
+    first: int
 
 
 class Rays(NamedTuple):

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.curve import BLOCK, ORDER, locate
 
 REACH = ORDER * BLOCK
@@ -115,7 +115,7 @@ def curve_covariance(R, span, weights, y, cov_m2):
     cov_m2[2, 0], cov_m2[2, 1], cov_m2[2, 2] = xz, yz, zz
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def covariance_all(R, knot_time, cov_m2):
     """Write everybody's covariances at one time (in knots) to `cov_m2` (track, joint, 3, 3)."""
     y = np.empty((R.shape[2], BLOCK))

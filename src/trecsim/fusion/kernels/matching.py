@@ -208,7 +208,7 @@ def responsibility(ratio, track, person, temper):
     return math.exp((ratio[track, person] - top) / temper) / total
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def associate_all(cameras, noise, measured, prediction, reach_m, matches):
     """Assign the detections of every image to the tracks.
 
@@ -248,7 +248,7 @@ def associate_all(cameras, noise, measured, prediction, reach_m, matches):
                 sure[k, v] = responsibility(ratio, k, best[k], TEMPER)
 
 
-@kernel
+@inner
 def owners(match, last_two_view_s, now_s, lately_s, owner):
     """Write to whom each detection belongs, if anybody; return how many may begin somebody new.
 

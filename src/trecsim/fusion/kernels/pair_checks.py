@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.mixture import project
 from trecsim.fusion.kernels.pairing import limb_score, meeting_score
 from trecsim.fusion.tuning import CLEAR_PAIR, FITS_M, MOST_SWAP_EVIDENCE, NEAR_M, PAIR_JOINTS
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def note_swaps(cameras, bones, noise, measured, match, evidence):
     """Gather evidence that people are two people: another one in each of two images.
 
@@ -126,7 +126,7 @@ def look(ray_of, xy_px, ray):
             ray[j, a] /= math.sqrt(length2)
 
 
-@kernel
+@inner
 def note_redundant(cameras, measured, xyz_m, match, confirmed, looks):
     """Count the looks at which people are not needed to explain what the cameras see.
 

@@ -8,6 +8,7 @@ from trecsim.fusion.tuning import (
     CROWDED_PATIENCE,
     FEWEST_INLIERS,
     INLIER,
+    REDUNDANT_CHECKS,
     SUPPORT_S,
     SURE_CAMERAS,
     TENTATIVE_S,
@@ -15,7 +16,7 @@ from trecsim.fusion.tuning import (
 )
 
 
-@kernel
+@inner
 def note_support(cam, t_s, matches, inlier, sightings):
     """Write down, in place, which camera supports whom and which joint, and when.
 
@@ -46,7 +47,7 @@ def note_support(cam, t_s, matches, inlier, sightings):
                     joint_s[k, j, cam[v]] = max(joint_s[k, j, cam[v]], t_s[v])
 
 
-@kernel
+@inner
 def count_since(last_s, since_s, out):
     """Write how many of the last axis of `last_s` (track, joint, cam) are later to `out`."""
     for k in range(out.shape[0]):
@@ -57,7 +58,7 @@ def count_since(last_s, since_s, out):
             out[k, j] = n
 
 
-@kernel
+@inner
 def age(sightings, matches, now_s, elapsed_s):
     """Count the time for which people have been supported by two cameras, and read mirrored.
 
@@ -99,7 +100,7 @@ def supporting(last_seen_in_s, now_s):
     return n
 
 
-@kernel
+@inner
 def confirm_all(last_seen_in_s, two_view_duration_s, now_s, confirm_s, confirmed):
     """Confirm, in place, whom two cameras have supported long enough or three support now."""
     for k in range(last_seen_in_s.shape[0]):
@@ -110,7 +111,7 @@ def confirm_all(last_seen_in_s, two_view_duration_s, now_s, confirm_s, confirmed
             confirmed[k] = True
 
 
-@kernel
+@inner
 def any_close(x_m, torso, distance_m):
     """Return whether the torsos of any two people are closer than `distance_m`, on average."""
     for k in range(x_m.shape[0]):
@@ -128,25 +129,57 @@ def any_close(x_m, torso, distance_m):
 
 
 @kernel
-def survive_all(sightings, confirmed, expected, x_m, now_s, waits_s, alive):
-    """Write who lives on to `alive` (track,); see `trecsim.fusion.lifecycle.survivors`.
+def judge_all(
+    sightings, confirmed, doubts, x_m, torso, n_compared, now_s, limits, expected, asked, alive
+):
+    """Confirm tracks, in place, and tell which live on, for which it matters who should see them.
 
     Parameters
     ----------
-    sightings
-        `Sightings`.
+    sightings, confirmed, doubts, x_m
+        The tracks: `Sightings`, which are reported, (track,), `Doubts`, and joints.
+    torso
+        The joints that stand for a person.
+    n_compared
+        Only so many of the tracks, the first, are compared as possible duplicates.
+    now_s, limits
+        Time of the frame set [s], and `Limits`.
+    expected, asked, alive
+        Results, (track,): how many cameras should detect each person, which is taken as two where
+        nothing is known; whether that decides over the track; whether it lives on.
+
+    Returns
+    -------
+    Whether any two tracks are close, any track is asked for, and all live on.
+    """
+    camera_s, duration_s = sightings.camera_s, sightings.two_view_duration_s
+    confirm_all(camera_s, duration_s, now_s, limits.confirm_s, confirmed)
+    close = any_close(x_m[:n_compared], torso, limits.duplicate_m)
+    some_asked = ask_all(sightings, now_s, limits, asked)
+    for k in range(expected.shape[0]):
+        expected[k] = 2
+    all_alive = survive_all(sightings, confirmed, doubts, expected, x_m, now_s, limits, alive)
+    return close, some_asked, all_alive
+
+
+@kernel
+def survive_all(sightings, confirmed, doubts, expected, x_m, now_s, limits, alive):
+    """Write who lives on to `alive` (track,), return whether all do; see `lifecycle.survivors`.
+
+    Parameters
+    ----------
+    sightings, doubts
+        `Sightings` and `Doubts`.
     confirmed, expected, x_m
         Who is confirmed, by how many cameras everybody is expected, (track,), and joints.
-    now_s, waits_s
-        Time of the frame set; `death_s` and `single_view_death_s` [s].
+    now_s, limits
+        Time of the frame set [s], and `Limits`.
     alive
         Result, (track,).
     """
-    camera_s, two_view_s, (death_s, single_view_death_s) = (
-        sightings.camera_s,
-        sightings.two_view_s,
-        waits_s,
-    )
+    camera_s, two_view_s = sightings.camera_s, sightings.two_view_s
+    death_s, single_view_death_s = limits.death_s, limits.single_view_death_s
+    all_alive = True
     for k in range(camera_s.shape[0]):
         alone_s = now_s - two_view_s[k]
         alive[k] = (
@@ -154,7 +187,10 @@ def survive_all(sightings, confirmed, expected, x_m, now_s, waits_s, alive):
             and not (alone_s > single_view_death_s and expected[k] >= CROWDED)
             and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
+            and doubts.redundant_count[k] < REDUNDANT_CHECKS
         )
+        all_alive &= alive[k]
+    return all_alive
 
 
 @inner
@@ -174,17 +210,14 @@ def last_seen_s(last_seen_in_s):
     return last_s
 
 
-@kernel
-def ask_all(sightings, now_s, waits_s, asked):
+@inner
+def ask_all(sightings, now_s, limits, asked):
     """Write whose life hangs on how many cameras should find them to `asked` (track,).
 
     Parameters as for `survive_all`.
     """
-    camera_s, two_view_s, (death_s, single_view_death_s) = (
-        sightings.camera_s,
-        sightings.two_view_s,
-        waits_s,
-    )
+    camera_s, two_view_s = sightings.camera_s, sightings.two_view_s
+    death_s, single_view_death_s = limits.death_s, limits.single_view_death_s
     any_ = False
     for k in range(camera_s.shape[0]):
         asked[k] = (

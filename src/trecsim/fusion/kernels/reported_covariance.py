@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.groups import Bodies
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import project
@@ -33,12 +33,13 @@ def bias_information(cameras, noise, j, x, last_s, now_s, info):
     last_s, now_s
         When each camera last supported it, (cam,), and the time of what is stated [s].
     info
-        Result, (3, 3) [1/m^2]; singular where fewer than two cameras see the joint.
+        Result, the upper triangle of (3, 3) [1/m^2]; singular where fewer than two cameras see the
+        joint.
     """
     P, focal_px = cameras.P, cameras.focal_px
     usual_m, share, least_px2 = noise.sigma_m[j], noise.bias_share, noise.floor_px * noise.floor_px
     for p in range(3):
-        for q in range(3):
+        for q in range(p, 3):
             info[p, q] = 0.0
     for c in range(last_s.shape[0]):
         if not last_s[c] > now_s - SUPPORT_S:
@@ -49,7 +50,7 @@ def bias_information(cameras, noise, j, x, last_s, now_s, info):
         sigma_px = usual_m * focal_px[c] / w
         var = share * (sigma_px * sigma_px + least_px2)
         for p in range(3):
-            for q in range(3):
+            for q in range(p, 3):
                 info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
 
 
@@ -83,7 +84,7 @@ def widen(cov, info, scale, sigma, bounded, bias_m2):
         Scratch, (3, 3).
     """
     for p in range(3):
-        for q in range(3):
+        for q in range(p, 3):
             bounded[p, q] = info[p, q] / (scale * scale)
         bounded[p, p] += 1.0 / (sigma * sigma)
     invert3(bounded, bias_m2)
@@ -92,7 +93,7 @@ def widen(cov, info, scale, sigma, bounded, bias_m2):
             cov[p, q] += bias_m2[p, q]
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def report_all(cameras, noise, limbs, bodies, joint_s, now_s, joints):
     """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
 

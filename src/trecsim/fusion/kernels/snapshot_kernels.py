@@ -1,0 +1,82 @@
+"""All tracks that are reported at one time, in one call."""
+
+import numpy as np
+
+from trecsim.compiler import inner, kernel
+from trecsim.fusion.kernels.curve import evaluate_all, knots
+from trecsim.fusion.kernels.groups import Bodies
+from trecsim.fusion.kernels.information import covariance_all
+from trecsim.fusion.kernels.presence import count_since
+from trecsim.fusion.kernels.reported_covariance import report_all
+from trecsim.fusion.kernels.small_matrices import copy
+from trecsim.fusion.kernels.velocity import velocity_all
+from trecsim.fusion.tuning import SAME_S, SUPPORT_S
+
+
+@kernel(allocates=True)
+def snapshot_all(cameras, noise, limbs, who, tracks, bodies, joint_s, now, kind, out):
+    """Report the tracks that had been born at one time; return how many they are.
+
+    Parameters
+    ----------
+    cameras, noise, limbs
+        Constants: `Cameras`, `Noise` and `Limbs`.
+    who, tracks, bodies
+        All tracks: `Who`, `Trajectories` and `Bodies`; they stay as they are.
+    joint_s
+        When each camera last supported each joint, (track, joint, cam) [s].
+    now
+        `Now`: the time of the snapshot, and the knot grid.
+    kind
+        Whether provisional tracks are reported, too; whether the time is that of the last frame
+        set, for which the joints are known already.
+    out
+        Result: `Reported`, of which the first rows are written.
+    """
+    provisional, is_newest = kind
+    x_m, cov_m2, here = tracks.x_m, tracks.cov_m2, knots(now.t_s, now)
+    if not is_newest:
+        x_m, cov_m2 = placed(tracks, here)
+    n = 0
+    for k in range(x_m.shape[0]):
+        if not (who.confirmed[k] or provisional) or who.born_s[k] > now.t_s + SAME_S:
+            continue
+        out.id[n] = who.id[k]
+        copy(x_m[k], out.xyz_m[n])
+        for j in range(x_m.shape[1]):
+            copy(cov_m2[k, j], out.cov_m2[n, j])
+        mine, row = slice(k, k + 1), slice(n, n + 1)
+        velocity_cov_m2ps2 = out.velocity_cov_m2ps2[row]
+        velocity_all(
+            tracks.R[mine], tracks.c[mine], here, now.knot_s, out.velocity_mps[row],
+            velocity_cov_m2ps2,
+        )  # fmt: skip
+        body = Bodies(bodies.limb_m[mine], bodies.limb_m2[mine], bodies.level[mine])
+        report_all(
+            cameras, noise, limbs, body, joint_s[mine], now.t_s,
+            (out.xyz_m[row], out.cov_m2[row], velocity_cov_m2ps2),
+        )  # fmt: skip
+        count_since(joint_s[mine], now.t_s - SUPPORT_S, out.support[row])
+        out.is_supported[n] = any_of(out.support[n])
+        n += 1
+    return n
+
+
+@inner(allocates=True)
+def placed(tracks, knot_time):
+    """Return all joints and their covariances at one time on the knot grid."""
+    x_m, times = np.empty((1, *tracks.x_m.shape)), np.empty(1)
+    times[0] = knot_time
+    evaluate_all(tracks.c, times, x_m)
+    cov_m2 = np.empty(tracks.cov_m2.shape)
+    covariance_all(tracks.R, knot_time, cov_m2)
+    return x_m[0], cov_m2
+
+
+@inner
+def any_of(counts):
+    """Return 1 if any count is above zero, else 0."""
+    for i in range(counts.shape[0]):
+        if counts[i] > 0:
+            return 1
+    return 0
