@@ -120,28 +120,19 @@ def started(browser: Browser, url: str) -> Start:
     told_ms, moved = page.evaluate("[window.toldAt, window.moved]")
     trace = json.loads(browser.stop_tracing())["traceEvents"]
     context.close()
-    return Start(paint, told_ms, cpu_until_paint_ms(trace, url), moved)
+    return Start(paint, told_ms, cpu_until_paint_ms(trace), moved)
 
 
-def cpu_until_paint_ms(trace: list[dict], url: str) -> float:
+def cpu_until_paint_ms(trace: list[dict]) -> float:
     """Return the CPU time of the tasks of the main thread between navigation and first paint."""
-    begun = next(
-        one for one in trace
-        if one["name"] == "navigationStart"
-        and one["args"].get("data", {}).get("documentLoaderURL") == url
-    )  # fmt: skip
-    main = (begun["pid"], begun["tid"])
-    painted_us = next(
-        (one["ts"] for one in trace if one["name"] == "firstContentfulPaint"
-         and one["pid"] == begun["pid"] and one["ts"] >= begun["ts"]),
-        float("inf"),
-    )  # fmt: skip
-    tasks = (
-        one for one in trace
-        if one["name"] == "ThreadControllerImpl::RunTask"
-        and (one["pid"], one["tid"]) == main and begun["ts"] <= one["ts"] < painted_us
-    )  # fmt: skip
-    return sum(one.get("tdur", 0) for one in tasks) / 1000
+    painted = next((one for one in trace if one["name"] == "firstContentfulPaint"), None)
+    if painted is None:
+        return float("nan")
+    main = (painted["pid"], painted["tid"])
+    ours = [one for one in trace if (one["pid"], one["tid"]) == main and one["ts"] < painted["ts"]]
+    begun_us = max(one["ts"] for one in ours if one["name"] == "navigationStart")
+    tasks = [one for one in ours if one["name"] == "ThreadControllerImpl::RunTask"]
+    return sum(one.get("tdur", 0) for one in tasks if one["ts"] >= begun_us) / 1000
 
 
 def main() -> int:
