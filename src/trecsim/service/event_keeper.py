@@ -8,8 +8,8 @@ from threading import Condition, Thread
 from typing import Any, Protocol, Self
 
 from trecsim.errors import Error, InputError
-from trecsim.store.ledger import LedgerEvent
 from trecsim.store.ledger_events import numbered
+from trecsim.store.ledger_reading import LedgerEvent
 
 logger = logging.getLogger(__name__)
 

@@ -7,39 +7,20 @@ written in the last moments, never what was written before it (``synchronous = N
 
 import json
 import sqlite3
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
 from trecsim.errors import InputError
-from trecsim.store.audit import FIRST_HASH, AuditEntry, AuditVerdict, next_hash, verified
+from trecsim.store.audit import FIRST_HASH, next_hash
 from trecsim.store.ledger_events import act_event, check_act, event_row, next_seq, numbered
 from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
-
-_MOST_AT_ONCE = 1000
-
-
-@dataclass(frozen=True, slots=True)
-class LedgerEvent:
-    """An event with its place in the ledger.
-
-    Attributes
-    ----------
-    number
-        Grows with every event; never used again.
-    event
-        The CloudEvents object, as in ``events.jsonl``.
-    """
-
-    number: int
-    event: Mapping[str, Any]
+from trecsim.store.ledger_reading import LedgerEvent, LedgerReading
 
 
-class Ledger:
+class Ledger(LedgerReading):
     """Events, what people did to them, who reviewed them, and the audit log of a site.
 
     Threads may share a ledger; each process opens its own.
@@ -74,10 +55,8 @@ class Ledger:
     def __init__(
         self, folder: Path, *, repair: bool = True, now: Callable[[], float] = time.time
     ) -> None:
-        self.path = folder / NAME
+        super().__init__(folder / NAME, open_ledger(folder, repair=repair))
         self._now = now
-        self._lock = threading.RLock()
-        self._connection = open_ledger(folder, repair=repair)
 
     def append_event(self, event: Mapping[str, Any]) -> int:
         """Keep an event and return its number; one that is there already is not kept twice.
@@ -106,73 +85,6 @@ class Ledger:
         with self._writing() as connection:
             made = numbered(event, next_seq(_episode(connection, event["data"]["event"])))
             return LedgerEvent(_insert_event(connection, event_row(made)), made)
-
-    def open_events(self, types: Iterable[str]) -> list[LedgerEvent]:
-        """Return the newest event of each episode that has not ended, the oldest first.
-
-        Parameters
-        ----------
-        types
-            Only episodes whose events are of one of these types, as "trecsim.camera.health.v1".
-        """
-        wanted = list(types)
-        rows = self._rows(
-            "SELECT number, body FROM event WHERE number IN (SELECT max(number) FROM event "
-            "GROUP BY episode HAVING sum(phase = 'end') = 0) "
-            f"AND json_extract(body, '$.type') IN ({', '.join('?' * len(wanted))}) ORDER BY number",
-            wanted,
-        )
-        return [LedgerEvent(number, json.loads(body)) for number, body in rows]
-
-    def events(
-        self,
-        after: int = 0,
-        *,
-        episode: str | None = None,
-        from_s: float | None = None,
-        until_s: float | None = None,
-        limit: int = _MOST_AT_ONCE,
-        newest: bool = False,
-    ) -> list[LedgerEvent]:
-        """Return events in the order in which they were kept.
-
-        Parameters
-        ----------
-        after
-            Only those with a larger number.
-        episode
-            Only those of one episode (`data.event`).
-        from_s, until_s
-            Only those that were detected between these times, both included [s].
-        limit
-            At most so many.
-        newest
-            Whether `limit` keeps the newest in place of the oldest.
-        """
-        wanted: list[tuple[str, object]] = [("number > ?", after)]
-        if episode is not None:
-            wanted.append(("episode = ?", episode))
-        if from_s is not None:
-            wanted.append(("t_s >= ?", from_s))
-        if until_s is not None:
-            wanted.append(("t_s <= ?", until_s))
-        where = " AND ".join(text for text, _ in wanted)
-        rows = self._rows(
-            f"SELECT number, body FROM event WHERE {where} "
-            f"ORDER BY number {'DESC' if newest else 'ASC'} LIMIT ?",
-            [*(value for _, value in wanted), limit],
-        )
-        found = [LedgerEvent(number, json.loads(body)) for number, body in rows]
-        return found[::-1] if newest else found
-
-    def count_events(self) -> int:
-        """Return the number of events."""
-        return int(self._rows("SELECT count(*) FROM event", [])[0][0])
-
-    def number_of(self, event_id: str) -> int | None:
-        """Return the number of the event with an `id`; None if it is not there."""
-        rows = self._rows("SELECT number FROM event WHERE id = ?", [event_id])
-        return int(rows[0][0]) if rows else None
 
     def act(
         self,
@@ -235,11 +147,6 @@ class Ledger:
                         "DELETE FROM reviewed WHERE who = ? AND episode = ?", [who, episode]
                     )
 
-    def reviewed(self, who: str) -> list[str]:
-        """Return the events (`data.event`) that a user has reviewed, the oldest first."""
-        rows = self._rows("SELECT episode FROM reviewed WHERE who = ? ORDER BY t_s, episode", [who])
-        return [episode for (episode,) in rows]
-
     def append_audit(self, who: str, act: str, details: Mapping[str, Any] | None = None) -> int:
         """Add an entry to the audit log and return its number.
 
@@ -251,28 +158,6 @@ class Ledger:
         with self._writing() as connection:
             return _insert_audit(connection, self._now(), who, act, details or {})
 
-    def audit(self, after: int = 0, *, limit: int = _MOST_AT_ONCE) -> list[AuditEntry]:
-        """Return entries of the audit log in their order."""
-        rows = self._rows(
-            "SELECT number, t_s, who, act, details, hash FROM audit WHERE number > ? "
-            "ORDER BY number LIMIT ?",
-            [after, limit],
-        )
-        return [
-            AuditEntry(number, t_s, who, act, json.loads(details), made)
-            for number, t_s, who, act, details, made in rows
-        ]
-
-    def verify_audit(self) -> AuditVerdict:
-        """Return whether the audit log is as it was written."""
-        return verified(self._whole_audit())
-
-    def _whole_audit(self) -> Iterator[AuditEntry]:
-        after = 0
-        while entries := self.audit(after):
-            yield from entries
-            after = entries[-1].number
-
     def forget_events(self, before_s: float) -> int:
         """Delete the episodes whose last event is older; return the number of events deleted."""
         old = "SELECT episode FROM event GROUP BY episode HAVING max(t_s) < ?"
@@ -280,15 +165,6 @@ class Ledger:
             connection.execute(f"DELETE FROM reviewed WHERE episode IN ({old})", [before_s])
             found = connection.execute(f"DELETE FROM event WHERE episode IN ({old})", [before_s])
             return int(found.rowcount)
-
-    def evidence(self) -> list[tuple[float, float]]:
-        """Return the times that events point to (`evidence`), each from and to [s], in order."""
-        rows = self._rows(
-            "SELECT min(from_s), max(to_s) FROM event WHERE from_s IS NOT NULL AND to_s IS NOT "
-            "NULL GROUP BY episode ORDER BY 1",
-            [],
-        )
-        return [(float(low), float(high)) for low, high in rows]
 
     def close(self) -> None:
         """Close the file."""
@@ -305,10 +181,6 @@ class Ledger:
     def _writing(self) -> Iterator[sqlite3.Connection]:
         with self._lock, sqlite_faults(self.path), transaction(self._connection) as connection:
             yield connection
-
-    def _rows(self, query: str, values: list[Any]) -> list[tuple[Any, ...]]:
-        with self._lock, sqlite_faults(self.path):
-            return self._connection.execute(query, values).fetchall()
 
 
 def _episode(connection: sqlite3.Connection, episode: str) -> list[dict[str, Any]]:
