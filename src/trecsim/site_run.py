@@ -182,7 +182,7 @@ def _run_recorded(checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: Ex
         flow(recorded(watch.until_stopped(chain(first, images))), follower, sinks)
     else:
         logger.warning(
-            "%s: nothing to go on with: no image is later than %.3f s, where the recording ends",
+            "%s: nothing to continue with: no image is later than %.3f s, where the recording ends",
             watch.folder, watch.stored.last_s,
         )  # fmt: skip
 

@@ -108,7 +108,7 @@ def test_an_audit_log_is_whole_until_somebody_changes_it(trecsim: Command, tmp_p
             ledger.append_audit("anna", "login", {"number": number})
         last = ledger.audit()[-1].hash
     code, out, _ = trecsim("audit", "verify", tmp_path)
-    assert (code, out) == (0, f"{tmp_path}: whole, 3 entries, last hash {last}\n")
+    assert (code, out) == (0, f"{tmp_path}: unchanged, 3 entries, last hash {last}\n")
     file = sqlite3.connect(tmp_path / "site" / "ledger.sqlite")
     file.execute("UPDATE audit SET who = 'ben' WHERE number = 2")
     file.commit()

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from trecsim.cli.terminal import finish
+from trecsim.cli.terminal import counted, finish
 from trecsim.errors import Error, InputError
 
 
@@ -32,7 +32,10 @@ def verify(folder: Path, /, *, json: bool = False) -> None:
         )
     summary = {"folder": folder, **asdict(verdict)}
     finish(
-        summary, json, f"{folder}: whole, {verdict.entries} entries, last hash {verdict.last_hash}"
+        summary,
+        json,
+        f"{folder}: unchanged, {counted(verdict.entries, 'entry', 'entries')}, "
+        f"last hash {verdict.last_hash}",
     )
 
 

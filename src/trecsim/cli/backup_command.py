@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from trecsim.cli.terminal import finish
+from trecsim.cli.terminal import counted, finish
 
 
 def backup(folder: Path, out: Path, /, *, json: bool = False) -> None:
@@ -28,6 +28,7 @@ def backup(folder: Path, out: Path, /, *, json: bool = False) -> None:
     finish(
         {"out": out, **asdict(done)},
         json,
-        f"{out}: {done.recordings} recordings and {done.events} events, "
+        f"{out}: {counted(done.recordings, 'recording')} and "
+        f"{counted(done.events, 'event')}, "
         f"{done.size_bytes / 1e6:.1f} MB",
     )

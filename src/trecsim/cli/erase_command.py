@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from trecsim.cli.given_times import moment_s
-from trecsim.cli.terminal import finish, note
+from trecsim.cli.terminal import counted, finish, note
 
 
 def erase(
@@ -48,5 +48,6 @@ def erase(
     finish(
         {"folder": folder, **asdict(done)},
         json,
-        f"{done.rows} rows deleted from {done.files} files of {len(done.recordings)} recordings",
+        f"{counted(done.rows, 'row')} deleted from {counted(done.files, 'file')} of "
+        f"{counted(len(done.recordings), 'recording')}",
     )

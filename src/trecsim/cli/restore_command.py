@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from trecsim.cli.terminal import finish
+from trecsim.cli.terminal import counted, finish
 
 
 def restore(archive: Path, folder: Path, /, *, json: bool = False) -> None:
@@ -25,6 +25,7 @@ def restore(archive: Path, folder: Path, /, *, json: bool = False) -> None:
     finish(
         {"folder": folder, **asdict(done)},
         json,
-        f"{folder}: {done.recordings} recordings and {done.events} events, "
+        f"{folder}: {counted(done.recordings, 'recording')} and "
+        f"{counted(done.events, 'event')}, "
         f"{done.size_bytes / 1e6:.1f} MB",
     )

@@ -43,6 +43,17 @@ def counted_people(count: int) -> str:
     return "1 person" if count == 1 else f"{count} people"
 
 
+def counted(count: int, what: str, several: str | None = None) -> str:
+    """Return a number of things in words.
+
+    Examples
+    --------
+    >>> counted(1, "row"), counted(0, "row"), counted(2, "entry", "entries")
+    ('1 row', '0 rows', '2 entries')
+    """
+    return f"{count} {what if count == 1 else several or f'{what}s'}"
+
+
 def fusion_time(ms: Mapping[str, float]) -> str:
     """Return the fusion time per frame set as the end of a sentence; nothing without frame sets.
 
