@@ -12,7 +12,8 @@ from made_site import body_at, walking
 from trecsim.calibration import write_rig
 from trecsim.geometry import Rig
 from trecsim.store.poses_writer import PosesWriter
-from trecsim.store.timing_csv import StepTiming, TimingWriter
+from trecsim.store.timing_csv import StepTiming
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import tracks_writer
 from trecsim.store.truth import write_truth
 from trecsim.values import Snapshot

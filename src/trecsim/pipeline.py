@@ -34,7 +34,7 @@ from trecsim.sources.usable import usable
 from trecsim.store.atomic import partial_path
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.rig_digest import rig_sha256
-from trecsim.store.timing_csv import TimingWriter
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import kept_of, tracks_writer
 from trecsim.tracking import Follower, Tally, logger
 from trecsim.values import Poses2D, Snapshot

@@ -29,7 +29,8 @@ from pathlib import Path
 import numpy as np
 from made_tracks import walk
 from trecsim.store.poses_writer import PosesWriter
-from trecsim.store.timing_csv import StepTiming, TimingWriter
+from trecsim.store.timing_csv import StepTiming
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks_csv import CsvWriter
 from trecsim.values import Poses2D
 

@@ -9,7 +9,8 @@ from pyarrow import csv as pa_csv
 from pyarrow import parquet as pq
 
 from trecsim.store.native import native_reader
-from trecsim.store.timing_csv import StepTiming, TimingWriter, read_timing
+from trecsim.store.timing_csv import StepTiming, read_timing
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import read_tracks, tracks_writer
 from trecsim.values import Snapshot
 

@@ -18,7 +18,8 @@ from trecsim.store.recordings import (
     timing_recorder,
     tracks_recorder,
 )
-from trecsim.store.timing_csv import StepTiming, TimingWriter, read_timing, timing_in
+from trecsim.store.timing_csv import StepTiming, read_timing, timing_in
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import read_tracks
 from trecsim.values import Poses2D, Snapshot
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from trecsim.errors import InputError
-from trecsim.store.timing_csv import StepTiming, TimingWriter, read_timing
+from trecsim.store.timing_csv import StepTiming, read_timing
+from trecsim.store.timing_writer import TimingWriter
 
 HEADER = "t_s,images,people,fusion_ms\n"
 

@@ -25,7 +25,8 @@ from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.recorder import Recorder
 from trecsim.store.segments import highest_ever
 from trecsim.store.timing_csv import NAME as TIMING
-from trecsim.store.timing_csv import TimingWriter, last_time_s, read_timing, timing_in
+from trecsim.store.timing_csv import last_time_s, read_timing, timing_in
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
 
 

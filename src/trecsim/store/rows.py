@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float32, Float64, Int8, Shaped
 
 from trecsim.errors import InputError
 from trecsim.skeleton import Skeleton
-from trecsim.store.limits import FARTHEST_M, LATEST_S
+from trecsim.store.row_faults import faults_in, raise_faults
 from trecsim.values import COASTING, CONFIRMED, PROVISIONAL, Snapshot
 
 SCHEMA = pa.schema(
@@ -67,7 +67,6 @@ _UPPER = ([0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2])  # of a covariance matrix, as 
 _VARIANCES, _COVARIANCES = [0, 3, 5], [1, 2, 4]  # where in COVARIANCE
 _COV_BITS = 16  # of the fraction: rounding keeps matrices of condition 10^4 positive definite
 _VELOCITY_STEPS = 1024.0  # per m/s: a tenth of what is known of a velocity at best
-_MOST_FAULTS = 5
 _MOST_ROWS_AT_ONE_TIME = 1_000_000  # more is a broken file, not a crowd; it bounds the memory
 
 
@@ -220,7 +219,7 @@ def snapshots_of(
     rest = np.empty(0, ROW)
     for block in blocks:
         rows = np.concatenate([rest, block])
-        raise_faults(path, [(first + row, text) for row, text in _faults(rows)], unit)
+        raise_faults(path, [(first + row, text) for row, text in faults_in(rows)], unit)
         last_step = int(np.searchsorted(rows["t_s"], rows["t_s"][-1])) if len(rows) else 0
         yield from _steps(rows[:last_step], skeleton)
         rest = rows[last_step:]
@@ -228,51 +227,6 @@ def snapshots_of(
         if len(rest) > _MOST_ROWS_AT_ONE_TIME:
             raise InputError(f"{path}: {unit} {first} and more than a million after it: one t_s")
     yield from _steps(rest, skeleton)
-
-
-def raise_faults(path: Path, faults: Sequence[tuple[int, str]], unit: str) -> None:
-    """Raise one error that lists the first faults of a file, if there are any.
-
-    Raises
-    ------
-    InputError
-        When `faults` is not empty.
-    """
-    if not faults:
-        return
-    told = [f"{unit} {number}: {text}" for number, text in sorted(faults)[:_MOST_FAULTS]]
-    if len(faults) > _MOST_FAULTS:
-        told.append(f"and {len(faults) - _MOST_FAULTS} more faults")
-    raise InputError(f"{path}: {'; '.join(told)}")
-
-
-def _faults(rows: Rows) -> list[tuple[int, str]]:
-    t_s, person, xyz_m, sigma_m = (rows[key] for key in ("t_s", "person", "xyz_m", "sigma_m"))
-    missing = np.isnan(xyz_m)
-    variances = rows["cov_m2"][:, _VARIANCES]
-    wrong = {
-        f"t_s must be a finite number up to {LATEST_S:g} s": ~(np.abs(t_s) <= LATEST_S),
-        "time runs backwards; rows must be in order of t_s": np.diff(t_s, prepend=t_s[:1]) < 0,
-        "person must not be negative": person < 0,
-        f"x_m, y_m, z_m must be within {FARTHEST_M:g} m": (np.abs(xyz_m) > FARTHEST_M).any(axis=1),
-        "x_m, y_m, z_m must be all there or all NaN": missing.any(axis=1) & ~missing.all(axis=1),
-        f"sigma_m must be a number from 0 to {FARTHEST_M:g}, or NaN": (
-            (sigma_m < 0) | (sigma_m > FARTHEST_M)
-        ),
-        "velocities must be finite or NaN": np.isinf(rows["velocity_mps"]).any(axis=1),
-        "covariances must be finite or NaN, variances from 0 up": (
-            (variances < 0).any(axis=1) | np.isinf(rows["cov_m2"]).any(axis=1)
-        ),
-    }
-    faults = [(int(row), text) for text, mask in wrong.items() for row in np.flatnonzero(mask)]
-    return faults or _repeated(rows)
-
-
-def _repeated(rows: Rows) -> list[tuple[int, str]]:
-    order = np.lexsort((rows["joint"], rows["person"], rows["t_s"]))
-    keys = rows[["t_s", "person", "joint"]][order]
-    again = order[1:][keys[1:] == keys[:-1]]
-    return [(int(row), "this time, person and joint were given before") for row in again]
 
 
 def _steps(rows: Rows, skeleton: Skeleton) -> Iterator[Snapshot]:

@@ -2,9 +2,7 @@
 
 import math
 import os
-import shutil
-import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,17 +12,11 @@ from jaxtyping import Float64, Int64
 from pyarrow import csv as pa_csv
 
 from trecsim.errors import InputError
-from trecsim.store.atomic import (
-    PRIVATE_FOLDER,
-    atomic_write,
-    disk_faults,
-    opened_for_reading,
-    partial_path,
-)
-from trecsim.store.growing import GrowingFile, KeepsPartial, without_cut_line
+from trecsim.store.atomic import opened_for_reading, partial_path
+from trecsim.store.growing import without_cut_line
 from trecsim.store.limits import LATEST_S
 from trecsim.store.native import native_reader
-from trecsim.store.segments import segment_files, segment_name
+from trecsim.store.segments import segment_files
 
 NAME = "timing.csv"
 COLUMNS = {
@@ -34,8 +26,8 @@ COLUMNS = {
     "fusion_ms": pa.float64(),
 }
 
-_HEADING = (",".join(COLUMNS) + "\n").encode()
-_SUFFIX = ".csv"
+HEADING = (",".join(COLUMNS) + "\n").encode()
+SUFFIX = ".csv"
 _LONGEST_LINE = 4096
 _LARGEST_BYTES = 2**29  # about 20 million frame sets: more than a week at 25 a second
 
@@ -87,117 +79,8 @@ class Timing:
     fusion_ms: Float64[np.ndarray, " step"]
 
 
-class TimingWriter(KeepsPartial):
-    """Writes timings; a crash loses at most the last two seconds.
-
-    The rows go to ``NAME.partial``, which gets its final name when the block ends without an error.
-    A long recording has segments, files in the folder ``NAME.parts``, which gets the final name
-    instead.
-
-    Parameters
-    ----------
-    path
-        The file, usually ``timing.csv``.
-    segment_s
-        A new segment begins this long after the first time in the last one [s].
-    clock
-        Returns the time [s].
-    resume
-        Continue the timings at `path`, complete or not, if they exist. Frame sets that are not
-        later than the last one are skipped.
-
-    Raises
-    ------
-    InputError
-        The place cannot be written to.
-    SetupError
-        The disk is full.
-    """
-
-    def __init__(
-        self,
-        path: Path,
-        *,
-        segment_s: float = math.inf,
-        clock: Callable[[], float] = time.monotonic,
-        resume: bool = False,
-    ) -> None:
-        self._path = path
-        self._clock = clock
-        self._segment_s = segment_s
-        self._first_s = math.nan
-        if resume:
-            self._reopen()
-        earlier = timing_at(path) if resume else None
-        self._after_s = last_time_s(earlier) if earlier is not None else math.nan
-        self._file = self._begun(resume)
-        if resume and not self._file.empty:
-            self._end_segment()
-
-    def _reopen(self) -> None:
-        """Rename complete timings to the names of unfinished ones."""
-        with disk_faults(self._path):
-            if self._path.is_dir():
-                self._path.rename(_parts_of(self._path))
-            elif self._path.is_file():
-                self._path.replace(self._next_name())
-
-    def _begun(self, resume: bool = False) -> GrowingFile:
-        return GrowingFile(self._path, _HEADING, clock=self._clock, resume=resume)
-
-    def _next_name(self) -> Path:
-        parts = _parts_of(self._path)
-        parts.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
-        number = 1 + max(segment_files(parts, _SUFFIX), default=0)
-        return parts / f"{segment_name(number)}{_SUFFIX}"
-
-    def write(self, step: StepTiming) -> None:
-        """Append one frame set."""
-        if step.t_s <= self._after_s:  # never where it is NaN
-            return
-        if step.t_s - self._first_s >= self._segment_s:
-            self._end_segment()
-        if self._file.empty:
-            self._first_s = step.t_s
-        row = f"{step.t_s!r},{step.images},{step.people},{step.fusion_ms:.4f}\n"
-        self._file.write(row.encode())
-
-    def _end_segment(self) -> None:
-        with disk_faults(self._path, running=True):
-            name = self._next_name()
-        self._file.close(name)
-        self._file = self._begun()
-
-    def close(self) -> None:
-        """Complete the timings: rename the file or folder to its final name."""
-        parts = _parts_of(self._path)
-        if not parts.is_dir():
-            self._file.close()
-            return
-        with disk_faults(self._path, running=True):
-            if self._file.empty:
-                self._file.abandon()
-            else:
-                self._file.close(self._next_name())
-            if _duration_s(parts) < self._segment_s:
-                self._merge(parts)
-            else:
-                parts.rename(self._path)
-
-    def _merge(self, parts: Path) -> None:
-        """Write the segments of a short recording, which was continued, to one file."""
-        with atomic_write(self._path, "wb", private=True) as whole:
-            whole.write(_HEADING)
-            for file in segment_files(parts, _SUFFIX).values():
-                whole.write(file.read_bytes().partition(b"\n")[2])
-        shutil.rmtree(parts)
-
-    def abandon(self) -> None:
-        """End early: keep the content under the name of unfinished timings."""
-        self._file.abandon()
-
-
-def _parts_of(path: Path) -> Path:
+def parts_of_timing(path: Path) -> Path:
+    """Return the folder of the segments of timings that are not complete."""
     return path.with_name(path.name + ".parts")
 
 
@@ -208,11 +91,12 @@ def timing_in(folder: Path) -> Path | None:
 
 def timing_at(whole: Path) -> Path | None:
     """Return the path of timings with this name, complete or not; None if there are none."""
-    places = (whole, partial_path(whole), _parts_of(whole))
+    places = (whole, partial_path(whole), parts_of_timing(whole))
     return next((path for path in places if path.exists()), None)
 
 
-def _duration_s(path: Path) -> float:
+def timing_duration_s(path: Path) -> float:
+    """Return the time between the first and the last frame set in a folder of segments [s]."""
     files = _files_of(path)
     return last_time_s(path) - _first_time_s(files[0]) if files else 0.0
 
@@ -220,10 +104,10 @@ def _duration_s(path: Path) -> float:
 def _files_of(path: Path) -> list[Path]:
     """Return the files of timings in order."""
     if path.is_dir():
-        return list(segment_files(path, _SUFFIX).values())
-    earlier = _parts_of(path.with_name(path.name.removesuffix(".partial")))
+        return list(segment_files(path, SUFFIX).values())
+    earlier = parts_of_timing(path.with_name(path.name.removesuffix(".partial")))
     if path.suffix == ".partial" and earlier.is_dir():
-        return [*segment_files(earlier, _SUFFIX).values(), path]
+        return [*segment_files(earlier, SUFFIX).values(), path]
     return [path]
 
 
@@ -300,7 +184,7 @@ def _read_file(path: Path) -> Timing:
     with opened_for_reading(path) as file:
         content = without_cut_line(file.read(_LARGEST_BYTES), path)
     if not content and path.suffix == ".partial":  # its program was killed at once
-        content = _HEADING
+        content = HEADING
     table = _table(content, path)
     timing = Timing(**{name: table[name].to_numpy() for name in COLUMNS})
     faults = {

@@ -21,13 +21,13 @@ from trecsim.skeleton import COCO17, Skeleton
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.growing import GrowingFile, KeepsPartial, without_cut_line
 from trecsim.store.native import native_reader
+from trecsim.store.row_faults import raise_faults
 from trecsim.store.rows import (
     COLUMNS,
     MAY_BE_MISSING,
     SCHEMA,
     Rows,
     confirmed_only,
-    raise_faults,
     rows_in,
     rows_of,
     snapshots_of,

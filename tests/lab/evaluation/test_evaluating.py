@@ -10,7 +10,8 @@ from lab.evaluation.scored_cases import Found, places, scores_of, snapshots_of, 
 from trecsim.errors import InputError
 from trecsim.lab.evaluation.evaluating import evaluate
 from trecsim.lab.evaluation.scores import Scores
-from trecsim.store.timing_csv import StepTiming, TimingWriter
+from trecsim.store.timing_csv import StepTiming
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import tracks_writer
 from trecsim.store.truth import Truth, write_truth
 

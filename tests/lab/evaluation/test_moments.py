@@ -17,7 +17,8 @@ from trecsim.lab.evaluation.moments import (
     with_empty_moments,
     within,
 )
-from trecsim.store.timing_csv import StepTiming, TimingWriter
+from trecsim.store.timing_csv import StepTiming
+from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import tracks_writer
 
 NO_TIMES = np.empty(0)
