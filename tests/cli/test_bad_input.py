@@ -163,7 +163,12 @@ def command(*arguments: str, before: str = "") -> list[str]:
 
 
 def test_a_full_disk(folder: Path) -> None:
-    limit = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))"
+    # Python would keep the half of a compiled module that fits, and fail on it for ever after.
+    # Python would keep as much of a compiled module as fits, and fail on it for ever after.
+    limit = (
+        "import resource; sys.dont_write_bytecode = True\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))"
+    )
     ended = subprocess.run(
         command("track", "rig.toml", "walk.poses.jsonl", "--out", "tracks.csv", before=limit),
         capture_output=True,

@@ -266,7 +266,7 @@ def test_a_real_limit_of_the_system_is_told_and_got_over(tmp_path: Path) -> None
     path = tmp_path / "tracks.parquet"
     paths = os.pathsep.join([str(TESTS), *sys.path])
     ended = subprocess.run(
-        [sys.executable, "-c", LIMITED, str(path)],
+        [sys.executable, "-B", "-c", LIMITED, str(path)],  # no compiled module is cut
         env={**os.environ, "PYTHONPATH": paths},
         capture_output=True, text=True, check=False, timeout=DEADLINE_S,
     )  # fmt: skip

@@ -48,7 +48,7 @@ with ParquetTracksWriter(path, part_s=0.0) as writer:
 
 def run_writer(path: Path, where: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", WRITER, str(path), where],
+        [sys.executable, "-B", "-c", WRITER, str(path), where],  # no compiled module is cut
         env={
             **os.environ,
             "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path]),
