@@ -63,6 +63,19 @@ def test_a_dialog_keeps_the_focus_and_gives_it_back(chromium, url) -> None:
         assert page.locator("dialog").count() == 0
 
 
+def test_what_is_typed_into_the_form_of_a_card_is_text_and_no_keys(chromium, url) -> None:
+    with opened(chromium, f"{url}live?view=plan") as page:
+        page.locator(".card").get_by_role("button", name="More").click()
+        page.get_by_role("button", name="Shelve").click()
+        expect(page.get_by_label("Why")).to_be_focused(timeout=PATIENCE_MS)
+        page.keyboard.type("an agent")
+        assert page.get_by_label("Why").input_value() == "an agent"
+        assert page.locator(".card").get_attribute("data-handling") == "new"
+        assert page.locator(".menu").count() == 0
+        page.keyboard.press("Escape")
+        expect(page.locator(".card form")).to_have_count(0)
+
+
 def test_a_browser_that_understands_no_script_of_the_page_is_told_so(chromium, url) -> None:
     refused = ("SyntaxError", "Unexpected", "Invalid")
     with opened(chromium, url, expected=refused) as page:

@@ -243,6 +243,7 @@ export class Store {
   }
 
   page(page: Address["page"]): void {
+    if (this.own.menu === "layers" || this.own.menu === "user") this.set({ menu: null });
     this.go({ ...home, page, person: page === "live" ? this.address.person : null });
   }
 

@@ -197,6 +197,8 @@ function onEscape(event: KeyboardEvent, done: (() => void) | undefined): void {
 
 function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => void; now: number }) {
   const note = useRef<HTMLInputElement>(null);
+  // A browser heeds autofocus once per page; without the focus what is typed would be keys.
+  useEffect(() => note.current?.focus(), []);
   const shelve = (seconds: number) => {
     for (const alert of group) {
       const what = { phase: "shelve" as const, until_s: now + seconds, note: note.current?.value.trim() || undefined };
@@ -206,7 +208,7 @@ function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => voi
   };
   return (
     <form onSubmit={(event) => event.preventDefault()} onKeyDown={(event) => onEscape(event, done)}>
-      <input class="field" ref={note} autoFocus placeholder="Why, as: technician called" aria-label="Why" />
+      <input class="field" ref={note} placeholder="Why, as: technician called" aria-label="Why" />
       <div class="row" role="group" aria-label="Shelve for">
         {SHELVES_S.map(([text, seconds]) => (
           <button key={text} type="button" class="button" onClick={() => shelve(seconds)}>{text}</button>
@@ -220,6 +222,10 @@ function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => voi
 export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
   const [reason, setReason] = useState<Reason>("true");
   const [note, setNote] = useState("");
+  const first = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    if (done) first.current?.focus(); // opened from a card, which had the focus
+  }, []);
   const missing = reason === "false" && note.trim() === "";
   const close = () => {
     const what = { phase: "close" as const, reason, note: note.trim() || undefined };
@@ -231,7 +237,8 @@ export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
       onKeyDown={(event) => onEscape(event, done)}>
       <div class="reasons" role="group" aria-label="Close as">
         {(Object.keys(REASONS) as Reason[]).map((one, i) => (
-          <button key={one} type="button" class="button" aria-pressed={reason === one}
+          <button key={one} ref={i === 0 ? first : undefined} type="button" class="button"
+            aria-pressed={reason === one}
             onClick={() => setReason(one)}>
             {REASONS[one]} <span class="key">{i + 1}</span>
           </button>

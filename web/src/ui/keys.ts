@@ -135,6 +135,7 @@ function pressed(event: KeyboardEvent): void {
   }
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   if (target.closest("dialog") && event.key !== "?") return;
+  if (target.closest("form") && !/^[1-9]$/.test(event.key)) return;
   if (event.key === "Tab" && target.closest(".view") && store.address.page === "live") {
     if (nextPerson(event.shiftKey)) event.preventDefault();
     return;
