@@ -120,6 +120,26 @@ def test_a_recording_goes_on_after_a_crash_with_new_identities_and_a_gap(tmp_pat
     assert (gap.from_s, gap.to_s) == (moments[59].t_s, moments[60].t_s)
 
 
+def test_a_clock_that_is_set_back_is_a_fault_until_it_has_caught_up(tmp_path: Path) -> None:
+    moments = list(live_moments(60))
+    with Recorder(tmp_path / "tracks.parquet", INFO, part_s=0.001) as writer:
+        for moment in moments[:50]:
+            writer.write(moment)
+        writer.write(moments[48])  # an image that came late is none
+        assert writer.health.state == "writing"
+        writer.write(moments[10])
+        assert writer.health.state == "failing"
+        assert "clock was set back" in str(writer.health.fault)
+        for moment in moments[50:]:
+            writer.write(moment)
+        assert writer.health.state == "writing"
+
+    assert_same_bits(list(read_parquet(tmp_path / "tracks.parquet")), moments)
+    (gap,) = read_gaps(tmp_path)
+    assert (gap.from_s, gap.to_s) == (moments[49].t_s, moments[50].t_s)
+    assert "clock was set back" in gap.reason
+
+
 def test_a_recording_of_full_precision_is_not_continued(tmp_path: Path) -> None:
     path = tmp_path / "tracks.parquet"
     with tracks_writer(path) as writer:

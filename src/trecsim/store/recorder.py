@@ -3,7 +3,9 @@
 Snapshots wait in memory until they are written as a part, every second, so the end of the program
 at any moment costs less than 2 s. Another thread merges parts to minutes and hours. While the disk
 is full or does not work, snapshots wait for 30 s; later ones are lost, and the gap is listed in
-``gaps.json`` beside the recording. Writing is tried again all the time.
+``gaps.json`` beside the recording. Writing is tried again all the time. A clock that is set back
+ends the recording of people until it has caught up, as the times of a recording increase; that is
+a fault, and listed as a gap.
 
 ::
 
@@ -33,6 +35,7 @@ from trecsim.store.compact_file import write_compact
 from trecsim.store.compaction import changing, complete_segment, merge_parts
 from trecsim.store.gaps import Gap, add_gaps
 from trecsim.store.growing import KeepsPartial
+from trecsim.store.ledger_events import rfc3339
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.segments import (
@@ -50,6 +53,9 @@ logger = logging.getLogger(__name__)
 HOUR_S = 3600.0
 PART_S = 1.0
 """Time from one part to the next; with the time that writing takes, a crash costs less than 2 s."""
+
+BACK_S = 1.0
+"""Times that fall back by more mean that the clock was set [s]."""
 
 _WAITING_PEOPLE = 15_000  # of all waiting snapshots together: 20 people for 30 s, about 50 MB
 _LOW_PRIORITY = 10
@@ -131,6 +137,7 @@ class Recorder(KeepsPartial):
         self._lost_for = "nothing was recorded between two runs"
         self._gaps: list[Gap] = []
         self._fault: str | None = None
+        self._set_back: str | None = None  # what is wrong with the clock
         self.writing = Recent()  # how long each part took, and how old its newest snapshot was [ms]
         self._stop = threading.Event()
         self._threads = [
@@ -148,13 +155,16 @@ class Recorder(KeepsPartial):
     @property
     def health(self) -> StoreHealth:
         """Whether the disk takes what is recorded, and why not."""
-        fault = self._fault
+        fault = self._fault or self._set_back
         return StoreHealth("writing" if fault is None else "failing", fault)
 
     def write(self, snapshot: Snapshot) -> None:
         """Take one snapshot, which is written soon."""
         if snapshot.t_s <= self._last_s:
+            if snapshot.t_s < self._last_s - BACK_S:
+                self._note_set_back()
             return
+        self._set_back = None
         people = 1 + len(snapshot.id)
         with self._lock:
             if self._waiting_people + people > _WAITING_PEOPLE:
@@ -168,6 +178,19 @@ class Recorder(KeepsPartial):
             self._waiting.append(snapshot)
             self._waiting_people += people
             self._last_s = snapshot.t_s
+
+    def _note_set_back(self) -> None:
+        """Tell that nothing is recorded until the clock has caught up with the recording."""
+        if self._set_back is not None:
+            return
+        self._set_back = (
+            "the clock was set back, so that nothing is recorded until it shows "
+            f"{rfc3339(self._last_s)} again; start the site again to record at once"
+        )
+        logger.error("%s; people are tracked all the same", self._set_back)
+        with self._lock:
+            if self._lost_after_s is None:
+                self._lost_after_s, self._lost_for = self._last_s, self._set_back
 
     def _write_parts(self) -> None:
         pause_s = self._part_s
