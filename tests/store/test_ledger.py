@@ -182,6 +182,10 @@ def test_reviewed_is_kept_per_user(tmp_path: Path) -> None:
         "UPDATE audit SET who = 'lee' WHERE number = 3",
         "UPDATE audit SET details = '{}' WHERE number = 3",
         "UPDATE audit SET t_s = 1 WHERE number = 3",
+        "UPDATE audit SET details = '{' WHERE number = 3",
+        "UPDATE audit SET t_s = 9e999 WHERE number = 3",
+        "UPDATE audit SET hash = x'00ff' WHERE number = 3",
+        "UPDATE audit SET who = x'ff00' WHERE number = 3",
         "DELETE FROM audit WHERE number = 3",
         "DELETE FROM audit WHERE number = 3; UPDATE audit SET number = number - 1 WHERE number > 3",
     ],
@@ -294,6 +298,22 @@ def test_the_page_does_not_move_a_damaged_ledger(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="damaged"):
         Ledger(tmp_path, repair=False)
     assert [path.name for path in tmp_path.iterdir()] == [NAME]
+
+
+@pytest.mark.parametrize("body", ["{", "[]", '{"id": "e1-0"}', "x'00ff'"])
+def test_an_event_whose_text_is_damaged_is_left_out_and_all_others_stay(
+    tmp_path: Path, body: str
+) -> None:
+    with Ledger(tmp_path) as ledger:
+        ledger.append_event(event(1, event="e1"))
+        ledger.append_event(event(2, event="e2"))
+        with closing(sqlite3.connect(tmp_path / NAME)) as intruder:
+            intruder.execute("UPDATE event SET body = ? WHERE episode = 'e1'", [body])
+            intruder.commit()
+
+        (left,) = ledger.events()
+        assert left.event["data"]["event"] == "e2"
+        assert [one.number for one in ledger.open_events([left.event["type"]])] == [left.number]
 
 
 def test_a_ledger_of_a_newer_version_is_refused_and_stays(tmp_path: Path) -> None:

@@ -78,11 +78,31 @@ def next_hash(
     return hashlib.sha256(facts.encode()).hexdigest()
 
 
+def details_in(text: object) -> Mapping[str, Any]:
+    """Return the details of an entry from their JSON text.
+
+    A text that is none was changed after it was written; it is kept so that the hash tells.
+
+    Examples
+    --------
+    >>> details_in('{"user": "kim"}'), details_in('{"user')
+    ({'user': 'kim'}, {'unreadable': '{"user'})
+    """
+    try:
+        details = json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        details = None
+    return details if isinstance(details, dict) else {"unreadable": str(text)}
+
+
 def verified(entries: Iterable[AuditEntry]) -> AuditVerdict:
     """Follow the chain through all entries of a log."""
     before, count, broken = FIRST_HASH, 0, None
     for count, entry in enumerate(entries, start=1):
-        expected = next_hash(before, count, entry.t_s, entry.who, entry.act, entry.details)
+        try:
+            expected = next_hash(before, count, entry.t_s, entry.who, entry.act, entry.details)
+        except (TypeError, ValueError, RecursionError):  # of values that no entry was written with
+            expected = ""
         if broken is None and (entry.number, entry.hash) != (count, expected):
             broken = count
         before = entry.hash

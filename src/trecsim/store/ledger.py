@@ -15,7 +15,14 @@ from typing import Any, Self
 
 from trecsim.errors import InputError
 from trecsim.store.audit import FIRST_HASH, next_hash
-from trecsim.store.ledger_events import act_event, check_act, event_row, next_seq, numbered
+from trecsim.store.ledger_events import (
+    act_event,
+    check_act,
+    event_in,
+    event_row,
+    next_seq,
+    numbered,
+)
 from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
 from trecsim.store.ledger_reading import LedgerEvent, LedgerReading
 
@@ -188,7 +195,7 @@ def _episode(connection: sqlite3.Connection, episode: str) -> list[dict[str, Any
     rows = connection.execute(
         "SELECT body FROM event WHERE episode = ? ORDER BY number", [episode]
     ).fetchall()
-    return [json.loads(body) for (body,) in rows]
+    return [event for (body,) in rows if (event := event_in(body)) is not None]
 
 
 def _insert_event(connection: sqlite3.Connection, row: tuple[Any, ...]) -> int:

@@ -43,6 +43,23 @@ def event_row(event: Mapping[str, Any]) -> tuple[Any, ...]:
     )
 
 
+def event_in(text: object) -> dict[str, Any] | None:
+    """Return the event that a ledger holds as JSON text; None where the text is damaged.
+
+    Examples
+    --------
+    >>> event_in('{"id": "a", "data": {"event": "e"}}')["id"], event_in('{"id": "a", "da')
+    ('a', None)
+    """
+    try:
+        event = json.loads(text) if isinstance(text, str) else None
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(event, dict) or not isinstance(event.get("id"), str):
+        return None
+    return event if isinstance(event.get("data"), dict) else None
+
+
 def check_act(phase: str, until_s: float | None, reason: str | None) -> None:
     """Refuse an act that is not complete.
 

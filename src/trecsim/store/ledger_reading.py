@@ -1,6 +1,6 @@
 """What a ledger holds: events, who reviewed them, and the audit log, as they are read."""
 
-import json
+import logging
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Mapping
@@ -8,8 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from trecsim.store.audit import AuditEntry, AuditVerdict, verified
+from trecsim.store.audit import AuditEntry, AuditVerdict, details_in, verified
+from trecsim.store.ledger_events import event_in
 from trecsim.store.ledger_file import sqlite_faults
+
+logger = logging.getLogger(__name__)
 
 MOST_AT_ONCE = 1000
 
@@ -84,7 +87,7 @@ class LedgerReading:
             f"ORDER BY number {'DESC' if newest else 'ASC'} LIMIT ?",
             [*(value for _, value in wanted), limit],
         )
-        found = [LedgerEvent(number, json.loads(body)) for number, body in rows]
+        found = self._readable(rows)
         return found[::-1] if newest else found
 
     def open_events(self, types: Iterable[str]) -> list[LedgerEvent]:
@@ -99,10 +102,11 @@ class LedgerReading:
         rows = self._rows(
             "SELECT number, body FROM event WHERE number IN (SELECT max(number) FROM event "
             "GROUP BY episode HAVING sum(phase = 'end') = 0) "
-            f"AND json_extract(body, '$.type') IN ({', '.join('?' * len(wanted))}) ORDER BY number",
+            "AND CASE WHEN json_valid(body) THEN json_extract(body, '$.type') END "
+            f"IN ({', '.join('?' * len(wanted))}) ORDER BY number",
             wanted,
         )
-        return [LedgerEvent(number, json.loads(body)) for number, body in rows]
+        return self._readable(rows)
 
     def count_events(self) -> int:
         """Return the number of events."""
@@ -135,7 +139,7 @@ class LedgerReading:
             [after, limit],
         )
         return [
-            AuditEntry(number, t_s, who, act, json.loads(details), made)
+            AuditEntry(number, t_s, who, act, details_in(details), made)
             for number, t_s, who, act, details, made in rows
         ]
 
@@ -148,6 +152,17 @@ class LedgerReading:
         while entries := self.audit(after):
             yield from entries
             after = entries[-1].number
+
+    def _readable(self, rows: Iterable[tuple[Any, ...]]) -> list[LedgerEvent]:
+        """Return events; leave out, with a remark, those whose text is damaged."""
+        found = []
+        for number, body in rows:
+            event = event_in(body)
+            if event is None:
+                logger.warning("%s: event number %d is damaged and is left out", self.path, number)
+            else:
+                found.append(LedgerEvent(number, event))
+        return found
 
     def _rows(self, query: str, values: list[Any]) -> list[tuple[Any, ...]]:
         with self._lock, sqlite_faults(self.path):
