@@ -156,3 +156,19 @@ def test_the_command_takes_dates_and_tells_what_it_did(
         main(["erase", os.fspath(run), "--from", "yesterday", "--to", "1"])
     assert ended.value.code == 2
     assert "yesterday" in capsys.readouterr().err
+
+
+def test_a_damaged_recording_is_told_and_the_period_is_gone_from_all_others(
+    tmp_path: Path,
+) -> None:
+    moments = list(live_moments(100))
+    site = tmp_path / "site"
+    record(site / "a", moments)
+    whole = record(site / "b", moments)
+    next((site / "a" / "tracks.parquet").glob("0*")).write_bytes(b"PAR1 cut off")
+
+    with pytest.raises(InputError, match="1 of 2 recordings still hold this period"):
+        erase(site, moments[30].t_s, moments[60].t_s)
+    assert_same_bits(list(snapshots(whole)), moments[:30] + moments[61:])
+    with Ledger(site) as ledger:
+        assert [one.details["recordings"] for one in ledger.audit()] == [["b"]]

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from made_live import assert_same_bits, live_moments
+from trecsim.errors import InputError
 from trecsim.store.ledger import Ledger
 from trecsim.store.names import LIVE
 from trecsim.store.parquet_file import TracksInfo
@@ -141,3 +142,15 @@ def test_a_crashed_recording_is_deleted_too(tmp_path: Path) -> None:
         tidy(tmp_path, ledger, Retention(), moments[-1].t_s + 80 * HOUR)
 
     assert not run.exists()
+
+
+def test_a_damaged_recording_does_not_keep_others_beyond_their_limit(tmp_path: Path) -> None:
+    moments = hours(2)
+    damaged = record(tmp_path / "a", moments)
+    record(tmp_path / "b", moments)
+    next((damaged / "tracks.parquet").glob("0*")).write_bytes(b"PAR1 cut off")
+
+    with Ledger(tmp_path) as ledger, pytest.raises(InputError, match=r"PAR1|[Pp]arquet"):
+        tidy(tmp_path, ledger, Retention(tracks_s=HOUR), moments[-1].t_s + 5 * HOUR)
+    assert damaged.exists()
+    assert not (tmp_path / "b").exists()

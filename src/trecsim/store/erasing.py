@@ -78,7 +78,8 @@ def erase(
     Raises
     ------
     InputError
-        When there is no recording, the time is none, or a file is damaged.
+        When there is no recording, the time is none, or a file is damaged; the period is then
+        gone from all other recordings, and the audit log says so.
     SetupError
         When the disk has no room.
     """
@@ -97,9 +98,14 @@ def erase(
         return kept
 
     done = Erased()
+    damaged: list[InputError] = []
     for one in folders:
-        found = _erase_in(one, from_s, to_s, stays)
-        remarks = _erase_poses(one, from_s, to_s, person)
+        try:
+            found = _erase_in(one, from_s, to_s, stays)
+            remarks = _erase_poses(one, from_s, to_s, person)
+        except InputError as error:
+            damaged.append(error)
+            continue
         name = (one.name,) if found.files else ()
         done = Erased(
             done.rows + found.rows,
@@ -109,6 +115,11 @@ def erase(
         )
     times = {"from_s": _finite(from_s), "to_s": _finite(to_s)}  # JSON has no infinity
     _enter(folder, folders, who, done, {**times, "person": person})
+    if damaged:
+        raise InputError(
+            f"{damaged[0]}; {len(damaged)} of {len(folders)} recordings still hold this period, "
+            "or a part of it: remove the damaged files, then erase again"
+        )
     return done
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import pyarrow as pa
 from jaxtyping import Bool
 
+from trecsim.errors import InputError
 from trecsim.store.claiming import is_claimed
 from trecsim.store.erasing import catalogue_anew, changing_tracks, keep_rows
 from trecsim.store.ledger import Ledger
@@ -78,7 +79,7 @@ def tidy(folder: Path, ledger: Ledger, limits: Retention, now_s: float) -> int:
     Raises
     ------
     InputError
-        When a recording is damaged.
+        When a recording is damaged; it is left alone, and all others are tidied.
     SetupError
         When the disk has no room or does not work.
     """
@@ -86,17 +87,23 @@ def tidy(folder: Path, ledger: Ledger, limits: Retention, now_s: float) -> int:
     evidence = ledger.evidence()
     live = sorted(one for one in (folder, *folder.glob("*")) if (one / LIVE).exists())
     changed = 0
-    everything = [old for one in live for old in _files_of(one)]
-    everything.sort(key=lambda old: old.segment.contents.first_s)
-    for old in everything:
-        if _age_s(old, now_s) > limits.tracks_s:
-            changed += _shrink(old, _within(evidence, old.segment))
+    damaged: list[InputError] = []
+    for one in live.copy():
+        try:
+            for old in _files_of(one):
+                if _age_s(old, now_s) > limits.tracks_s:
+                    changed += _shrink(old, _within(evidence, old.segment))
+        except InputError as error:
+            live.remove(one)
+            damaged.append(error)
     if limits.tracks_bytes is not None:
         changed += _reduce(live, evidence, limits.tracks_bytes)
     for one in live:
         _remove_what_is_empty(one, now_s - limits.tracks_s)
     if changed or events:
         ledger.append_audit("retention", "delete", {"files": changed, "events": events})
+    if damaged:
+        raise damaged[0]
     return changed
 
 
