@@ -259,6 +259,14 @@ def test_a_site_file_that_cannot_be_changed_without_harm_is_left_alone(text: str
         with_places(text, {"zones": {"strip": ZONE}})
 
 
+def test_a_zone_with_its_corners_on_lines_of_their_own_is_replaced() -> None:
+    lines = "polygon_m = [\n  [0, 0],\n  [1, 0],  # the door\n  [1, 1]\n]"
+    text = TEXT.replace("polygon_m = [[0, 0], [1, 0], [1, 1]]", lines)
+    found = tomllib.loads(with_places(text, {"zones": {"new": ZONE}}))
+    assert found["zones"] == {"new": ZONE}
+    assert found["fusion"] == {"death_s": 2.0}
+
+
 def test_places_can_be_added_replaced_and_removed() -> None:
     added = with_places(
         TEXT, {"zones": {"a": ZONE}, "lines": {"gate": {"points_m": [[0, 0], [1, 0]]}}}

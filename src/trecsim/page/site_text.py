@@ -9,7 +9,9 @@ from typing import Any
 from trecsim.errors import InputError
 
 PLACES = ("zones", "lines", "edges")
-_HEADER = re.compile(r"\s*\[\[?\s*([A-Za-z0-9_-]+)")
+_KEY = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
+# The whole line: a row of an array over several lines begins with a bracket, too.
+_HEADER = re.compile(rf"\s*\[\[?\s*([A-Za-z0-9_-]+)\s*(?:\.\s*{_KEY}\s*)*\]\]?\s*(?:#.*)?$")
 
 Places = Mapping[str, Mapping[str, Mapping[str, Any]]]
 """Tables by kind (`PLACES`) and name."""
