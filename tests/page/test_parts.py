@@ -12,6 +12,7 @@ from made_page import event, next_of, run_apart, running_page
 from trecsim.page import policy
 from trecsim.page import stream as stream_module
 from trecsim.page.address import PageAddress
+from trecsim.page.caller import caller_of
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
 from trecsim.page.hub import Hub
 from trecsim.page.page_data import PageData
@@ -170,3 +171,22 @@ def test_the_page_listens_on_ipv6_too() -> None:
     with running_page(PageAddress(host="::1", port=0)) as page:
         assert page.process.url.startswith("http://[::1]:")
         assert page.client.get("/").status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("lines", "address"),
+    [
+        (["10.0.0.7"], "10.0.0.7"),
+        (["127.0.0.1, 10.0.0.7"], "10.0.0.7"),  # the proxy added to what the client sent
+        (["127.0.0.1", "10.0.0.7"], "10.0.0.7"),  # or added a line of its own
+        ([], "10.0.0.2"),
+    ],
+)
+def test_only_what_the_proxy_itself_added_tells_where_a_request_comes_from(
+    lines: list[str], address: str
+) -> None:
+    forwarded = [(b"x-forwarded-for", line.encode()) for line in lines]
+    schemes = [(b"x-forwarded-proto", b"https"), (b"x-forwarded-proto", b"http")]
+    scope = {"client": ("10.0.0.2", 1), "scheme": "http", "headers": [*forwarded, *schemes]}
+    caller = caller_of(scope, PageAddress(trusted_proxy="10.0.0.2"))
+    assert (caller.address, caller.is_encrypted, caller.is_private) == (address, False, False)

@@ -42,11 +42,19 @@ def caller_of(scope: Scope, address: PageAddress) -> Caller:
     peer = _plain(client[0]) if client else ""
     encrypted = scope["scheme"] in ("https", "wss")
     if address.trusted_proxy is not None and peer == _plain(address.trusted_proxy):
-        headers = Headers(scope=scope)
-        peer = _plain(headers.get("x-forwarded-for", peer).rpartition(",")[2].strip())
-        encrypted = headers.get("x-forwarded-proto", "http").strip() == "https"
+        peer = _plain(_added(scope, "x-forwarded-for") or peer)
+        encrypted = _added(scope, "x-forwarded-proto") == "https"
     private = encrypted or is_loopback(peer) or address.insecure
     return Caller(peer, encrypted, private)
+
+
+def _added(scope: Scope, name: str) -> str:
+    """Return what the proxy itself added to a header: the last entry of the last line.
+
+    All before it is what the client sent; some proxies add a line of their own to it.
+    """
+    lines = Headers(scope=scope).getlist(name)
+    return lines[-1].rpartition(",")[2].strip() if lines else ""
 
 
 def _plain(text: str) -> str:
