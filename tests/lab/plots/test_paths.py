@@ -8,6 +8,7 @@ import pytest
 from made_rigs import ring
 from made_tracks import snapshot, walk
 from trecsim.errors import InputError
+from trecsim.lab.plots.canvas import save_figure
 from trecsim.lab.plots.colours import COLOURS
 from trecsim.lab.plots.path_recorder import PathRecorder
 from trecsim.lab.plots.paths_plot import paths_figure, plot_paths
@@ -40,9 +41,9 @@ def test_a_picture_is_drawn_for_any_number_of_people(
     people: int, text: str, tmp_path: Path
 ) -> None:
     out = tmp_path / "paths.png"
-    plot_paths(crowd(people), ring(3), out, title="the hall", remark="a remark")
-    assert out.read_bytes().startswith(b"\x89PNG")
     figure = paths_figure(recorded(crowd(people)), ring(3), title="the hall", remark="a remark")
+    save_figure(figure, out)
+    assert out.read_bytes().startswith(b"\x89PNG")
     told = figure.get_suptitle()
     assert told.startswith("the hall\n" + text)
     assert told.endswith("a remark")
