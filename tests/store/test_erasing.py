@@ -2,6 +2,7 @@
 
 import json
 import os
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,9 @@ from made_live import assert_same_bits, live_moments
 from made_tracks import assert_same, walk
 from trecsim.cli import main
 from trecsim.errors import InputError
+from trecsim.store.compaction import CHANGING, changing
 from trecsim.store.erasing import erase
+from trecsim.store.growing import lock
 from trecsim.store.ledger import Ledger
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.playback import snapshots
@@ -121,6 +124,47 @@ def test_a_site_goes_on_recording_while_something_is_erased(tmp_path: Path) -> N
 
     never = {moment.t_s for n, moment in enumerate(moments) if n not in gone}
     assert never <= left  # what had not been stored yet may have come later
+
+
+def test_a_recording_that_ends_just_before_it_is_changed_is_erased_under_its_final_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    moments = list(live_moments(50))
+    (tmp_path / "run").mkdir()
+    writer = Recorder(tmp_path / "run" / "tracks.parquet", INFO)
+    for moment in moments:
+        writer.write(moment)
+
+    def changing_after_the_end(folder: Path) -> AbstractContextManager[bool]:
+        writer.close()
+        return changing(folder)
+
+    monkeypatch.setattr("trecsim.store.erasing.changing", changing_after_the_end)
+    erase(tmp_path, moments[10].t_s, moments[20].t_s)
+
+    left = [one.t_s for one in snapshots(tmp_path / "run")]
+    assert left == [one.t_s for one in (*moments[:10], *moments[21:])]
+
+
+@pytest.mark.parametrize("segment_s", [2.0, 3600.0])
+def test_a_recording_takes_its_final_name_while_nobody_else_can_change_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, segment_s: float
+) -> None:
+    writer = Recorder(tmp_path / "tracks.parquet", INFO, segment_s=segment_s)
+    for moment in live_moments(120):
+        writer.write(moment)
+    take_name, could_be_locked = writer._take_name, []
+
+    def look_and_take_name() -> None:
+        with (tmp_path / "tracks.parquet.parts" / CHANGING).open() as other:
+            could_be_locked.append(lock(other.fileno()))
+        take_name()
+
+    monkeypatch.setattr(writer, "_take_name", look_and_take_name)
+    writer.close()
+
+    assert could_be_locked == [False]
+    assert not (tmp_path / "tracks.parquet.parts").exists()
 
 
 def test_a_recording_that_is_not_there_and_a_time_that_is_none_are_refused(tmp_path: Path) -> None:

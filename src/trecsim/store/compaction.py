@@ -5,6 +5,7 @@ before the files that it replaces are removed, and readers prefer it.
 """
 
 import os
+import secrets
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -16,7 +17,7 @@ import pyarrow as pa
 
 from trecsim.store.atomic import PRIVATE_FILE, disk_faults
 from trecsim.store.compact_file import compact_groups, merged, write_compact
-from trecsim.store.growing import lock_waiting
+from trecsim.store.growing import is_file_at, lock_waiting
 from trecsim.store.parquet_file import TracksInfo, read_contents
 from trecsim.store.segments import (
     SUFFIX,
@@ -39,15 +40,30 @@ CHANGING = ".changing"
 
 
 @contextmanager
-def changing(folder: Path) -> Iterator[None]:
-    """Change the files of a recording alone; another program that changes them is waited for."""
+def changing(folder: Path) -> Iterator[bool]:
+    """Change the files of a recording alone; another program that changes them is waited for.
+
+    Yields
+    ------
+    False when the recording ended meanwhile, so that `folder` has another name or is gone.
+    """
     with disk_faults(folder, running=True):
         handle = os.open(folder / CHANGING, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE)
     try:
         lock_waiting(handle)
-        yield
+        yield is_file_at(handle, folder / CHANGING)
     finally:
         os.close(handle)
+
+
+def remove_parts(folder: Path) -> None:
+    """Remove what is left in a folder of parts.
+
+    It loses its name first: another program that is about to lock it makes no file in it.
+    """
+    gone = folder.with_name(f".{folder.name}.{secrets.token_hex(4)}.tmp")
+    folder.rename(gone)
+    shutil.rmtree(gone)
 
 
 def merge_parts(folder: Path, info: TracksInfo, at_least: int) -> bool:

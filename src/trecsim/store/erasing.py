@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow as pa
 from jaxtyping import Bool
 
-from trecsim.errors import InputError
+from trecsim.errors import InputError, SetupError
 from trecsim.store.atomic import atomic_write, partial_path
 from trecsim.store.compact_file import write_compact
 from trecsim.store.compaction import changing
@@ -152,10 +152,26 @@ def _erase_in(folder: Path, from_s: float, to_s: float, stays: Kept) -> Erased:
     return Erased(rows, files)
 
 
-def changing_tracks(tracks: Path) -> AbstractContextManager[None]:
-    """Change the files of a recording alone, in a block."""
-    place = tracks if tracks.is_dir() else parts_of(tracks)
-    return changing(place) if place.is_dir() else nullcontext()
+@contextmanager
+def changing_tracks(tracks: Path) -> Iterator[None]:
+    """Change the files of a recording alone, in a block; it may end while this waits."""
+    while place := _folder_of(tracks):
+        with ExitStack() as lock:
+            try:
+                is_there = lock.enter_context(changing(place))
+            except SetupError:
+                if place.is_dir():
+                    raise
+                continue  # it has just ended
+            if is_there:
+                yield
+                return
+    yield
+
+
+def _folder_of(tracks: Path) -> Path | None:
+    places = (tracks, parts_of(tracks))
+    return next((place for place in places if place.is_dir()), None)
 
 
 def catalogue_anew(tracks: Path) -> None:

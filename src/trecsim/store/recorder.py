@@ -17,7 +17,6 @@ a fault, and listed as a gap.
 import logging
 import math
 import os
-import shutil
 import threading
 import time
 from collections import deque
@@ -32,7 +31,7 @@ from trecsim.recent import Recent
 from trecsim.store.atomic import PRIVATE_FOLDER, disk_faults, sync_directory
 from trecsim.store.compact import compact_table
 from trecsim.store.compact_file import write_compact
-from trecsim.store.compaction import changing, complete_segment, merge_parts
+from trecsim.store.compaction import changing, complete_segment, merge_parts, remove_parts
 from trecsim.store.gaps import Gap, add_gaps
 from trecsim.store.growing import KeepsPartial
 from trecsim.store.ledger_events import rfc3339
@@ -311,7 +310,8 @@ class Recorder(KeepsPartial):
             with disk_faults(self._path, running=True):
                 self._flush()
                 self._merge_once(everything=True)
-                self._take_name()
+                with changing(self._parts):
+                    self._take_name()
         except SetupError as error:
             raise with_kept(error, self._parts) from error
         finally:
@@ -342,10 +342,10 @@ class Recorder(KeepsPartial):
         elif files:
             for file in files.values():
                 file.replace(self._path)
-            shutil.rmtree(self._parts)
+            remove_parts(self._parts)
         else:
             write_compact(self._path, [], self._info)
-            shutil.rmtree(self._parts)
+            remove_parts(self._parts)
         sync_directory(self._path.parent)
 
 
