@@ -18,8 +18,9 @@ from trecsim.store.compaction import changing
 from trecsim.store.ledger import Ledger
 from trecsim.store.ledger_file import NAME as LEDGER
 from trecsim.store.names import POSES, TRACKS
-from trecsim.store.parquet_file import TracksInfo, file_groups, read_file_info, write_file
+from trecsim.store.parquet_file import TracksInfo, file_groups, read_file_info
 from trecsim.store.parquet_reading import parts_of, recording_segments
+from trecsim.store.parquet_writing import write_file
 from trecsim.store.playback import recording_folders
 from trecsim.store.segments import segments_in, write_catalogue
 

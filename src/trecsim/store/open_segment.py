@@ -7,15 +7,8 @@ from pathlib import Path
 import pyarrow as pa
 
 from trecsim.store.atomic import PRIVATE_FILE, PRIVATE_FOLDER, disk_faults, sync_directory
-from trecsim.store.parquet_file import (
-    ROWS_OF_A_GROUP,
-    Contents,
-    TracksInfo,
-    joined,
-    parquet_file,
-    write_file,
-    write_group,
-)
+from trecsim.store.parquet_file import ROWS_OF_A_GROUP, Contents, TracksInfo
+from trecsim.store.parquet_writing import joined, parquet_file, write_file, write_group
 from trecsim.store.rows import Rows, table_of
 from trecsim.store.segments import SUFFIX, Segment, segment_name
 

@@ -1,12 +1,12 @@
-"""One Parquet file of tracks: written in row groups, read between two times."""
+"""One Parquet file of tracks: what it says about itself, and its rows between two times."""
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -14,16 +14,12 @@ from pyarrow import parquet as pq
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, SKELETONS, Skeleton
-from trecsim.store.atomic import atomic_write, opened_for_reading
+from trecsim.store.atomic import opened_for_reading
 from trecsim.store.native import native_file
 from trecsim.store.rows import (
     COLUMNS,
-    COVARIANCE,
     DETAIL_SCHEMA,
     DETAILS,
-    MAY_BE_MISSING,
-    SCHEMA,
-    VELOCITY,
     Rows,
     rows_in,
 )
@@ -34,7 +30,6 @@ ROWS_OF_A_GROUP = 1 << 17
 
 _FORMAT_NAME = "trecsim.tracks/"
 
-_SPLIT = (*MAY_BE_MISSING, *VELOCITY, *COVARIANCE)
 _BATCH_ROWS = 1 << 16
 
 
@@ -98,55 +93,6 @@ class Contents:
             float(rows["t_s"][-1]),
             max(self.highest_person, int(rows["person"].max())),
         )
-
-
-def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
-    """Open a Parquet writer; the file is readable once the writer is closed."""
-    schema = DETAIL_SCHEMA if info.details else SCHEMA
-    facts = {
-        "format": FORMAT,
-        "skeleton": info.skeleton.name,
-        "unit": "m",
-        "rig_sha256": info.rig_sha256,
-    }
-    return pq.ParquetWriter(
-        file,
-        schema.with_metadata({"trecsim": json.dumps(facts)}),
-        compression="zstd",
-        use_byte_stream_split=[name for name in schema.names if name in _SPLIT],
-        use_dictionary=[name for name in schema.names if name not in _SPLIT],
-    )
-
-
-def write_file(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> None:
-    """Write tables to one file, one row group at a time."""
-    with (
-        atomic_write(path, "wb", private=True) as file,
-        parquet_file(file, info) as writer,
-    ):
-        for table in _regrouped(tables):
-            write_group(writer, table)
-
-
-def write_group(writer: pq.ParquetWriter, table: pa.Table) -> None:
-    """Append a row group."""
-    writer.write_table(table.cast(writer.schema))
-
-
-def _regrouped(tables: Iterable[pa.Table]) -> Iterator[pa.Table]:
-    waiting: list[pa.Table] = []
-    for table in tables:
-        waiting.append(table)
-        if sum(map(len, waiting)) >= ROWS_OF_A_GROUP:
-            yield joined(waiting)
-            waiting.clear()
-    if waiting:
-        yield joined(waiting)
-
-
-def joined(tables: list[pa.Table]) -> pa.Table:
-    """Concatenate tables."""
-    return pa.concat_tables(tables).unify_dictionaries().combine_chunks()
 
 
 def read_file_info(path: Path) -> TracksInfo:

@@ -11,8 +11,9 @@ from trecsim.errors import InputError
 from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
 from trecsim.store.frames import tidy_frame, wide_frame
-from trecsim.store.parquet_file import TracksInfo, write_file
+from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, read_parquet
+from trecsim.store.parquet_writing import write_file
 from trecsim.store.rows import confirmed_only
 from trecsim.store.tracks_csv import CsvWriter, read_csv
 from trecsim.store.tracks_parquet import ParquetTracksWriter, tables_of

@@ -33,12 +33,9 @@ import pyarrow as pa
 from trecsim.errors import SetupError
 from trecsim.store.atomic import disk_faults, sync_directory
 from trecsim.store.open_segment import OpenSegment
-from trecsim.store.parquet_file import (
-    TracksInfo,
-    file_rows,
-    write_file,
-)
+from trecsim.store.parquet_file import TracksInfo, file_rows
 from trecsim.store.parquet_reading import parts_of
+from trecsim.store.parquet_writing import write_file
 from trecsim.store.rows import ROW, Rows, rows_of, table_of
 from trecsim.store.segments import (
     CATALOGUE,
