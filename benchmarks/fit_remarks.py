@@ -225,6 +225,8 @@ def heading(wanted: Sequence[str]) -> str:
 def line(name: str, one: Row, wanted: Sequence[str]) -> str:
     """Return the line of a recording: which faults are named."""
     every = faults()
+    if KNOCKED in name:  # its own fault is to be named where no other is made
+        every["none"] = every["none"]._replace(said=("have been moved",))
     marks = [mark(every[fault], one.said[fault]) for fault in wanted]
     return f"| {name} | {one.cameras} | {one.cost:.1%} | {' | '.join(marks)} |"
 
