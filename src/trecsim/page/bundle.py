@@ -39,8 +39,8 @@ programs can read everything:</p>
 <li><a href="/api/site">/api/site</a>: cameras and zones</li>
 <li><a href="/metrics">/metrics</a>: figures for Prometheus</li>
 </ul>
-<p>To build the page in a clone of the repository: <code>make page</code>. Installed packages hold
-it already: <code>pip install --force-reinstall 'mc3d-trecsim[page]'</code>.</p>
+<p>To build the page in a clone of the repository: <code>make page</code>. To install it elsewhere:
+<code>pip install --force-reinstall ".[page]"</code> in a clone.</p>
 </body>
 </html>
 """
