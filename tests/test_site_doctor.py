@@ -79,6 +79,29 @@ def test_a_port_in_use_and_a_camera_that_is_off_make_the_command_fail(
     assert "camera cam0, port of the page" in output.err
 
 
+@pytest.mark.parametrize(
+    ("table", "state", "text"),
+    [
+        ("", "ok", "everybody on this machine"),
+        ('host = "0.0.0.0"\n', "broken", "expected users or token_env"),
+        ('host = "0.0.0.0"\nusers = "users.toml"\n', "broken", "there is no such file"),
+        ('host = "0.0.0.0"\ntoken_env = "MADE_TOKEN"\n', "missing", "passwords need TLS"),
+        ('token_env = "MADE_TOKEN"\n', "ok", "who signs in"),
+    ],
+)
+def test_who_may_use_the_page_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, table: str, state: str, text: str
+) -> None:
+    monkeypatch.setenv("MADE_TOKEN", "made-up-" * 8)
+    (tmp_path / "poses.jsonl").write_text('{"format": "trecsim.poses2d/1", "skeleton": "coco17"}\n')
+    access = found(site(tmp_path, f'poses = "poses.jsonl"\n[page]\nport = 0\n{table}'))[
+        "access to the page"
+    ]
+    assert access.state == state
+    assert text in access.text
+    assert (access.remedy == "") == (state == "ok")
+
+
 def test_a_site_without_live_cameras_has_none_to_look_at(tmp_path: Path) -> None:
     from made_site import make_site
 

@@ -1,4 +1,4 @@
-"""What a site lacks to run live: each camera is looked at, the port of the page, and the disk."""
+"""What a site lacks to run live: each camera is looked at, the page, and the disk."""
 
 import shutil
 import socket
@@ -9,6 +9,9 @@ from statistics import median
 from threading import Thread
 
 from trecsim.doctor import Finding
+from trecsim.errors import InputError
+from trecsim.page.address import PageAddress
+from trecsim.page.site_address import page_address
 from trecsim.sites.check import CheckedSite
 from trecsim.sites.live_cameras import address_of, login_faults
 from trecsim.sources.streams import StreamSource
@@ -43,6 +46,7 @@ def examine_site(checked: CheckedSite, look_s: float = LOOK_S) -> Iterator[Findi
         yield from watch.findings()
     if site.page is not None:
         yield _port(site.page.host, site.page.port)
+        yield _access(page_address(site.page))
     yield _disk(site.output.directory or checked.file.path.parent)
 
 
@@ -121,6 +125,21 @@ def _port(host: str, port: int) -> Finding:
     except OSError as error:
         remedy = f"end what listens there, or set another one in [page]: port = {port + 1}"
         return Finding(name, "broken", f"{host}:{port}: {error.strerror}", remedy, essential=True)
+
+
+def _access(page: PageAddress) -> Finding:
+    name = "access to the page"
+    try:
+        page.check()
+    except InputError as error:
+        text, _, remedy = str(error).partition("; ")
+        remedy = remedy or "correct it under [page] in the site file"
+        return Finding(name, "broken", text, remedy, essential=True)
+    if page.remark is not None:
+        remedy = "encrypt it under [page]: tls_cert and tls_key, or trusted_proxy"
+        return Finding(name, "missing", page.remark, remedy)
+    who = "everybody on this machine, without signing in" if page.is_open else "who signs in"
+    return Finding(name, "ok", who)
 
 
 def _disk(folder: Path) -> Finding:
