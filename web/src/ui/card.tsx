@@ -1,4 +1,4 @@
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { useAway } from "./dialog.tsx";
 import { Glyph, Icon } from "./icons.tsx";
 import { home, write } from "../state/address.ts";
@@ -198,7 +198,7 @@ function onEscape(event: KeyboardEvent, done: (() => void) | undefined): void {
 function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => void; now: number }) {
   const note = useRef<HTMLInputElement>(null);
   // A browser heeds autofocus once per page; without the focus what is typed would be keys.
-  useEffect(() => note.current?.focus(), []);
+  useLayoutEffect(() => note.current?.focus(), []);
   const shelve = (seconds: number) => {
     for (const alert of group) {
       const what = { phase: "shelve" as const, until_s: now + seconds, note: note.current?.value.trim() || undefined };
@@ -223,7 +223,7 @@ export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
   const [reason, setReason] = useState<Reason>("true");
   const [note, setNote] = useState("");
   const first = useRef<HTMLButtonElement>(null);
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (done) first.current?.focus(); // opened from a card, which had the focus
   }, []);
   const missing = reason === "false" && note.trim() === "";

@@ -30,7 +30,8 @@ export function useAway<E extends HTMLElement>(open: boolean, shut: () => void) 
   useEffect(() => {
     if (!open) return undefined;
     const away = (event: Event) => {
-      if (!box.current?.contains(event.target as Node)) shut();
+      // What has just been replaced, by a form that takes the focus, is not left: it is gone.
+      if (box.current && !box.current.contains(event.target as Node)) shut();
     };
     const key = (event: KeyboardEvent) => {
       if (event.key !== "Escape") return;

@@ -6,17 +6,17 @@ const KEYS: [string, [string, string][]][] = [
     ["Alt+1 to 4", "Live, Review, Zones, System"], ["?", "this help"], ["Esc", "close, deselect"],
     ["M", "mute for 5 min"],
   ]],
-  ["Live", [
-    ["A", "acknowledge the card that shows A"], ["R", "replay it"], ["G", "go to it"],
-    ["L", "back to live"], ["Space", "pause, play"], ["← →", "1 s back, on"],
-    [", .", "one picture back, on"], ["1 to 9", "view of a camera"], ["0", "overview"],
-    ["F", "plan"], ["O", "edge"], ["T", "follow the selected person"], ["Tab", "next person"],
-    ["N", "layers"], ["/", "go to a time"],
-  ]],
   ["Review", [
     ["J K", "next, previous"], ["X", "reviewed, or not"], ["C", "close as, then 1 to 4"],
     ["[ ]", "slower, faster"], ["Space", "pause, play"], ["← →", "1 s back, on"],
     [", .", "one picture back, on"],
+  ]],
+  ["Live", [
+    ["A", "acknowledge the card that shows A"], ["R", "replay it"], ["G", "go to it"],
+    ["L", "back to live"], ["Space", "pause, play"], ["← →", "1 s back, on"],
+    [", .", "one picture back, on"], ["Home", "as far back as this page has seen"], ["1 to 9", "view of a camera"], ["0", "overview"],
+    ["F", "plan"], ["O", "edge"], ["T", "follow the selected person"], ["Tab", "next person"],
+    ["N", "layers"], ["/", "go to a time"],
   ]],
 ];
 
