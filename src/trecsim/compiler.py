@@ -23,7 +23,7 @@ from typing import Any
 
 import numba
 from numba.core import config
-from numba.core.codegen import JITCodeLibrary
+from numba.core.codegen import JITCodeLibrary, ll
 from numba.core.compiler import CompileResult, Flags, compile_extra
 from numba.core.dispatcher import _FunctionCompiler  # type: ignore[attr-defined]  # not public
 from numba.core.registry import CPUDispatcher
@@ -154,17 +154,49 @@ class _Translator(_FunctionCompiler):  # type: ignore[misc]  # numba gives it no
 
 
 class _Part(JITCodeLibrary):  # type: ignore[misc]  # numba gives it no type
-    """The code of an `InnerKernel`, to be linked into others but not run by itself."""
+    """The code of an `InnerKernel`, to be linked into others but not run by itself.
+
+    Numba would copy the code of all that it calls into it, and so at every level of calls. Here
+    each part stays by itself until a kernel needs it.
+    """
+
+    _shared_module: Any
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
 
-    def _optimize_final_module(self) -> None:
-        """Leave it to the kernels it becomes a part of."""
-
-    def _finalize_final_module(self) -> None:
+    def finalize(self) -> None:
+        """Leave linking and optimisation to the kernels it becomes a part of."""
+        self._raise_if_finalized()
+        for library in self._linking_libraries:
+            self._reload_init.update(library._reload_init)
         self._finalize_dynamic_globals()
         self._finalized = True
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code of this part and of all that it calls, which may be there twice."""
+        if self._shared_module is None:
+            whole = self._final_module.clone()
+            for library in self._below({}):
+                part = isinstance(library, _Part)
+                module = library._final_module if part else library._get_module_for_linking()
+                whole.link_in(module, preserve=True)
+            defined = [f.name for f in whole.functions if not f.is_declaration]
+            for name in defined:
+                function = whole.get_function(name)
+                if function.linkage == ll.Linkage.external:
+                    function.linkage = "linkonce_odr"
+            self._shared_module = whole
+        return self._shared_module
+
+    def _below(self, found: dict[Any, None]) -> dict[Any, None]:
+        """Add all libraries that this one calls to `found`, each once."""
+        for library in self._linking_libraries:
+            if library not in found:
+                found[library] = None
+                if isinstance(library, _Part):
+                    library._below(found)
+        return found
 
 
 class KernelCache:
