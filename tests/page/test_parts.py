@@ -9,9 +9,10 @@ import pytest
 from starlette.responses import PlainTextResponse
 
 from made_page import event, next_of, run_apart, running_page
+from trecsim.errors import InputError
 from trecsim.page import policy
 from trecsim.page import stream as stream_module
-from trecsim.page.address import PageAddress
+from trecsim.page.address import PageAddress, listen
 from trecsim.page.caller import caller_of
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
 from trecsim.page.hub import Hub
@@ -124,12 +125,13 @@ class Deaf:
         raise AssertionError("the other end would not read that either")
 
 
+async def nothing(_: str) -> list[dict[str, Any]]:
+    return []
+
+
 def test_a_viewer_that_takes_nothing_is_disconnected(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stream_module, "SLOWEST_S", 0.05)
     deaf: Any = Deaf()
-
-    async def nothing(_: str) -> list[dict[str, Any]]:
-        return []
 
     async def watch() -> None:
         hub = Hub(EventLog())
@@ -144,6 +146,47 @@ def test_a_viewer_that_takes_nothing_is_disconnected(monkeypatch: pytest.MonkeyP
 
     run_apart(watch())
     assert deaf.sent == ["1"]
+
+
+class Talking(Deaf):
+    """A WebSocket whose other end speaks while something is sent to it.
+
+    Parameters
+    ----------
+    turns
+        Of the event loop until that is sent.
+    """
+
+    def __init__(self, turns: int) -> None:
+        super().__init__()
+        self.turns, self.spoken, self.closed = turns, asyncio.Event(), 0
+
+    async def send_text(self, text: str) -> None:
+        self.spoken.set()
+        for _ in range(self.turns):
+            await asyncio.sleep(0)
+
+    async def receive(self) -> dict[str, Any]:
+        await self.spoken.wait()
+        return {"type": "websocket.receive", "text": "hello"}
+
+    async def close(self, code: int, reason: str) -> None:
+        self.closed = code
+
+
+@pytest.mark.parametrize("turns", range(9))
+def test_a_viewer_that_speaks_while_it_is_sent_something_is_disconnected(turns: int) -> None:
+    async def served() -> int:
+        talking: Any = Talking(turns)
+        hub = Hub(EventLog())
+        hub.publish("health", "{}")
+        serving = asyncio.create_task(stream_module.stream(talking, hub, nothing, lambda: True))
+        await asyncio.wait({serving}, timeout=5.0)
+        assert serving.done()
+        await serving
+        return int(talking.closed)
+
+    assert run_apart(served()) == 1008
 
 
 def test_a_viewer_that_was_away_for_long_gets_all_it_missed_from_the_ledger(
@@ -161,6 +204,12 @@ def test_a_viewer_that_was_away_for_long_gets_all_it_missed_from_the_ledger(
         assert got == [f"e{number}" for number in range(11, count)]
         page.process.event(event("new"))
         assert next_of(stream, "event")["event"]["id"] == "new"
+
+
+@pytest.mark.parametrize("port", [-1, 65_536, 99_999])
+def test_a_port_that_cannot_be_is_refused(port: int) -> None:
+    with pytest.raises(InputError, match="expected a port from 0 to 65535"):
+        listen(PageAddress(port=port))
 
 
 def test_the_page_listens_on_ipv6_too() -> None:

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from jsonschema import Draft202012Validator
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
+from websockets.typing import Origin
 
 from made_page import RunningPage, event, next_of, running_page, until, well
 from made_tracks import recordings, snapshot
@@ -166,6 +167,25 @@ def test_a_viewer_that_sends_something_is_disconnected(page: RunningPage) -> Non
             next_of(stream, "none of this kind")
     assert closed.value.rcvd is not None
     assert closed.value.rcvd.code == 1008
+
+
+def test_what_viewers_do_wrong_and_who_is_refused_fills_no_log(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    with running_page() as page:
+        for _ in range(5):
+            with pytest.raises(InvalidStatus), page.stream(origin=Origin("http://evil.example")):
+                pass
+            with page.stream() as stream:
+                stream.send("hello")
+                with pytest.raises(ConnectionClosed):
+                    next_of(stream, "none of this kind")
+            with page.stream() as stream:
+                page.process.write(snapshot(time(), [1, 2]))
+                stream.socket.sendall(b"\xc1\x80\x00\x00\x00\x00")  # compressed: not agreed
+                with pytest.raises(ConnectionClosed):
+                    next_of(stream, "none of this kind")
+    assert capfd.readouterr().err == ""
 
 
 def test_more_viewers_than_allowed_are_told_so() -> None:

@@ -12,6 +12,7 @@ from trecsim.page.users_file import read_users
 
 LOOPBACK_NAMES = ("localhost", "localhost.localdomain")
 SHORTEST_TOKEN = 16  # characters
+LAST_PORT = 65_535
 BACKLOG = 128  # connections that wait while the page process starts
 SEND_BUFFER_BYTES = 256 * 1024  # per viewer in the kernel; more would only hold old snapshots
 
@@ -159,6 +160,8 @@ def listen(address: PageAddress) -> socket.socket:
     InputError
         The address is not one of this machine, or the port is taken.
     """
+    if not 0 <= address.port <= LAST_PORT:  # the system would take it modulo 65536
+        raise InputError(f"the page: expected a port from 0 to {LAST_PORT}, found {address.port}")
     host = address.host.strip("[]")
     listening: socket.socket | None = None
     try:

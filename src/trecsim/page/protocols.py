@@ -8,7 +8,9 @@ import asyncio
 from typing import Any
 
 import h11
+from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 REQUEST_S = 5.0  # a request must be complete within this time
@@ -29,6 +31,15 @@ class ImpatientWebSocket(WebSocketsSansIOProtocol):
         super().resume_writing()
         if not self.read_paused:
             self.transport.resume_reading()
+
+    async def send(self, message: ASGISendEvent) -> None:
+        """Send a message; one to an end that has left means that it has left, and is no fault."""
+        if message["type"] == "websocket.send" and self.close_sent:
+            raise ClientDisconnected
+        await super().send(message)
+        refused = message["type"] == "websocket.http.response.body"
+        if refused and not message.get("more_body", False):
+            self.handshake_complete = True  # else each refusal would be logged as an error
 
     def keepalive_timeout(self) -> None:
         """Close a connection whose other end does not answer."""

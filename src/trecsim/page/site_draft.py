@@ -133,7 +133,7 @@ class DraftDesk:
 
     def _text(self) -> str:
         try:
-            return self.site_file.read_text(encoding="utf-8")
+            return self.site_file.read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(f"cannot read {self.site_file}: {error}") from None
 

@@ -17,6 +17,7 @@ _TRY_LATER, _POLICY, _SIGNED_OUT = 1013, 1008, 4401
 _GONE = (WebSocketDisconnect, TimeoutError)  # of a viewer that left or does not read
 
 
+_Ending = tuple[int, str]  # code and reason
 Missed = Callable[[str], Awaitable[Sequence[Mapping[str, Any]]]]
 
 
@@ -45,20 +46,25 @@ async def stream(socket: WebSocket, hub: Hub, missed: Missed, may_see: Callable[
     if last_event_id is not None and not hub.events.knows(last_event_id):
         last_event_id = await _catch_up(socket, last_event_id, hub, missed)
     viewer = hub.join(last_event_id)
-    tasks = {
+    tasks = [
         asyncio.create_task(_until_it_speaks(socket)),
-        asyncio.create_task(_while_it_may_see(socket, may_see)),
+        asyncio.create_task(_while_it_may_see(may_see)),
         asyncio.create_task(_send(socket, viewer, hub)),
-    }
+    ]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
         hub.leave(viewer)
         for task in tasks:
             task.cancel()
-        for ended in await asyncio.gather(*tasks, return_exceptions=True):
-            if isinstance(ended, Exception) and not isinstance(ended, _GONE):
-                raise ended
+        endings = await asyncio.gather(*tasks, return_exceptions=True)
+    for ending in endings:
+        if isinstance(ending, Exception) and not isinstance(ending, _GONE):
+            raise ending
+    for ending in endings:
+        if isinstance(ending, tuple):  # only now, as nothing may be sent after it
+            await socket.close(*ending)
+            return
 
 
 async def _catch_up(socket: WebSocket, last: str, hub: Hub, missed: Missed) -> str:
@@ -67,22 +73,31 @@ async def _catch_up(socket: WebSocket, last: str, hub: Hub, missed: Missed) -> s
         events = await missed(last)
         for event in events:
             text = message("event", time(), {"event": event})
-            await asyncio.wait_for(socket.send_text(text), SLOWEST_S)
+            await _put(socket, text)
             last = str(event["id"])
         if not events:
             break
     return last
 
 
-async def _while_it_may_see(socket: WebSocket, may_see: Callable[[], bool]) -> None:
+async def _put(socket: WebSocket, text: str) -> None:
+    # wait_for may lose that its task was cancelled (Python 3.11), which then never ends.
+    async with asyncio.timeout(SLOWEST_S):
+        await socket.send_text(text)
+
+
+async def _while_it_may_see(may_see: Callable[[], bool]) -> _Ending:
+    """Wait until the viewer is signed out; return how to end the stream."""
     while may_see():
         await asyncio.sleep(SIGNED_IN_S)
-    await socket.close(_SIGNED_OUT, "signed out")
+    return _SIGNED_OUT, "signed out"
 
 
-async def _until_it_speaks(socket: WebSocket) -> None:
-    if (await socket.receive())["type"] != "websocket.disconnect":
-        await socket.close(_POLICY, "this stream takes no messages")
+async def _until_it_speaks(socket: WebSocket) -> _Ending | None:
+    """Wait until the viewer says something; return how to end the stream, None if it left."""
+    if (await socket.receive())["type"] == "websocket.disconnect":
+        return None
+    return _POLICY, "this stream takes no messages"
 
 
 async def _send(socket: WebSocket, viewer: Viewer, hub: Hub) -> None:
@@ -90,6 +105,6 @@ async def _send(socket: WebSocket, viewer: Viewer, hub: Hub) -> None:
         await viewer.woken.wait()
         viewer.woken.clear()
         for text in hub.events_for(viewer):
-            await asyncio.wait_for(socket.send_text(text), SLOWEST_S)
+            await _put(socket, text)
         for text in viewer.take():
-            await asyncio.wait_for(socket.send_text(text), SLOWEST_S)
+            await _put(socket, text)
