@@ -7,12 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from made_tracks import walk
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
-from trecsim.lab.demo import DemoScene, DemoSummary, demo
+from trecsim.lab.demo import DemoScene, DemoSummary, _compared, demo
 from trecsim.lab.demo_poses import demo_scene, without_end
+from trecsim.lab.evaluation.moments import Recorded, gather
 from trecsim.lab.simulation.scene import simulate
 from trecsim.sources import read_poses
+from trecsim.store.truth import Truth
 
 SHOWN = DemoScene(people=1, cameras=2)  # in a second: a demo lasts as long as its scene
 
@@ -156,7 +159,20 @@ def test_it_ends_early_when_it_is_told_to_and_keeps_what_there_was(
     result = demo(tmp_path / "room", seconds=None, shown=SHOWN, stop=stop)
     assert result.run.ended == "stopped"
     assert result.run.frame_sets > 10
-    assert result.comparison is None
+    assert result.comparison is not None
+    assert result.comparison.median_m < 0.1
+
+
+def test_of_a_demo_without_an_end_the_first_piece_is_compared_and_that_is_told() -> None:
+    moments = list(walk(100))
+    first = moments[:25]
+    true_m = np.stack([moment.xyz_m for moment in first], axis=1)
+    truth = Truth(np.array([moment.t_s for moment in first]), true_m)
+    told: list[str] = []
+    result = _compared(Recorded(Path("made"), gather(moments), None, None), truth, told.append)
+    assert result is not None
+    assert (result.person_frames, result.missed) == (50, 0)
+    assert told == ["only the first 1 s have ground truth: the errors are of that time"]
 
 
 def test_without_an_end_other_people_follow_each_other() -> None:

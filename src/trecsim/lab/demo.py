@@ -58,8 +58,8 @@ class DemoSummary:
     run
         Summary of the run.
     comparison
-        Its tracks against the ground truth; None where that needs SciPy and it is missing, and
-        for a demo without an end.
+        Its tracks against the ground truth, of a demo without an end those of its first piece;
+        None where that needs SciPy and it is missing.
     """
 
     folder: Path
@@ -140,7 +140,7 @@ def demo(
         progress=lambda done, _: progress(done, total) if progress is not None else None,
     )
     comparison = None
-    if seconds is not None and summary.frame_sets:
+    if summary.frame_sets:
         recorded = read_moments(folder / RUN).shifted(-pace.live_s(0.0))
         comparison = _compared(recorded, Truth(made.truth_t_s, made.truth_xyz_m), remark)
     picture = _draw(folder, made, comparison)
@@ -149,6 +149,9 @@ def demo(
 
 def _compared(recorded: Recorded, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:
     first_s, last_s = float(truth.t_s[0]), float(truth.t_s[-1])
+    t_s = recorded.moments.t_s
+    if len(t_s) and t_s[-1] > last_s + 1.0:
+        remark(f"only the first {last_s:.0f} s have ground truth: the errors are of that time")
     try:
         return compare_moments(with_empty_moments(recorded, first_s, last_s, truth.t_s), truth)
     except SetupError as error:
