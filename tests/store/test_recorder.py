@@ -177,6 +177,25 @@ class FullDisk:
         monkeypatch.setattr(recorder, "write_compact", write_compact)
 
 
+def test_chores_are_done_while_the_disk_has_no_room_to_merge(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried, done = threading.Event(), threading.Event()
+
+    def merge_parts(*_: object) -> bool:
+        tried.set()
+        raise SetupError("cannot write: the disk is full")
+
+    monkeypatch.setattr(recorder, "merge_parts", merge_parts)
+    path = tmp_path / "tracks.parquet"
+    writer = Recorder(path, INFO, part_s=0.01, parts_of_a_minute=2, chores=done.set)
+    writer.write(live_moment(0))
+    until(tried.is_set)
+    done.clear()
+    until(done.is_set)
+    writer.abandon()
+
+
 def test_a_full_disk_is_told_and_nothing_is_lost_where_it_ends_soon(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -1,11 +1,13 @@
 """What a live site keeps, and what it deletes of itself."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from made_live import assert_same_bits, live_moments
-from trecsim.errors import InputError
+from trecsim.errors import InputError, SetupError
+from trecsim.store import erasing
 from trecsim.store.ledger import Ledger
 from trecsim.store.names import LIVE
 from trecsim.store.parquet_file import TracksInfo
@@ -142,6 +144,32 @@ def test_a_crashed_recording_is_deleted_too(tmp_path: Path) -> None:
         tidy(tmp_path, ledger, Retention(), moments[-1].t_s + 80 * HOUR)
 
     assert not run.exists()
+
+
+def test_old_hours_go_from_a_full_disk_which_has_no_room_to_note_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    moments = hours(4)
+    run = record(tmp_path / "run", moments)
+
+    def full(*_: object) -> int:
+        raise SetupError("the disk is full")
+
+    write = erasing.write_catalogue
+    catalogues = iter([full, write])  # after the first deletion there is room
+
+    def written(*given: Any) -> None:
+        next(catalogues, write)(*given)
+
+    monkeypatch.setattr(erasing, "write_catalogue", written)
+    with Ledger(tmp_path) as ledger:
+        monkeypatch.setattr(ledger, "forget_events", full)
+        with pytest.raises(SetupError, match="the disk is full"):
+            tidy(tmp_path, ledger, Retention(tracks_s=1.5 * HOUR), moments[-1].t_s)
+        assert [one.act for one in ledger.audit()] == ["delete"]
+    left = [one.t_s for one in snapshots(run)]
+    assert left == [one.t_s for one in moments][-len(left) :]
+    assert len(left) < len(moments)
 
 
 def test_a_damaged_recording_does_not_keep_others_beyond_their_limit(tmp_path: Path) -> None:

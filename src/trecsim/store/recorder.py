@@ -271,16 +271,18 @@ class Recorder(KeepsPartial):
     def _merge(self) -> None:
         with suppress(OSError, AttributeError):
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _LOW_PRIORITY)
-        told: str | None = None
+        told: list[str] = []
         while not self._stop.wait(self._part_s * self._parts_of_a_minute / 2.0):
-            try:
-                self._merge_once()
-                self._chores()
-                told = None
-            except Exception as error:  # what is there stays as it is, and it is tried again
-                if told != str(error):
-                    logger.warning("recordings cannot be tidied up: %s", error)
-                told = str(error)
+            faults = []
+            for task in (self._merge_once, self._chores):  # on a full disk only deleting helps
+                try:
+                    task()
+                except Exception as error:  # what is there stays as it is, and it is tried again
+                    faults.append(str(error))
+            for fault in faults:
+                if fault not in told:
+                    logger.warning("recordings cannot be tidied up: %s", fault)
+            told = faults
 
     def _merge_once(self, *, everything: bool = False) -> None:
         """Complete the segments that are over; merge parts of the one that is written."""

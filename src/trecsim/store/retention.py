@@ -15,7 +15,7 @@ import numpy as np
 import pyarrow as pa
 from jaxtyping import Bool
 
-from trecsim.errors import InputError
+from trecsim.errors import Error, InputError, SetupError
 from trecsim.store.claiming import is_claimed
 from trecsim.store.erasing import catalogue_anew, changing_tracks, keep_rows
 from trecsim.store.ledger import Ledger
@@ -81,13 +81,17 @@ def tidy(folder: Path, ledger: Ledger, limits: Retention, now_s: float) -> int:
     InputError
         When a recording is damaged; it is left alone, and all others are tidied.
     SetupError
-        When the disk has no room or does not work.
+        When the disk has no room or does not work; what makes room is deleted all the same.
     """
-    events = ledger.forget_events(now_s - limits.events_s)
+    faults: list[Error] = []
+    try:
+        events = ledger.forget_events(now_s - limits.events_s)
+    except SetupError as error:  # on a full disk tracks are deleted first: that makes room
+        events = 0
+        faults.append(error)
     evidence = ledger.evidence()
     live = sorted(one for one in (folder, *folder.glob("*")) if (one / LIVE).exists())
     changed = 0
-    damaged: list[InputError] = []
     for one in live.copy():
         try:
             for old in _files_of(one):
@@ -95,15 +99,15 @@ def tidy(folder: Path, ledger: Ledger, limits: Retention, now_s: float) -> int:
                     changed += _shrink(old, _within(evidence, old.segment))
         except InputError as error:
             live.remove(one)
-            damaged.append(error)
+            faults.append(error)
     if limits.tracks_bytes is not None:
         changed += _reduce(live, evidence, limits.tracks_bytes)
     for one in live:
         _remove_what_is_empty(one, now_s - limits.tracks_s)
     if changed or events:
         ledger.append_audit("retention", "delete", {"files": changed, "events": events})
-    if damaged:
-        raise damaged[0]
+    if faults:
+        raise faults[0]
     return changed
 
 
@@ -147,7 +151,11 @@ def _shrink(old: _Old, needed: Spans) -> bool:
 
     tracks = old.recording / TRACKS
     with changing_tracks(tracks):
-        catalogue_anew(tracks)  # remembers the highest identity
+        try:
+            catalogue_anew(tracks)  # remembers the highest identity
+        except SetupError:  # a full disk; what is removed as a whole needs no room
+            if needed:
+                raise
         gone = keep_rows(old.segment.file, stays) if old.segment.file.exists() else 0
         catalogue_anew(tracks)
     return gone > 0
