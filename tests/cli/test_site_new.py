@@ -53,6 +53,8 @@ def test_videos_of_another_size_than_calibrated_are_told_and_the_file_kept(folde
         (("walk.poses.jsonl", "--rig", "gone.toml"), "cannot read the rig gone.toml"),
         (("gone.poses.jsonl",), "gone.poses.jsonl: no such file or folder"),
         (("GOPR0001.mp4",), "GOPR0001.mp4 belongs to no camera of the rig"),
+        (("cam0=rtsp://kim:secret@10.0.0.1/x",), "2D poses, found a live camera; write"),
+        (("/dev/video0",), "[sources.NAME] with url (and credentials) or device"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_message(arguments, told, folder, capsys):

@@ -47,6 +47,11 @@ def new(
 
     if not inputs:
         raise InputError("no video is given; expected: trecsim site new VIDEO... --rig RIG")
+    if any("://" in given or "/dev/video" in given for given in inputs):
+        raise InputError(
+            "expected videos or 2D poses, found a live camera; write live cameras into the site "
+            "file by hand: a table [sources.NAME] with url (and credentials) or device for each"
+        )
     poses = Path(inputs[0]).expanduser() if len(inputs) == 1 and _is_poses(inputs[0]) else None
     videos = None if poses else cameras_of(inputs)
     matched = write_site(out, rig, videos=videos, poses=poses, fps=fps, name=name, remark=note)
