@@ -94,7 +94,7 @@ def _cpu_flags() -> set[str]:
 
 def _core(package: str) -> Callable[[], Finding]:
     def check() -> Finding:
-        remedy = "install trecsim again: pip install --force-reinstall mc3d-trecsim"
+        remedy = "in a clone of trecsim: pip install --force-reinstall -c constraints.txt ."
         try:
             import_module(package)
             return Finding(package, "ok", version(package), essential=True)
