@@ -182,3 +182,10 @@ def test_a_damaged_recording_does_not_keep_others_beyond_their_limit(tmp_path: P
         tidy(tmp_path, ledger, Retention(tracks_s=HOUR), moments[-1].t_s + 5 * HOUR)
     assert damaged.exists()
     assert not (tmp_path / "b").exists()
+
+
+def test_a_folder_belongs_to_one_site_at_a_time(tmp_path: Path) -> None:
+    with SiteStore(tmp_path), pytest.raises(InputError, match="in use: the site with process"):
+        SiteStore(tmp_path)
+    with SiteStore(tmp_path) as store:
+        assert store.ledger.count_events() == 0

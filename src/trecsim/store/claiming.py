@@ -28,6 +28,8 @@ class FolderClaim:
         The folder.
     what
         What error messages call the other program, for example "run".
+    name
+        Name of the file that is locked.
 
     Raises
     ------
@@ -48,9 +50,9 @@ class FolderClaim:
     False
     """
 
-    def __init__(self, folder: Path, what: str = "run") -> None:
+    def __init__(self, folder: Path, what: str = "run", *, name: str = LOCK) -> None:
         self.folder = folder
-        self._lock = folder / LOCK
+        self._lock = folder / name
         self._released = False
         if folder.exists() and not folder.is_dir():
             raise InputError(f"cannot write into {folder}: expected a folder, found a file")

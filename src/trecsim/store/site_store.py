@@ -7,11 +7,15 @@ from typing import Self
 
 from trecsim.health import StoreHealth
 from trecsim.store.atomic import PRIVATE_FILE, disk_faults
+from trecsim.store.claiming import FolderClaim
 from trecsim.store.ledger import Ledger
+from trecsim.store.ledger_file import NAME as LEDGER
 from trecsim.store.names import LIVE, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recorder import Recorder
 from trecsim.store.retention import Retention, tidy
+
+_LOCK = f"{LEDGER}.lock"  # belongs to the ledger: recordings and backups leave it alone
 
 
 class SiteStore:
@@ -29,7 +33,8 @@ class SiteStore:
     Raises
     ------
     InputError
-        When the ledger is of a newer version or of another program.
+        When another site uses the folder: two would both tell of the same faults, and each delete
+        what the other keeps. When the ledger is of a newer version or of another program.
     SetupError
         When the disk has no room or does not work.
 
@@ -48,7 +53,12 @@ class SiteStore:
         now: Callable[[], float] = time.time,
     ) -> None:
         self.folder = folder
-        self.ledger = Ledger(folder, now=now)
+        self._claim = FolderClaim(folder, "site", name=_LOCK)
+        try:
+            self.ledger = Ledger(folder, now=now)
+        except BaseException:
+            self._claim.release()
+            raise
         self._retention = retention
         self._now = now
         self._recorder: Recorder | None = None
@@ -83,6 +93,7 @@ class SiteStore:
     def close(self) -> None:
         """Close the ledger; recordings are closed by those who opened them."""
         self.ledger.close()
+        self._claim.release()
 
     def __enter__(self) -> Self:
         return self
