@@ -90,6 +90,8 @@ MARK = (".trecsim-backup", b"trecsim.backup/1\n")
         (((".trecsim-backup", b"trecsim.backup/2\n"),), "newer"),
         ((MARK, ("../outside", b"x")), "cannot be part"),
         ((MARK, ("/etc/passwd", b"x")), "cannot be part"),
+        ((MARK, ("a", b"x"), ("a", b"y")), "two files at the same place"),
+        ((MARK, ("a", b"x"), ("a/b", b"y")), "two files at the same place"),
         ((MARK,), "holds nothing"),
         ((MARK, ("ledger.sqlite", b"no database" * 1000)), "damaged"),
     ],

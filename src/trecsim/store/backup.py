@@ -240,3 +240,5 @@ def _tar_faults(archive: Path) -> Iterator[None]:
         yield
     except (tarfile.TarError, EOFError) as error:
         raise InputError(f"{archive} is no backup of trecsim, or is damaged: {error}") from None
+    except (FileExistsError, NotADirectoryError):
+        raise InputError(f"{archive} is damaged: it holds two files at the same place") from None
