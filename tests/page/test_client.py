@@ -10,6 +10,7 @@ from time import time
 
 import numpy as np
 import pytest
+from websockets.sync.server import serve
 
 import trecsim
 from made_page import RunningPage, event, running_page, until
@@ -137,12 +138,42 @@ def test_a_token_opens_a_page_that_asks_for_one(
         ("127.0.0.1:8765", "expected the address of a page"),
         ("ftp://127.0.0.1", "expected the address of a page"),
         ("http://", "expected the address of a page"),
+        ("http://127.0.0.1:99999", "expected the address of a page"),
+        ("http://[::1", "expected the address of a page"),
         ("http://user:secret@127.0.0.1:1", r"nothing answers at http://\*\*\*@127.0.0.1:1"),
     ],
 )
 def test_an_address_without_a_page_is_told(url: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         next(trecsim.connect(url))
+
+
+def test_a_token_that_cannot_be_sent_is_refused_and_not_shown(page: RunningPage) -> None:
+    with pytest.raises(InputError, match=r"use token\.strip") as told:
+        next(trecsim.connect(page.process.url, token=f"{TOKEN}\n"))
+    assert TOKEN not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        "no JSON", "[]", "{}", b"\xff", '{"type": "snapshot"}', '{"type": "event", "sent_s": 1}',
+        '{"type": "snapshot", "t_s": 1, "people": [{"person": 1, "state": "confirmed", '
+        '"xyz_m": [[1, 2]], "sigma_m": [1], "support": [1]}]}',
+        '{"type": "snapshot", "t_s": null, "people": []}',
+    ],
+)  # fmt: skip
+def test_what_is_no_message_of_a_page_is_told_in_one_line(sent: str | bytes) -> None:
+    with serve(lambda stream: stream.send(sent), "127.0.0.1", 0) as other:
+        thread = Thread(target=other.serve_forever)
+        thread.start()
+        port = other.socket.getsockname()[1]
+        try:
+            with pytest.raises(InputError, match="expected messages of a page of trecsim"):
+                repr(next(trecsim.connect(f"http://127.0.0.1:{port}")))
+        finally:
+            other.shutdown()
+            thread.join()
 
 
 def test_the_documentation_shows_the_call() -> None:

@@ -121,7 +121,23 @@ class PageAddress:
                 f"the environment variable {self.token_env}, found {found}; make one: "
                 "python -c 'import secrets; print(secrets.token_urlsafe())'"
             )
+        if not is_token(token):
+            raise InputError(
+                f"[page] token_env: {self.token_env} holds a space, a line break or a letter "
+                "beyond ASCII, which no program can send; expected printable ASCII without spaces"
+            )
         return token
+
+
+def is_token(text: str) -> bool:
+    """Tell whether a text can be sent as a token.
+
+    Examples
+    --------
+    >>> [is_token(text) for text in ("a-token", "a-token ", "é")]
+    [True, False, False]
+    """
+    return text.isascii() and text.isprintable() and " " not in text
 
 
 def _check_certificate(cert: Path, key: Path) -> None:

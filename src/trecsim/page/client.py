@@ -13,6 +13,7 @@ import numpy as np
 
 from trecsim.errors import Error, InputError, SetupError
 from trecsim.extras import has_extra, install_command
+from trecsim.page.address import is_token
 from trecsim.redaction import redacted
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
@@ -98,7 +99,8 @@ def connect(
     Raises
     ------
     InputError
-        The address is none, nobody answers there at first, or the page refuses the connection.
+        The address or the token is none, nobody answers there at first, the page refuses the
+        connection, or what it sends are no messages of a page.
     SetupError
         Optional packages are missing.
     """
@@ -106,16 +108,15 @@ def connect(
         raise SetupError(
             "connect needs packages that are not installed: " + install_command("page")
         )
-    link = _Link(_address(url), token, tls, last_event_id)
+    link = _Link(_address(url), _checked(token), tls, last_event_id)
     outage = _Outage(redacted(url))
     while True:
         try:
             for message in link.messages():
                 outage.end()
-                if message["type"] == "snapshot":
-                    yield snapshot_of(message)
-                elif message["type"] == "event":
-                    yield _event_of(message)
+                item = _item_of(message)
+                if item is not None:
+                    yield item
         except _BrokenError as broken:
             if not link.was_open:
                 raise InputError(f"nothing answers at {redacted(url)}: {broken}") from None
@@ -189,7 +190,7 @@ class _Link:
 
         while True:
             try:
-                message: Message = msgspec.json.decode(stream.recv(SILENT_S))
+                message = _decoded(stream.recv(SILENT_S))
             except TimeoutError:
                 raise _BrokenError(f"the page sent nothing for {SILENT_S:g} s") from None
             except ConnectionClosed as closed:
@@ -199,6 +200,33 @@ class _Link:
             yield message
             if message["type"] == "event":  # the caller has it
                 self.last_event_id = str(message["event"]["id"])
+
+
+def _decoded(text: str | bytes) -> Message:
+    try:
+        message = msgspec.json.decode(text)
+    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+        raise _no_message(error) from None
+    if not isinstance(message, dict) or "type" not in message:
+        raise _no_message("no object with a type")
+    return message
+
+
+def _item_of(message: Message) -> Snapshot | LiveEvent | None:
+    """Return what a message tells; None where that is neither people nor an event."""
+    try:
+        if message["type"] == "snapshot":
+            return snapshot_of(message)
+        return _event_of(message) if message["type"] == "event" else None
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise _no_message(f"{type(error).__name__}: {error}") from None
+
+
+def _no_message(why: object) -> InputError:
+    return InputError(
+        "expected messages of a page of trecsim, found something else "
+        f"({redacted(str(why))[:100]}); is this its address, and its version the same?"
+    )
 
 
 def snapshot_of(message: Message) -> Snapshot:
@@ -214,7 +242,7 @@ def snapshot_of(message: Message) -> Snapshot:
     xyz_m = _numbers([person["xyz_m"] for person in people], (*shape, 3))
     sigma_m = _numbers([person["sigma_m"] for person in people], shape)
     return Snapshot(
-        t_s=message["t_s"],
+        t_s=float(message["t_s"]),
         id=np.array([person["person"] for person in people], np.int64),
         xyz_m=xyz_m,
         cov_m2=np.square(sigma_m)[..., None, None] * np.eye(3),
@@ -234,8 +262,22 @@ def _numbers(values: list[Any], shape: tuple[int, ...]) -> np.ndarray:
     return np.array(values, dtype=np.float64).reshape(shape)
 
 
+def _checked(token: str | None) -> str | None:
+    """Return a token that can be sent; the message about another one does not show it."""
+    if token is not None and not is_token(token):
+        raise InputError(
+            "the token cannot be one: expected printable ASCII letters without spaces; a line "
+            "break at the end comes from reading it from a file: use token.strip()"
+        )
+    return token
+
+
 def _address(url: str) -> str:
-    parts = urlsplit(url)
+    try:
+        parts = urlsplit(url)
+        _ = parts.port
+    except ValueError:
+        parts = urlsplit("")
     if parts.scheme not in _SCHEMES or not parts.hostname:
         raise InputError(
             f"expected the address of a page, as http://127.0.0.1:8765, found {redacted(url)!r}"
