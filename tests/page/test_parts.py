@@ -11,6 +11,7 @@ from starlette.responses import PlainTextResponse
 from made_page import event, next_of, run_apart, running_page
 from trecsim.errors import InputError
 from trecsim.page import policy
+from trecsim.page import journal as journal_module
 from trecsim.page import stream as stream_module
 from trecsim.page.address import PageAddress, listen
 from trecsim.page.caller import caller_of
@@ -123,6 +124,20 @@ class Deaf:
 
     async def close(self, code: int, reason: str) -> None:
         raise AssertionError("the other end would not read that either")
+
+
+def test_a_user_cannot_fill_the_memory_with_what_was_reviewed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(journal_module, "MOST_REVIEWED", 3)
+
+    async def marked() -> list[str]:
+        journal = journal_module.Journal(None, EventLog())
+        await journal.mark_reviewed("kim", ["e1", "e2"], True)
+        await journal.mark_reviewed("kim", ["e3", "e4"], True)
+        return list(await journal.reviewed("kim"))
+
+    assert run_apart(marked()) == ["e2", "e3", "e4"]
 
 
 async def nothing(_: str) -> list[dict[str, Any]]:

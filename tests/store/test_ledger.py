@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from trecsim.errors import InputError, SetupError
+from trecsim.store import ledger as ledger_module
 from trecsim.store.ledger import Ledger
 from trecsim.store.ledger_file import NAME, VERSION, copy_ledger
 
@@ -174,6 +175,19 @@ def test_reviewed_is_kept_per_user(tmp_path: Path) -> None:
 
         assert ledger.reviewed("kim") == ["e1"]
         assert ledger.reviewed("lee") == ["e2"]
+
+
+def test_a_user_cannot_fill_the_disk_with_what_was_reviewed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ledger_module, "MOST_REVIEWED", 3)
+    times = iter(range(100))
+    with Ledger(tmp_path, now=lambda: float(next(times))) as ledger:
+        ledger.mark_reviewed("lee", ["other"])
+        ledger.mark_reviewed("kim", ["e1", "e2"])
+        ledger.mark_reviewed("kim", ["e3", "e4"])
+        assert ledger.reviewed("kim") == ["e2", "e3", "e4"]
+        assert ledger.reviewed("lee") == ["other"]
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from trecsim.errors import Error, InputError, SetupError
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
-from trecsim.store.ledger import Ledger
+from trecsim.store.ledger import MOST_REVIEWED, Ledger
 from trecsim.store.ledger_events import act_event, check_act
 
 logger = logging.getLogger(__name__)
@@ -119,6 +119,8 @@ class Journal:
             mine[episode] = None
             if not reviewed:
                 del mine[episode]
+        for oldest in list(mine)[: max(len(mine) - MOST_REVIEWED, 0)]:
+            del mine[oldest]
 
     async def reviewed(self, who: str) -> Sequence[str]:
         """Return the events that a user has reviewed."""

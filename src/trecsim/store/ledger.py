@@ -26,6 +26,9 @@ from trecsim.store.ledger_events import (
 from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
 from trecsim.store.ledger_reading import LedgerEvent, LedgerReading
 
+MOST_REVIEWED = 10_000
+"""So many events are kept as reviewed by a user: whoever may look must not fill the disk."""
+
 
 class Ledger(LedgerReading):
     """Events, what people did to them, who reviewed them, and the audit log of a site.
@@ -141,7 +144,7 @@ class Ledger(LedgerReading):
         return LedgerEvent(number, made)
 
     def mark_reviewed(self, who: str, episodes: Iterable[str], reviewed: bool = True) -> None:
-        """Keep which events a user has reviewed, or has not after all."""
+        """Keep which events a user has reviewed, or has not; at most `MOST_REVIEWED`."""
         with self._writing() as connection:
             for episode in episodes:
                 if reviewed:
@@ -153,6 +156,11 @@ class Ledger(LedgerReading):
                     connection.execute(
                         "DELETE FROM reviewed WHERE who = ? AND episode = ?", [who, episode]
                     )
+            connection.execute(
+                "DELETE FROM reviewed WHERE who = ?1 AND episode NOT IN (SELECT episode FROM "
+                "reviewed WHERE who = ?1 ORDER BY t_s DESC, episode LIMIT ?2)",
+                [who, MOST_REVIEWED],
+            )
 
     def append_audit(self, who: str, act: str, details: Mapping[str, Any] | None = None) -> int:
         """Add an entry to the audit log and return its number.
