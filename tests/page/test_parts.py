@@ -10,8 +10,8 @@ from starlette.responses import PlainTextResponse
 
 from made_page import event, next_of, run_apart, running_page
 from trecsim.errors import InputError
-from trecsim.page import policy
 from trecsim.page import journal as journal_module
+from trecsim.page import policy
 from trecsim.page import stream as stream_module
 from trecsim.page.address import PageAddress, listen
 from trecsim.page.caller import caller_of
