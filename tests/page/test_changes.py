@@ -13,6 +13,7 @@ from made_page import SITE, RunningPage, event, next_of, running_page, until
 from made_tracks import walk
 from trecsim.errors import InputError
 from trecsim.page.page_data import PageData
+from trecsim.page.site_draft import DraftDesk, version_of
 from trecsim.page.site_text import with_places
 from trecsim.store.ledger import Ledger
 from trecsim.store.parquet_file import TracksInfo
@@ -257,6 +258,12 @@ def test_there_are_no_modes_and_no_pictures_yet(changing: RunningPage) -> None:
 def test_a_site_file_that_cannot_be_changed_without_harm_is_left_alone(text: str) -> None:
     with pytest.raises(InputError, match="change the file by hand"):
         with_places(text, {"zones": {"strip": ZONE}})
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig"])
+def test_the_version_of_a_site_file_is_that_of_its_text(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "site.toml").write_text(TEXT, encoding=encoding)
+    assert DraftDesk(tmp_path / "site.toml", None).version() == version_of(TEXT)
 
 
 def test_a_zone_with_its_corners_on_lines_of_their_own_is_replaced() -> None:
