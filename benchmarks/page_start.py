@@ -8,7 +8,6 @@ else the machine does.
 
 import gzip
 import json
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -19,6 +18,9 @@ from time import time
 import numpy as np
 from playwright.sync_api import Browser
 
+from harness.command import alone
+from harness.figures import Figures, Skipped, once
+from harness.options import Options
 from page_shots.browser import chromium
 from trecsim.health import CameraHealth, FusionHealth, Health
 from trecsim.lab.simulation.scene import simulate
@@ -135,8 +137,11 @@ def cpu_until_paint_ms(trace: list[dict]) -> float:
     return sum(one.get("tdur", 0) for one in tasks if one["ts"] >= begun_us) / 1000
 
 
-def main() -> int:
-    """Print the figures."""
+def measure(options: Options) -> Figures:
+    """Measure the first paint of the operator page, its size and its draw calls."""
+    options.input.update(people=PEOPLE, starts=STARTS, data="made people that move in a ring")
+    if not (STATIC / "index.html").is_file():
+        raise Skipped("the page is not built; make page does so")
     with told() as url, chromium() as browser:
         starts = [started(browser, f"{url}live?view=plan") for _ in range(STARTS)]
         page = browser.new_page(viewport={"width": 1440, "height": 900})
@@ -144,18 +149,20 @@ def main() -> int:
         page.goto(url)
         page.wait_for_selector(f".view[data-drawn='{PEOPLE}']")
         calls = page.get_attribute(".view", "data-calls")
-    paint, told_ms, cpu, moved = (
+    assert calls is not None
+    paint_ms, told_ms, cpu_ms, moved = (
         median(getattr(one, name) for one in starts)
         for name in ("paint_ms", "told_ms", "cpu_ms", "moved")
     )
-    print(f"size of the page, compressed         {size_kb():6.0f} kB   (at most 250)")
-    print(f"draw calls with {PEOPLE} people           {calls:>6}      (at most 20)")
-    print(f"first paint, median of {STARTS} starts       {paint:6.0f} ms   (at most 1000)")
-    print(f"CPU time of the page until then      {cpu:6.0f} ms")
-    print(f"the status tells of the site after   {told_ms:6.0f} ms   (at most 1500)")
-    print(f"layout shift until then              {moved:6.3f}      (at most 0.1 is called good)")
-    return 0
+    return {
+        "first paint": once(paint_ms, "ms", watched=False),
+        "processor time of the page until then": once(cpu_ms, "ms", watched=False),
+        "the status sentence tells of the site": once(told_ms, "ms", watched=False),
+        "layout shift": once(moved, "", matters=0.05),
+        "size": once(size_kb(), "kB", matters=5.0),
+        f"draw calls with {PEOPLE} people": once(float(calls), "", matters=0.5),
+    }
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    raise SystemExit(alone(__file__, measure))

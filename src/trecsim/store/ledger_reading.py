@@ -139,7 +139,7 @@ class LedgerReading:
             [after, limit],
         )
         return [
-            AuditEntry(number, t_s, who, act, details_in(details), made)
+            AuditEntry(number, t_s, str(who), str(act), details_in(details), str(made))
             for number, t_s, who, act, details, made in rows
         ]
 
