@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -20,7 +21,7 @@ from trecsim.page.hub import Hub
 from trecsim.page.page_data import PageData
 from trecsim.page.rates import KEYS_KEPT, Rates
 from trecsim.page.sessions import IDLE_S, KEPT, LONGEST_S, Sessions
-from trecsim.store.ledger import Ledger
+from trecsim.store.ledger import NAME, Ledger
 
 
 class Clock:
@@ -138,6 +139,21 @@ def test_a_user_cannot_fill_the_memory_with_what_was_reviewed(
         return list(await journal.reviewed("kim"))
 
     assert run_apart(marked()) == ["e2", "e3", "e4"]
+
+
+def test_a_damaged_ledger_is_used_once_its_owner_has_repaired_it(tmp_path: Path) -> None:
+    (tmp_path / NAME).write_bytes(b"no database at all" * 100)
+    clock = Clock()
+    journal = journal_module.Journal(tmp_path, EventLog(), clock=clock)
+    assert not journal.is_kept
+    Ledger(tmp_path).close()  # as the tracking process does: puts it aside and begins another
+    assert not journal.is_kept
+    clock.now_s += journal_module.RETRY_S
+    assert journal.is_kept
+
+    run_apart(journal.audit("kim", "login", {}))
+    with Ledger(tmp_path, repair=False) as ledger:
+        assert [entry.who for entry in ledger.audit()] == ["kim"]
 
 
 async def nothing(_: str) -> list[dict[str, Any]]:

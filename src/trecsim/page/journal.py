@@ -5,6 +5,7 @@ With a folder all of it is in the ledger of the site; without one, in memory unt
 
 import asyncio
 import logging
+import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -12,7 +13,7 @@ from functools import partial
 from itertools import takewhile
 from pathlib import Path
 from threading import Lock
-from time import time
+from time import monotonic, time
 from typing import Any, TypeVar
 
 from trecsim.errors import Error, InputError, SetupError
@@ -21,6 +22,8 @@ from trecsim.store.ledger import MOST_REVIEWED, Ledger
 from trecsim.store.ledger_events import act_event, check_act
 
 logger = logging.getLogger(__name__)
+
+RETRY_S = 10.0  # so often it is tried again to open a ledger that cannot be used yet
 
 Result = TypeVar("Result")
 Event = Mapping[str, Any]
@@ -35,18 +38,36 @@ class Journal:
         The folder of the ledger; None for memory only.
     log
         The newest events, for the stream.
-
+    clock
+        A steady clock [s].
     """
 
-    def __init__(self, folder: Path | None, log: EventLog) -> None:
-        self._log = log
-        self._ledger = None if folder is None else _opened(folder)
+    def __init__(
+        self, folder: Path | None, log: EventLog, *, clock: Callable[[], float] = monotonic
+    ) -> None:
+        self._folder, self._log, self._clock = folder, log, clock
+        self._opened: Ledger | None = None
+        self._tried_s = -math.inf
         self._lock = Lock()
         self._waiting: deque[Event] = deque(maxlen=EVENTS_KEPT)  # the ledger has them later
         self._reviewed: dict[str, dict[str, None]] = {}
         if self._ledger is not None:
             for kept in self._ledger.events(limit=EVENTS_KEPT, newest=True):
                 log.append(kept.event)
+
+    @property
+    def _ledger(self) -> Ledger | None:
+        """The ledger; None without a folder, and while it cannot be used.
+
+        The tracking process, which owns the folder, repairs it; so it is tried again.
+        """
+        now_s = self._clock()
+        if self._opened is None and self._folder and now_s - self._tried_s >= RETRY_S:
+            is_first, self._tried_s = math.isinf(self._tried_s), now_s
+            self._opened = _opened(self._folder, tell=is_first)
+            if self._opened is not None and not is_first:
+                logger.warning("the page keeps events and audit again")
+        return self._opened
 
     @property
     def is_kept(self) -> bool:
@@ -200,15 +221,15 @@ class _Wanted:
         )
 
 
-def _opened(folder: Path) -> Ledger | None:
-    """Return the ledger of a folder; None where it cannot be used, which is logged.
-
-    The tracking process, which owns the folder, repairs it.
-    """
+def _opened(folder: Path, *, tell: bool) -> Ledger | None:
+    """Return the ledger of a folder; None where it cannot be used, which is logged if asked."""
     try:
         return Ledger(folder, repair=False)
     except Error as error:
-        logger.error("the page keeps events in memory only: %s", error)  # noqa: TRY400
+        if tell:
+            logger.error(  # noqa: TRY400
+                "the page keeps events in memory only until this is mended: %s", error
+            )
         return None
 
 
