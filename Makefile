@@ -37,7 +37,7 @@ demo: .venv/installed-demo page  ## Run a simulated site with its live page (20 
 	$(BIN)/trecsim demo
 	@command -v trecsim > /dev/null || echo "to use trecsim in this shell: . $(BIN)/activate"
 
-test: .venv/installed-test page  ## Run all tests, the same each time (5 min on 2 cores).
+test: .venv/installed-test page  ## Run all tests, the same each time (4 min on 2 cores).
 	$(BIN)/python tests/compile_kernels.py
 	$(PYTEST)
 
@@ -63,7 +63,7 @@ check: .venv/installed-check  ## Check format, lint, types, layers and spelling.
 	$(BIN)/lint-imports
 	$(BIN)/codespell --skip docs/_build,src/trecsim/page/static src tests docs benchmarks *.md
 
-bench: .venv/installed-test  ## Run all benchmarks, store the results, make the tables anew (15 min).
+bench: .venv/installed-test  ## Run all benchmarks, store the results, make the tables anew (about an hour).
 	@$(BIN)/python benchmarks/run.py; status=$$?; $(BIN)/python benchmarks/tables.py && exit $$status
 
 bench-quick: .venv/installed-test  ## Run a part of them (3 min); say what got worse, and fail if so.
