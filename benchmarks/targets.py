@@ -296,7 +296,9 @@ OTHERS: tuple[Target, ...] = (
     Target(_STORE, "lost by kill -9, worst", ("storing", "live", "lost by a kill*"), "<=", 2, "s"),
     Target("start", "`trecsim --help`", ("startup", "wall time", "trecsim --help"), "<=", 0.4,
            "s"),
-    Target("start", "`trecsim demo`, kernels compiled on the way",
-           ("startup", "wall time", "trecsim demo, kernels*"), "<=", 30, "s"),
+    Target("start", "`trecsim demo`, kernels compiled on the way, until people are on its page",
+           ("startup", "wall time", "trecsim demo, kernels*: people*"), "<=", 30, "s"),
+    Target("start", "`trecsim demo` again, until people are on its page",
+           ("startup", "wall time", "trecsim demo, again: people*"), "<=", 10, "s"),
 )  # fmt: skip
 """What everything else is to reach."""
