@@ -76,6 +76,22 @@ def pipeline_short(results: Results) -> str:
     return table(head, rows) + busy(result)
 
 
+def live_short(results: Results) -> str:
+    """Return what a live site of four cameras reaches."""
+    result = results["live"]
+    named = {
+        "images per second through the whole site": ("images fused", 2),
+        "of what the 2D pose model alone reaches with all cores [%]": ("of the estimator alone", 2),
+        "image to program, median [ms]": ("image to program, median", 3),
+        "of which the 2D pose model [ms]": ("estimate, median", 2),
+    }
+    rows = [
+        [text, number(value_of(result.figures, name), digits)]
+        for text, (name, digits) in named.items()
+    ]
+    return table(["4 RTSP cameras, 720 x 1280 px, 20 images/s, two cores", ""], rows) + busy(result)
+
+
 def thesis_speed(results: Results) -> str:
     """Return the thesis' table 5 [ms] with ours beside it."""
     _, people, at = grid(results)

@@ -72,6 +72,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "speed": ("speed", fast.speed),
     "speed-short": ("speed", fast.speed_short),
     "pipeline-short": ("estimator_speed", fast.pipeline_short),
+    "live-short": ("live", fast.live_short),
     "thesis-speed": ("speed", fast.thesis_speed),
     "thesis-rate": ("speed", fast.thesis_rate),
     "growth": ("speed", fast.growth),
