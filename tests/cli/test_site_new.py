@@ -8,6 +8,7 @@ import pytest
 from made_site import make_site
 from made_videos import numbered, write_video
 from trecsim.cli import main
+from trecsim.sites.check import check_site
 
 
 @pytest.fixture
@@ -46,15 +47,32 @@ def test_videos_of_another_size_than_calibrated_are_told_and_the_file_kept(folde
     assert 'video = "videos/a_cam2.mp4"' in Path("hall.toml").read_text()
 
 
+def test_live_cameras_give_a_site_with_a_page_that_names_where_passwords_go(folder, capsys):
+    cameras = ["cam0=rtsp://10.0.0.10/s?x=1&y=2", "cam1=/dev/video7", "cam2=http://10.0.0.12/mjpg"]
+    assert run(*cameras, "--rig", "rig.toml", "--out", "hall.toml") == 0
+    assert capsys.readouterr().out == "hall.toml: cam0, cam1, cam2\n"
+
+    text = Path("hall.toml").read_text()
+    site = check_site(Path("hall.toml")).file.site
+    assert site.is_live
+    assert site.sources["cam0"].url == "rtsp://10.0.0.10/s?x=1&y=2"
+    assert site.sources["cam1"].device == "/dev/video7"
+    assert site.page is not None
+    assert "TRECSIM_CREDENTIALS_CAM2 holds user:password" in text
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ((), "no video is given; expected: trecsim site new VIDEO... --rig RIG"),
+        ((), "no camera is given; expected: trecsim site new NAME=rtsp://ADDRESS..."),
         (("walk.poses.jsonl", "--rig", "gone.toml"), "cannot read the rig gone.toml"),
         (("gone.poses.jsonl",), "gone.poses.jsonl: no such file or folder"),
         (("GOPR0001.mp4",), "GOPR0001.mp4 belongs to no camera of the rig"),
-        (("cam0=rtsp://kim:secret@10.0.0.1/x",), "2D poses, found a live camera; write"),
-        (("/dev/video0",), "[sources.NAME] with url (and credentials) or device"),
+        (("cam0=rtsp://kim:secret@10.0.0.1/x",), "cam0: leave user and password out of rtsp://***"),
+        (("cam9=rtsp://10.0.0.1/x",), "there is no camera 'cam9' in the rig (it has cam0, "),
+        (("/dev/video0",), "expected each camera of a live site once, as NAME=rtsp://ADDRESS"),
+        (("cam0=rtsp://10.0.0.1/x", "cam0=rtsp://10.0.0.2/x"), "each camera of a live site once"),
+        (("cam0=rtsp://10.0.0.1/x", "cam1.mp4"), "expected each camera of a live site once"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_message(arguments, told, folder, capsys):

@@ -49,7 +49,7 @@ GROUPS = {
     "site": (
         "Write and check site files, and print their schema.",
         {
-            "new": "Write a site file for videos, or for 2D poses.",
+            "new": "Write a site file for live cameras, for videos, or for 2D poses.",
             "check": "Check a site file and everything it names.",
             "schema": "Print the JSON schema of site files.",
         },

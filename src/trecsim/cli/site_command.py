@@ -1,5 +1,7 @@
 """The commands `trecsim site new`, `trecsim site check` and `trecsim site schema`."""
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +13,8 @@ if TYPE_CHECKING:
     from trecsim.sites.site_file import Site, SourceTable
     from trecsim.sources import VideoInfo
 
+_NAMED = re.compile(r"[^=/:]+=(\w+://|/dev/)")  # NAME=ADDRESS
+
 
 def new(
     *inputs: str,
@@ -20,16 +24,16 @@ def new(
     fps: float | None = None,
     json: bool = False,
 ) -> None:
-    """Write a site file for videos, or for 2D poses.
+    """Write a site file for live cameras, for videos, or for 2D poses.
 
     The file is checked afterwards; what is wrong is said, and the file kept.
 
     Parameters
     ----------
     inputs
-        Videos, one per camera, or directories of videos; or one file or directory of 2D poses. A
-        video belongs to the camera of the rig whose name is in its file name, or to NAME in
-        NAME=VIDEO.
+        Live cameras as NAME=rtsp://ADDRESS or NAME=/dev/videoN, NAME as in the rig. Or videos, one
+        per camera, or directories of videos: a video belongs to the camera of the rig whose name is
+        in its file name, or to NAME in NAME=VIDEO. Or one file or directory of 2D poses.
     rig
         The calibration of the cameras, in any format that is read.
     out
@@ -46,15 +50,16 @@ def new(
     from trecsim.sites.new_site import write_site
 
     if not inputs:
-        raise InputError("no video is given; expected: trecsim site new VIDEO... --rig RIG")
-    if any("://" in given or "/dev/video" in given for given in inputs):
         raise InputError(
-            "expected videos or 2D poses, found a live camera; write live cameras into the site "
-            "file by hand: a table [sources.NAME] with url (and credentials) or device for each"
+            "no camera is given; expected: trecsim site new NAME=rtsp://ADDRESS... --rig RIG, or "
+            "VIDEO... --rig RIG"
         )
+    streams = _streams(inputs)
     poses = Path(inputs[0]).expanduser() if len(inputs) == 1 and _is_poses(inputs[0]) else None
-    videos = None if poses else cameras_of(inputs)
-    matched = write_site(out, rig, videos=videos, poses=poses, fps=fps, name=name, remark=note)
+    videos = None if poses or streams else cameras_of(inputs)
+    matched = write_site(
+        out, rig, videos=videos, streams=streams, poses=poses, fps=fps, name=name, remark=note
+    )
     faults = None
     try:
         for remark in check_site(out).remarks:
@@ -62,8 +67,22 @@ def new(
     except InputError as error:
         faults = str(error)
         note(f"the file is written, but: {faults}")
-    summary = {"out": out, "sources": matched, "poses": poses, "faults": faults}
-    finish(summary, json, f"{out}: {', '.join(matched) or poses}")
+    sources = streams or matched
+    summary = {"out": out, "sources": sources, "poses": poses, "faults": faults}
+    finish(summary, json, f"{out}: {', '.join(sources) or poses}")
+
+
+def _streams(inputs: Sequence[str]) -> dict[str, str]:
+    """Return the addresses of live cameras by the name of the camera; empty for recordings."""
+    live = [given for given in inputs if "://" in given or "/dev/video" in given]
+    if not live:
+        return {}
+    named = dict(given.split("=", 1) for given in live if _NAMED.match(given))
+    if len(named) < len(inputs):
+        raise InputError(
+            "expected each camera of a live site once, as NAME=rtsp://ADDRESS or NAME=/dev/videoN"
+        )
+    return named
 
 
 def _is_poses(given: str) -> bool:

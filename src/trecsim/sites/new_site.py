@@ -1,15 +1,17 @@
-"""Write a site file for videos or 2D poses and the rig that they were taken with."""
+"""Write a site file for live cameras, videos or 2D poses and the rig that they belong to."""
 
 import os
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from json import dumps
 from pathlib import Path
 
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
+from trecsim.redaction import redacted
 from trecsim.sources import read_poses
 from trecsim.sources.camera_names import candidates
+from trecsim.sources.streams.camera_login import variable
 from trecsim.store.atomic import atomic_write
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
@@ -20,6 +22,7 @@ def write_site(
     rig: Path,
     *,
     videos: Mapping[str, Path] | None = None,
+    streams: Mapping[str, str] | None = None,
     poses: Path | None = None,
     fps: float | None = None,
     name: str | None = None,
@@ -36,6 +39,8 @@ def write_site(
     videos
         The videos by the name of their camera; a name that the rig lacks is matched to the only
         camera whose name is a word of it.
+    streams
+        Live cameras in place of videos: an address or a device for each camera of the rig.
     poses
         2D poses, in place of videos.
     fps
@@ -52,11 +57,13 @@ def write_site(
     Raises
     ------
     InputError
-        When something is not there, or a video belongs to no camera of the rig; all in one message.
+        When something is not there, a video or stream belongs to no camera of the rig, or an
+        address holds a password; all in one message.
     """
     if out.exists():
         raise InputError(f"{out} is there already and is not overwritten; give another --out")
     cameras = read_rig(rig, remark=remark).names
+    check_streams(streams or {}, cameras)
     matched = matched_cameras(videos or {}, cameras, remark)
     if poses is not None:
         next(read_poses(poses, rig_cameras=cameras, fps=fps, remark=lambda text: None), None)
@@ -64,8 +71,12 @@ def write_site(
     lines = _head(name or folder.name, _seen_from(folder, rig))
     if poses is not None:
         lines += _poses(_seen_from(folder, poses), fps)
+    elif streams:
+        lines += _sources({camera: _live(camera, given) for camera, given in streams.items()})
+        lines += _PAGE
     else:
-        lines += _sources({camera: _seen_from(folder, path) for camera, path in matched.items()})
+        paths = {camera: _seen_from(folder, path) for camera, path in matched.items()}
+        lines += _sources({camera: [f"video = {_text(path)}"] for camera, path in paths.items()})
     with atomic_write(out) as file:
         file.write("\n".join([*lines, *_OUTPUT]) + "\n")
     return matched
@@ -104,6 +115,29 @@ def matched_cameras(
     return {camera: videos[found[camera]] for camera in cameras if camera in found}
 
 
+def check_streams(streams: Mapping[str, str], cameras: Collection[str]) -> None:
+    """Check the addresses of live cameras.
+
+    Raises
+    ------
+    InputError
+        When one belongs to no camera of the rig, or holds a user or password.
+    """
+    faults = [
+        f"there is no camera {name!r} in the rig (it has {', '.join(cameras)})"
+        for name in streams
+        if name not in cameras
+    ]
+    faults += [
+        f"{name}: leave user and password out of {redacted(given)}; they do not belong into a "
+        "file that many may read: see credentials in the file that is written"
+        for name, given in streams.items()
+        if redacted(given) != given
+    ]
+    if faults:
+        raise InputError("\n".join(faults))
+
+
 def _seen_from(folder: Path, path: Path) -> str:
     """Return a path as seen from a folder if it is inside, else the absolute path."""
     absolute = path.expanduser().absolute()
@@ -122,12 +156,22 @@ def _head(name: str, rig: str) -> list[str]:
     ]
 
 
-def _sources(videos: Mapping[str, str]) -> list[str]:
+def _sources(tables: Mapping[str, Sequence[str]]) -> list[str]:
     lines = ["", "# One table per camera, by its name in the rig."]
-    for camera, video in videos.items():
+    for camera, inside in tables.items():
         key = camera if _BARE.fullmatch(camera) else _text(camera)
-        lines += [f"[sources.{key}]", f"video = {_text(video)}"]
+        lines += [f"[sources.{key}]", *inside]
     return [*lines, "", "[estimator]", 'name = "movenet"  # or "onnx:FILE", "rtmlib:rtmo-m"']
+
+
+def _live(camera: str, given: str) -> list[str]:
+    if "://" not in given:
+        return [f"device = {_text(given)}"]
+    login = re.sub(r"[^A-Za-z0-9_-]+", "-", camera)
+    return [
+        f"url = {_text(given)}",
+        f'# credentials = "{login}"  # if it wants them: {variable(login)} holds user:password',
+    ]
 
 
 def _poses(poses: str, fps: float | None) -> list[str]:
@@ -136,6 +180,11 @@ def _poses(poses: str, fps: float | None) -> list[str]:
     return [f"poses = {{ file = {_text(poses)}, fps = {fps!r} }}  # 2D poses, so no video is read"]
 
 
+_PAGE = (
+    "",
+    "[page]  # the live page, for this machine alone; for others: users or token_env",
+    "port = 8765",
+)
 _OUTPUT = (
     "",
     "[output]",
