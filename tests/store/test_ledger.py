@@ -140,10 +140,20 @@ def test_an_act_becomes_an_event_and_an_entry_of_the_audit_log(tmp_path: Path) -
         }
 
 
+def test_no_event_is_shelved_for_longer_than_a_shift(tmp_path: Path) -> None:
+    with Ledger(tmp_path, now=lambda: 1000.0) as ledger:
+        ledger.append_event(event())
+        made = ledger.act("e0", "shelve", "kim", until_s=1e300).event
+        assert (
+            made["data"]["until_s"] == 1000.0 + 8 * 3600.0 == ledger.audit()[0].details["until_s"]
+        )
+
+
 @pytest.mark.parametrize(
     ("phase", "said", "told"),
     [
         ("shelve", {}, "until_s"),
+        ("shelve", {"until_s": 5.0}, "until_s has passed"),
         ("ack", {"until_s": 5.0}, "until_s"),
         ("close", {}, "reason"),
         ("close", {"reason": "boring"}, "boring"),

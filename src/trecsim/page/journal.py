@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 from trecsim.errors import Error, InputError, SetupError
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
 from trecsim.store.ledger import MOST_REVIEWED, Ledger
-from trecsim.store.ledger_events import act_event, check_act
+from trecsim.store.ledger_events import act_event, checked_act
 
 logger = logging.getLogger(__name__)
 
@@ -186,7 +186,8 @@ class Journal:
     def _acted_in_memory(
         self, episode: str, phase: str, by: str, said: Mapping[str, Any]
     ) -> dict[str, Any]:
-        check_act(phase, said.get("until_s"), said.get("reason"))
+        now_s = time()
+        said = checked_act(phase, {"by": by, **said}, now_s)
         earlier = [
             dict(one.event)
             for one in self._log.since(0)
@@ -194,7 +195,7 @@ class Journal:
         ]
         if not earlier:
             raise InputError(f"there is no event {episode!r}")
-        return act_event(earlier, phase, {"by": by, **said}, time())
+        return act_event(earlier, phase, said, now_s)
 
 
 def _data(event: Event) -> Mapping[str, Any]:

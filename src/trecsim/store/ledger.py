@@ -17,7 +17,7 @@ from trecsim.errors import InputError
 from trecsim.store.audit import FIRST_HASH, next_hash
 from trecsim.store.ledger_events import (
     act_event,
-    check_act,
+    checked_act,
     event_in,
     event_row,
     next_seq,
@@ -117,7 +117,7 @@ class Ledger(LedgerReading):
         by
             The user.
         until_s
-            To "shelve": how long, Unix time [s].
+            To "shelve": how long, Unix time [s]; 8 h at most.
         reason
             To "close": true, false, test or expected.
         note
@@ -130,9 +130,8 @@ class Ledger(LedgerReading):
         SetupError
             When it cannot be written.
         """
-        check_act(phase, until_s, reason)
         given = {"by": by, "until_s": until_s, "reason": reason, "note": note}
-        said = {key: value for key, value in given.items() if value is not None}
+        said = checked_act(phase, given, self._now())
         with self._writing() as connection:
             earlier = _episode(connection, event)
             if not earlier:

@@ -10,6 +10,7 @@ from trecsim.errors import InputError
 
 ACTS = ("ack", "shelve", "unshelve", "close", "reopen")
 """What a person can do to an event."""
+LONGEST_SHELVED_S = 8.0 * 3600.0
 REASONS = ("true", "false", "test", "expected")
 """Reasons to close an event."""
 _SAID = ("by", "until_s", "reason", "note")
@@ -60,14 +61,25 @@ def event_in(text: object) -> dict[str, Any] | None:
     return event if isinstance(event.get("data"), dict) else None
 
 
-def check_act(phase: str, until_s: float | None, reason: str | None) -> None:
-    """Refuse an act that is not complete.
+def checked_act(phase: str, said: Mapping[str, Any], now_s: float) -> dict[str, Any]:
+    """Return what somebody says with an act, without what is None; refuse it if not complete.
+
+    Parameters
+    ----------
+    phase
+        What is done.
+    said
+        By whom, and `until_s`, `reason` and `note` if given.
+    now_s
+        Unix time [s]. An event is shelved for `LONGEST_SHELVED_S` at most: whatever is put aside
+        comes back within the same shift.
 
     Raises
     ------
     InputError
         When it is not complete.
     """
+    until_s, reason = said.get("until_s"), said.get("reason")
     if phase not in ACTS:
         raise InputError(f"expected one of {', '.join(ACTS)}, found {phase!r}")
     if (phase == "shelve") != (until_s is not None):
@@ -76,6 +88,11 @@ def check_act(phase: str, until_s: float | None, reason: str | None) -> None:
         raise InputError(f"closing needs a reason, one of {', '.join(REASONS)}; found {reason!r}")
     if phase != "close" and reason is not None:
         raise InputError(f"only closing has a reason; {phase} has none")
+    if until_s is not None:
+        if until_s <= now_s:
+            raise InputError("an event is shelved until a time to come; until_s has passed")
+        said = {**said, "until_s": min(until_s, now_s + LONGEST_SHELVED_S)}
+    return {key: value for key, value in said.items() if value is not None}
 
 
 def act_event(
