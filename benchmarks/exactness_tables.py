@@ -21,7 +21,7 @@ THESIS_SCENES = {
     "hard_J3_C2": "three people; misses, outliers, false people",
     "cross_lateral_50cm_C2": "two people crossing at 0.5 m",
     "cross_X_occl_C2": "two people crossing, hiding each other",
-    "close_entry_J1_C2": "somebody enters 1.5 m from a camera",
+    "close_entry_J1_C2": "a person enters 1.5 m from a camera",
     "walk_J3_C4": "three people, four cameras",
 }
 

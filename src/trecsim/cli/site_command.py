@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from trecsim.cli.terminal import finish, note
+from trecsim.cli.terminal import counted, finish, note
 from trecsim.errors import InputError
 from trecsim.redaction import redacted
 
@@ -139,8 +139,8 @@ def _source_facts(source: "SourceTable", video: "VideoInfo | None") -> dict[str,
 def _counted(site: "Site") -> str:
     live = sum(source.is_live for source in site.sources.values())
     videos = len(site.sources) - live
-    told = [(live, "live streams"), (videos, "videos")]
-    return ", ".join(f"{count} {what}" for count, what in told if count)
+    told = [(live, "live stream"), (videos, "video")]
+    return ", ".join(counted(count, what) for count, what in told if count)
 
 
 def schema(*, json: bool = False) -> None:

@@ -129,8 +129,8 @@ def check_streams(streams: Mapping[str, str], cameras: Collection[str]) -> None:
         if name not in cameras
     ]
     faults += [
-        f"{name}: leave user and password out of {redacted(given)}; they do not belong into a "
-        "file that many may read: see credentials in the file that is written"
+        f"{name}: leave user and password out of {redacted(given)}; the site file that is "
+        "written then says where they go (credentials)"
         for name, given in streams.items()
         if redacted(given) != given
     ]

@@ -3,6 +3,7 @@
 import math
 
 from trecsim.compiler import inner, kernel
+from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import (
     CROWDED,
     CROWDED_PATIENCE,
@@ -183,7 +184,7 @@ def survive_all(sightings, confirmed, doubts, expected, x_m, now_s, limits, aliv
     for k in range(camera_s.shape[0]):
         alone_s = now_s - two_view_s[k]
         alive[k] = (
-            now_s - last_seen_s(camera_s[k]) <= death_s * patience(expected[k])
+            now_s - largest(camera_s[k]) <= death_s * patience(expected[k])
             and not (alone_s > single_view_death_s and expected[k] >= CROWDED)
             and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
@@ -202,15 +203,6 @@ def patience(expected):
 
 
 @inner
-def last_seen_s(last_seen_in_s):
-    """Return when any camera last supported a person [s]."""
-    last_s = -math.inf
-    for c in range(last_seen_in_s.shape[0]):
-        last_s = max(last_s, last_seen_in_s[c])
-    return last_s
-
-
-@inner
 def ask_all(sightings, now_s, limits, asked):
     """Write whose life hangs on how many cameras should find them to `asked` (track,).
 
@@ -221,7 +213,7 @@ def ask_all(sightings, now_s, limits, asked):
     any_ = False
     for k in range(camera_s.shape[0]):
         asked[k] = (
-            now_s - last_seen_s(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
+            now_s - largest(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
             or now_s - two_view_s[k] > single_view_death_s
         )
         any_ |= asked[k]

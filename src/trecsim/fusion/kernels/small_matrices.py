@@ -1,4 +1,6 @@
-"""Small matrices, in explicit loops: they compile many times faster than array expressions."""
+"""Small matrices and vectors in explicit loops, which compile many times faster than arrays."""
+
+import math
 
 from trecsim.compiler import inner
 
@@ -39,3 +41,12 @@ def scale(R, z, by):
         z[i] *= by
         for k in range(R.shape[1]):
             R[i, k] *= by
+
+
+@inner
+def largest(values):
+    """Return the largest value; minus infinity if there is none."""
+    most = -math.inf
+    for i in range(values.shape[0]):
+        most = max(most, values[i])
+    return most

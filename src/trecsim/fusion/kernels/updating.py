@@ -14,6 +14,7 @@ from trecsim.fusion.kernels.information import covariance_all
 from trecsim.fusion.kernels.matching import associate_all, owners
 from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
 from trecsim.fusion.kernels.presence import age, count_since, note_support
+from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_S, SWAP_EVIDENCE
 
 
@@ -122,12 +123,3 @@ def trusted_two_view_s(two_view_s, swap_evidence):
     for k in range(trusted_s.shape[0]):
         trusted_s[k] = -math.inf if swap_evidence[k] > SWAP_EVIDENCE else two_view_s[k]
     return trusted_s
-
-
-@inner
-def largest(values):
-    """Return the largest value."""
-    most = -math.inf
-    for i in range(values.shape[0]):
-        most = max(most, values[i])
-    return most
