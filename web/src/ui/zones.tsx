@@ -27,7 +27,7 @@ export function Zones() {
     <div class="zones">
       <section class="bar" aria-label="Version">
         <h2>Zones</h2><span class="tagged">Live version</span>
-        <p>What is in force now. Drafts and rules are not part of this version yet.</p>
+        <p>What is in force now. Zones are drawn in the site file; there are no rules in this version yet.</p>
       </section>
       <section class="names" aria-label="Zones, lines and edges">
         <Group title="Zones" icon="area" names={site?.zones.map((one) => one.name) ?? []} />
