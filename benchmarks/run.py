@@ -36,6 +36,8 @@ _IN_ORDER = (
     "page_start",
     "soak_live",
     "real_video",
+    "left_out",
+    "staggered",
     "estimator_speed",
     "pipeline_cost",
     "beside_pose2sim",
