@@ -74,6 +74,7 @@ def test_each_new_track_is_fitted_to_its_own_detections_and_no_others():
             np.zeros((17, 3)),
             k,
             False,
+            np.zeros(3),
         )
         for k, (m, f) in enumerate(members)
     ]

@@ -1,15 +1,20 @@
 """Who comes back, and who was never gone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL, somebody
+from trecsim.fusion import Tracker
 from trecsim.fusion.association import Association
 from trecsim.fusion.duplicates import is_duplicate
 from trecsim.fusion.population import Population
-from trecsim.fusion.reidentification import DeadTrack, reidentify, within
+from trecsim.fusion.reidentification import LostTrack, nearest_unseen, reidentify, within
+from trecsim.fusion.tuning import UNSEEN_MPS, YOUNG_MPS
 
-WALKING = DeadTrack(7, 10.0, np.array([1.0, 0.0, 0.9]), np.array([2.0, 0.0, 0.0]))
+WALKING = LostTrack(7, 10.0, np.array([1.0, 0.0, 0.9]), np.array([2.0, 0.0, 0.0]))
 
 
 @pytest.mark.parametrize(
@@ -27,7 +32,7 @@ def test_somebody_may_have_stopped_or_gone_on(x_m, away_m):
 
 
 def test_who_appears_where_somebody_was_lost_is_that_person_for_a_while_only():
-    other = DeadTrack(8, 10.0, np.array([5.0, 0.0, 0.9]), np.zeros(3))
+    other = LostTrack(8, 10.0, np.array([5.0, 0.0, 0.9]), np.zeros(3))
     here = np.array([1.5, 0.3, 0.9])
     assert reidentify([other, WALKING], here, 11.0, 1.5) is WALKING
     assert reidentify([other, WALKING], here, 11.6, 1.5) is None
@@ -57,3 +62,34 @@ def test_nobody_is_new_who_is_only_not_recognised_by_some_cameras(match, eyes, k
     people = population(xyz[None])
     assert is_duplicate(people, torso + 0.05, np.array(eyes), association, MODEL) == known
     assert not is_duplicate(people, torso + 0.5, np.array(eyes), association, MODEL)
+
+
+def test_a_new_track_may_be_a_person_whom_no_camera_recognised_in_this_frame_set():
+    fell = LostTrack(3, 10.0, np.array([0.0, 0.0, 0.9]), np.array([0.0, 0.0, -2.0]))
+    beside = LostTrack(4, 10.0, np.array([1.2, 0.0, 0.9]), np.zeros(3))
+    there = np.array([0.45, 0.0, 0.6])
+    assert nearest_unseen([beside, fell], there, 10.125) is fell
+    assert nearest_unseen([fell], there, 10.02) is None  # nobody is as fast
+    assert nearest_unseen([beside], there, 10.125) is None
+    assert nearest_unseen([], there, 10.125) is None
+
+
+def test_a_track_just_born_may_belong_to_a_runner_as_its_velocity_is_hardly_known():
+    young = LostTrack(5, 10.0, np.array([0.0, 0.0, 0.9]), np.zeros(3), YOUNG_MPS)
+    there = np.array([0.75, 0.0, 0.9])
+    assert nearest_unseen([young], there, 10.125) is young
+    assert nearest_unseen([replace(young, reach_mps=UNSEEN_MPS)], there, 10.125) is None
+    # The way since then tells the velocity, as far as it exceeds the error of a place.
+    assert young.velocity_to(there, 10.125)[0] == pytest.approx(0.93 * 6.0, abs=0.1)
+    assert young.velocity_to(np.array([0.05, 0.0, 0.9]), 10.001)[0] < 0.1
+
+
+@pytest.mark.parametrize(("fps", "speed_mps"), [(8.0, 5.0), (8.0, 6.0), (5.0, 5.0)])
+def test_a_runner_who_stops_keeps_the_identity_with_few_images_per_second(fps, speed_mps):
+    """At 8 images per second a runner is 0.6 m from the prediction, in all cameras at once."""
+    stops_s = 6.0 / speed_mps
+    runs = path((0, -3, 0), (stops_s, 3, 0), (stops_s + 0.1, 3.2, 0), (3, 3.2, 0))
+    scene = made([runs], fps=fps, seconds=3.0, stagger=False)
+    tracker = Tracker(scene.rig)
+    snapshots = [tracker.step(one) for one in frame_sets(scene, fps)]
+    assert outcome(scene, snapshots).ids == {0}

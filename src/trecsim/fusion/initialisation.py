@@ -12,6 +12,7 @@ from trecsim.fusion.birth import Candidate
 from trecsim.fusion.images import Detections, Images
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
+from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import (
     FIRST_LEVEL_SIGMA_M,
     FIRST_SIGMA_M,
@@ -39,12 +40,15 @@ class Birth:
         Its identity.
     confirmed
         Whether it is reported at once.
+    velocity_mps
+        What is known of its velocity: zero, or the way from where the person was seen last.
     """
 
     candidate: Candidate
     xyz_m: Float64[np.ndarray, "joint 3"]
     id: int
     confirmed: bool
+    velocity_mps: Float64[np.ndarray, "3"]
 
 
 def completed(
@@ -105,8 +109,8 @@ def _down(
     return down
 
 
-def first_states(births: Sequence[Birth], t_s: float, live: int, model: Model) -> Population:
-    """Return new tracks at rest, to be fitted to their images.
+def first_states(births: Sequence[Birth], t_s: float, grid: KnotGrid, model: Model) -> Population:
+    """Return new tracks, to be fitted to their images.
 
     Parameters
     ----------
@@ -114,12 +118,12 @@ def first_states(births: Sequence[Birth], t_s: float, live: int, model: Model) -
         The new tracks.
     t_s
         When they begin [s].
-    live
-        Number of live control points.
+    grid
+        The knots of their trajectories.
     model
         Constants of the run.
     """
-    n, n_joint, n_cam = len(births), len(model.skeleton.joints), len(model.rig)
+    n, n_joint, n_cam, live = len(births), len(model.skeleton.joints), len(model.rig), grid.live
     people = Population(
         R=np.zeros((n, n_joint, 3 * live, 3 * live)),
         z=np.zeros((n, n_joint, 3 * live)),
@@ -150,7 +154,22 @@ def first_states(births: Sequence[Birth], t_s: float, live: int, model: Model) -
             FIRST_SPEED_MPS * model.settings.knot_s,
             model.motion.stiffness,
         )
+        if birth.velocity_mps.any():
+            _set_moving(people, k, birth.velocity_mps * grid.knot_s, grid.knot_time(t_s))
     return people
+
+
+def _set_moving(
+    people: Population, k: int, step_m: Float64[np.ndarray, "3"], knot_time: float
+) -> None:
+    """Let track `k` at rest pass its place at `knot_time` by `step_m` per knot, in place.
+
+    Its information stays. A uniform cubic spline through evenly spaced control points is a line on
+    which point ``i`` lies at the knot time ``i - 1``.
+    """
+    c = people.c[k].reshape(people.c.shape[1], -1, 3)
+    c += (np.arange(c.shape[1]) - knot_time - 1.0)[:, None] * step_m
+    people.z[k] = np.einsum("jab,jb->ja", people.R[k], people.c[k])
 
 
 def own_detections(births: Sequence[Birth], pool: Detections) -> tuple[Images, Association]:

@@ -17,7 +17,12 @@ from trecsim.fusion.initialisation import Birth, completed, first_states, own_de
 from trecsim.fusion.kernels import Now
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
-from trecsim.fusion.reidentification import Identities, dead_tracks
+from trecsim.fusion.reidentification import (
+    Identities,
+    LostTrack,
+    lost_tracks,
+    nearest_unseen,
+)
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
@@ -223,8 +228,16 @@ class Tracker:
                 self._people, xyz_m[self._model.torso], own_views, update.association, self._model
             ):
                 continue
+            velocity_mps = np.zeros(3)
+            torso_m = xyz_m[self._model.torso].mean(axis=0)
+            lost = None if owners else self._unseen_now(torso_m, update.association, named)
+            if lost is not None:
+                owners = set(np.flatnonzero(self._people.id == lost.id).tolist())
+                unnamed = sorted(owners)
+                velocity_mps = lost.velocity_to(torso_m, self._t_s)
             identity, known = self._identify(xyz_m, unnamed)
-            births.append(Birth(candidate, xyz_m, identity, known or candidate.sure))
+            confirmed = known or candidate.sure
+            births.append(Birth(candidate, xyz_m, identity, confirmed, velocity_mps))
             named.add(identity)
             replaced |= owners
         self._add(births, pool)
@@ -251,7 +264,7 @@ class Tracker:
         """Add new tracks, all in one fit to their detections in `pool`."""
         if not births:
             return
-        people = first_states(births, self._t_s, self._live, self._model)
+        people = first_states(births, self._t_s, self._knots, self._model)
         images, association = own_detections(births, pool)
         # Their images have just been noted, so they weigh little here: the first place is theirs
         # already, and the next frame set counts in full.
@@ -259,6 +272,23 @@ class Tracker:
         step = Step(Now(self._t_s, 0.0, *self._knots.place), since_s)
         fitting.fit(people, images, association, step, self._model)
         self._people = self._people.joined(people)
+
+    def _unseen_now(
+        self, torso_m: Float64[np.ndarray, "3"], association: Association, named: set[int]
+    ) -> LostTrack | None:
+        """Return the track without a detection in this frame set that a new one at `torso_m` is.
+
+        Its person has moved further than the association allows, as in a fall. Tracks whose
+        identities are `named` already do not count.
+        """
+        n_compared = len(association.match)
+        unseen = np.zeros(len(self._people), bool)
+        unseen[:n_compared] = (association.match < 0).all(axis=1)
+        unseen &= ~np.isin(self._people.id, list(named))
+        if not unseen.any():
+            return None
+        tracks = lost_tracks(self._people, unseen, self._knots, self._model, self._t_s)
+        return nearest_unseen(tracks, torso_m, self._t_s)
 
     def _identify(
         self, xyz_m: Float64[np.ndarray, "joint 3"], owners: Sequence[int]
@@ -287,7 +317,7 @@ class Tracker:
         alive = np.ones(len(people), bool)
         alive[[*replaced, *duplicates]] = False
         died = ~stays & alive
-        gone = dead_tracks(people, died & people.confirmed, self._knots, self._model, self._t_s)
+        gone = lost_tracks(people, died & people.confirmed, self._knots, self._model, self._t_s)
         self._identities.note_dead(gone, self._t_s)
         died[list(replaced)] = True
         self._keep_for_lag(people.keep(died & people.confirmed))

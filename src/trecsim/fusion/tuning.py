@@ -215,6 +215,14 @@ ASIDE_M: Final = 2.0
 # arm's length, plus half of a walking speed times the time that has passed [m, m/s].
 REIDENTIFY_M: Final = 0.5
 REIDENTIFY_MPS: Final = 0.6
+# A new track replaces a living one without a detection in the frame set within this distance of
+# where that person may be: the error of a place, plus the speed of a trunk that falls times the
+# time since the track was last seen [m, m/s]. The velocity of a younger track is hardly known [s]:
+# its person may run [m/s].
+UNSEEN_M: Final = 0.2
+UNSEEN_MPS: Final = 3.0
+YOUNG_S: Final = 0.2
+YOUNG_MPS: Final = 6.0
 # Longest extrapolation at the last velocity: after a step, people turn or stop [s].
 EXTRAPOLATE_S: Final = 0.5
 
