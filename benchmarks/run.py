@@ -19,6 +19,7 @@ _IN_ORDER = (
     "movement",
     "close",
     "detector_figures",
+    "shared_errors",
     "speed",
     "simulating",
     "evaluating",
