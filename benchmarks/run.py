@@ -19,7 +19,6 @@ _IN_ORDER = (
     "movement",
     "close",
     "detector_figures",
-    "shared_errors",
     "speed",
     "simulating",
     "evaluating",
