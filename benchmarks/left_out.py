@@ -9,6 +9,10 @@ There is no 3D truth, so what counts is:
   whether key points of left-out cameras are where the projected covariance says, with the noise of
   the detector added.
 
+Where Pose2Sim is installed (``POSE2SIM_PYTHON``), or what it made before is kept, its errors in the
+same cells stand beside: cells are key points of left-out cameras, and the same are those for which
+it has an answer, raw and filtered (see `harness/pose2sim_runs.py`).
+
 People are labelled in 2D, in each camera alone. The 2D poses are estimated once and kept
 (``TRECSIM_BENCHMARK_CACHE``, or the user's cache folder).
 
@@ -26,9 +30,10 @@ from harness import regions
 from harness.actor_tracks import Actor, laid_beside, reprojected_px
 from harness.command import alone
 from harness.demo_video import CAMERAS, SCENES, Recorded, recorded
-from harness.figures import Better, Figure, Figures, once
+from harness.figures import Better, Figure, Figures, Skipped, once
 from harness.left_out_cells import LeftOut, jitter_mm, left_out, noise_px
 from harness.options import Options, sample_folder
+from harness.pose2sim_runs import FILTERED, RAW, pose2sim, snapshots
 from harness.scoring import LAGS_S
 from trecsim.fusion import FusionSettings
 from trecsim.tracking import follow
@@ -39,6 +44,8 @@ TOO_LONG = 1.5  # a limb, by its median with four cameras
 
 Set = tuple[str, ...]
 Found = dict[Set, dict[str, Actor]]
+Theirs = dict[str, Found]
+"""What Pose2Sim found, raw and filtered."""
 
 
 def measure(options: Options) -> Figures:
@@ -57,13 +64,17 @@ def of_scene(folder: Path, name: str, options: Options) -> dict[str, Figures]:
     sizes = (4, 2) if options.quick else (4, 3, 2)
     out: dict[str, dict[str, Figures]] = {f"{name}, {who}": {} for who in scene.actors}
     noise = {who: noise_px(scene, who) for who in scene.actors}
+    theirs = of_pose2sim(scene, sizes, options)
     for lag, lag_s in LAGS_S.items():
         found, nobody = tracked(scene, sizes, options.settings(), lag_s)
         for who in scene.actors:
             of_actor: dict[str, Figures] = {}
             for size in sizes:
                 sets = [cameras for cameras in found if len(cameras) == size]
-                of_actor[f"{size} cameras"] = of_sets(scene, who, sets, found, noise[who])
+                of_actor[f"{size} cameras"] = {
+                    **of_sets(scene, who, sets, found, noise[who]),
+                    **beside_theirs(scene, who, sets, found, theirs),
+                }
             of_actor["disjoint pairs"] = regions.figures(disjoint(found, who))
             out[f"{name}, {who}"][lag] = of_actor
         ghosts = {size: sum(n for s, n in nobody.items() if len(s) == size) for size in sizes}
@@ -89,6 +100,54 @@ def tracked(
     return found, nobody
 
 
+def of_pose2sim(scene: Recorded, sizes: tuple[int, ...], options: Options) -> Theirs:
+    """Return what Pose2Sim finds with every set of fewer cameras; nothing where it is not there."""
+    sets = [
+        chosen for size in sizes if size < len(CAMERAS) for chosen in combinations(CAMERAS, size)
+    ]
+    try:
+        places = pose2sim(scene, sets)
+    except Skipped as reason:
+        options.skipped["Pose2Sim"] = str(reason)
+        return {}
+    return {
+        kind: {cameras: laid_beside(snapshots(one[kind]), scene)[0]
+               for cameras, one in places.items()}
+        for kind in (RAW, FILTERED)
+    }  # fmt: skip
+
+
+def beside_theirs(
+    scene: Recorded, who: str, sets: list[Set], found: Found, theirs: Theirs
+) -> Figures:
+    """Return errors in the cells for which all have an answer, those of all sets together."""
+    if not theirs or len(sets[0]) == len(CAMERAS):
+        return {}
+    by = {"trecsim": found, **theirs}
+    px = {
+        name: np.concatenate(
+            [left_out(scene, who, cameras, one[cameras][who]).px.ravel() for cameras in sets]
+        )
+        for name, one in by.items()
+    }
+    same = np.all([np.isfinite(one) for one in px.values()], axis=0)
+    out: dict[str, Figure] = {}
+    for share, text in ((0.5, "median"), (0.9, "p90")):
+        at = {name: float(np.quantile(one[same], share)) for name, one in px.items()}
+        out[f"trecsim, {text}"] = once(at["trecsim"], "px")
+        for kind in (RAW, FILTERED):
+            out[f"Pose2Sim {kind}, {text}"] = once(at[kind], "px", watched=False)
+            out[f"of Pose2Sim {kind}, {text}"] = once(at["trecsim"] / at[kind], "x", matters=0.01)
+    for name, one in px.items():
+        out[f"{name}, far off"] = once(100 * float((one[same] > OFF_PX).mean()), "%")
+        known = np.isfinite(one)
+        out[f"{name}, far off, all answers"] = once(
+            100 * float((one[known] > OFF_PX).mean()), "%", watched=name == "trecsim"
+        )
+        out[f"{name}, answers"] = once(int(known.sum()), "", "higher", watched=False)
+    return {"same cells": out}
+
+
 def of_sets(scene: Recorded, who: str, sets: list[Set], found: Found, noise: float) -> Figures:
     """Return figures over all sets of so many cameras."""
     usual_m = np.nanmedian(found[CAMERAS][who].limbs_m, axis=0)
@@ -107,14 +166,18 @@ def of_sets(scene: Recorded, who: str, sets: list[Set], found: Found, noise: flo
         return figures
     cells = {s: left_out(scene, who, s, one) for s, one in actors.items()}
     figures |= {
-        "left-out, median": _mean(cells, lambda one: float(np.median(one.px)), "px"),
-        "left-out, p90": _mean(cells, lambda one: float(np.quantile(one.px, 0.9)), "px"),
+        "left-out, median": _mean(cells, lambda one: float(np.nanmedian(one.px)), "px"),
+        "left-out, p90": _mean(cells, lambda one: float(np.nanquantile(one.px, 0.9)), "px"),
         "left-out, within 30 px": _mean(
-            cells, lambda one: 100 * float((one.px <= 30).mean()), "%", "higher"
+            cells, lambda one: 100 * float((one.px[one.known] <= 30).mean()), "%", "higher"
         ),
-        "far off": _mean(cells, lambda one: _far(one, one.sure_m > -1), "%"),
-        "far off, of the sure": _mean(cells, lambda one: _far(one, one.sure_m <= SURE_M), "%"),
-        "sure": _mean(cells, lambda one: 100 * float((one.sure_m <= SURE_M).mean()), "%", "higher"),
+        "far off": _mean(cells, lambda one: _far(one, one.known), "%"),
+        "far off, of the sure": _mean(
+            cells, lambda one: _far(one, one.known & (one.sure_m <= SURE_M)), "%"
+        ),
+        "sure": _mean(
+            cells, lambda one: 100 * float((one.sure_m[one.known] <= SURE_M).mean()), "%", "higher"
+        ),
         "regions": regions.figures(
             regions.joined([one.errors(noise) for one in cells.values()]), "px"
         ),

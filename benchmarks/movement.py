@@ -27,6 +27,7 @@ from harness.options import Options, fingerprint, shared_data
 if TYPE_CHECKING:
     from trecsim.lab.simulation import Simulation
     from trecsim.lab.simulation.actions import Action
+    from trecsim.lab.simulation.camera_clocks import Clock
     from trecsim.lab.simulation.people import Person
 
 SEEDS, QUICK_SEEDS = 10, 4
@@ -169,11 +170,19 @@ ACTS: "dict[str, Act]" = {
 """Everything that somebody does, in parts; those without a name do not count."""
 
 
-def made(name: str, cameras: int, seed: int, folder: Path) -> "tuple[Simulation, dict[str, Any]]":
+def usual_clocks(cameras: int) -> "tuple[Clock, ...]":
+    """Return clocks of cameras that are not synchronised."""
+    from trecsim.lab.simulation.camera_clocks import Clock
+
+    return tuple(Clock(FPS, start_s=(0.37 * n % 1.0) / FPS) for n in range(cameras))
+
+
+def made(
+    name: str, cameras: int, seed: int, folder: Path, clocks: "tuple[Clock, ...]" = ()
+) -> "tuple[Simulation, dict[str, Any]]":
     """Return a scene in which somebody acts and somebody walks past, and when each part is."""
     from trecsim.lab.simulation.actions import Turn, Walk
     from trecsim.lab.simulation.body_shape import bodies
-    from trecsim.lab.simulation.camera_clocks import Clock
     from trecsim.lab.simulation.motion import motion_of
     from trecsim.lab.simulation.people import Person
     from trecsim.lab.simulation.room import corner_rig
@@ -199,7 +208,7 @@ def made(name: str, cameras: int, seed: int, folder: Path) -> "tuple[Simulation,
     way_m = tuple((x_m, aside) for x_m in (2.2, -2.2) * 8)
     passes = motion_of(passer, (-2.2, aside), 0.0, (Walk(way_m, 1.1),), until_s=until_s)
     people = Troupe((Person(actor.stature_m, acts), Person(passer.stature_m, passes)))
-    clocks = tuple(Clock(FPS, start_s=(0.37 * n % 1.0) / FPS) for n in range(cameras))
+    clocks = clocks or usual_clocks(cameras)
     scene = Scene(corner_rig(*ROOM_M, cameras), people, until_s, clocks=clocks)
     names = [part for part, _ in parts]
     return simulate(scene, seed), {
@@ -255,23 +264,29 @@ def of_first(one: Followed, then: Flags) -> Flags:
 
 def composed(task: Task) -> tuple[dict[str, float], str]:
     """Return the errors of everybody in a scene composed of clips, and the input's fingerprint."""
-    from trecsim.lab.simulation.camera_clocks import Clock
-    from trecsim.lab.simulation.room import corner_rig
-    from trecsim.lab.simulation.scene import Scene, simulate
-
     name, cameras, seed, folder, overrides = task
-    with np.load(folder / "scenes" / f"{name}.npz") as file:
-        joints_m, fps = file["joints"][:, :, :17], float(file["fps"])
-    people = Troupe(tuple(clip_person(person_m, fps) for person_m in joints_m))
-    clocks = tuple(Clock(FPS, start_s=(0.37 * n % 1.0) / FPS) for n in range(cameras))
-    seconds = (joints_m.shape[1] - 1) / fps
-    scene = simulate(Scene(corner_rig(*HALL_M, cameras), people, seconds, clocks=clocks), seed)
+    scene = made_composed(name, cameras, seed, folder)
     one = followed(scene.poses, scene.rig, truth_of(scene), overrides)
     torso_m = one.truth_m[:, :, [5, 6, 11, 12], :2].mean(axis=2)
     with np.errstate(invalid="ignore"):
         inside = (np.abs(torso_m) <= INSIDE_M).all(axis=-1)
     part = np.repeat(inside[:, :, None], one.support.shape[2], axis=2)
     return errors(one, part), fingerprint(scene.poses)
+
+
+def made_composed(
+    name: str, cameras: int, seed: int, folder: Path, clocks: "tuple[Clock, ...]" = ()
+) -> "Simulation":
+    """Return a scene composed of clips."""
+    from trecsim.lab.simulation.room import corner_rig
+    from trecsim.lab.simulation.scene import Scene, simulate
+
+    with np.load(folder / "scenes" / f"{name}.npz") as file:
+        joints_m, fps = file["joints"][:, :, :17], float(file["fps"])
+    people = Troupe(tuple(clip_person(person_m, fps) for person_m in joints_m))
+    seconds = (joints_m.shape[1] - 1) / fps
+    clocks = clocks or usual_clocks(cameras)
+    return simulate(Scene(corner_rig(*HALL_M, cameras), people, seconds, clocks=clocks), seed)
 
 
 def clip_person(xyz_m: np.ndarray, fps: float) -> "Person":

@@ -44,12 +44,15 @@ class Recorded:
         By camera and frame.
     labels
         By camera, the key points of each actor in each frame.
+    digest
+        Of its videos.
     """
 
     name: str
     rig: Rig
     images: dict[str, list[Poses2D]]
     labels: dict[str, Labels]
+    digest: str
 
     @property
     def actors(self) -> tuple[str, ...]:
@@ -72,7 +75,8 @@ def recorded(folder: Path, scene: str) -> Recorded:
     """Read a scene of the sample recording; its 2D poses are estimated once."""
     rig = read_rig(folder / scene / "Calib.qca.txt")
     images: dict[str, list[Poses2D]] = {name: [] for name in rig.names}
-    for image in read_poses(poses_file(folder / scene, rig)):
+    path, digest = poses_file(folder / scene, rig)
+    for image in read_poses(path):
         images[image.camera].append(image)
     first_px = FIRST_PX[scene]
     labels = {
@@ -82,28 +86,29 @@ def recorded(folder: Path, scene: str) -> Recorded:
         )
         for name in rig.names
     }
-    return Recorded(scene, rig, images, labels)
+    return Recorded(scene, rig, images, labels, digest)
 
 
-def poses_file(scene: Path, rig: Rig) -> Path:
-    """Return the file of a scene's 2D poses, which are estimated where there is none yet.
+def poses_file(scene: Path, rig: Rig) -> tuple[Path, str]:
+    """Return the file of a scene's 2D poses, estimated where there is none yet, and the digest.
 
-    Its name holds a digest of the videos, so that other videos get other poses.
+    The file's name holds a digest of the videos, so that other videos get other poses.
     """
     from trecsim.estimators.pool import estimate
     from trecsim.store.poses_writer import PosesWriter
 
     videos = sorted((scene / "videos").glob("*.mp4"))
-    digest = hashlib.sha256()
+    whole = hashlib.sha256()
     for video in videos:
-        digest.update(video.read_bytes())
-    path = cache_folder() / f"{scene.name}-movenet-{digest.hexdigest()[:12]}.poses.jsonl"
+        whole.update(video.read_bytes())
+    digest = whole.hexdigest()[:12]
+    path = cache_folder() / f"{scene.name}-movenet-{digest}.poses.jsonl"
     if not path.exists():
         path.parent.mkdir(parents=True, exist_ok=True)
         with PosesWriter(path) as writer:
             for image in estimate(dict(zip(sorted(rig.names), videos, strict=True))):
                 writer.write(image)
-    return path
+    return path, digest
 
 
 def cache_folder() -> Path:

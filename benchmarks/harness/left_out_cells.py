@@ -20,16 +20,16 @@ _SCALE = float(np.sqrt(1.0 + (_CUBIC**2).sum()))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LeftOut:
-    """Each key point of a left-out camera beside the joint that the tracker has there.
+    """Each key point of left-out cameras beside the joint that is said to be there; NaN if none.
 
     Attributes
     ----------
     off_px
-        Joint minus key point, (cell, 2).
+        Joint minus key point, (camera, frame, joint, 2).
     cov_px2
-        The joint's covariance in that image, (cell, 2, 2).
+        The joint's covariance in that image, (camera, frame, joint, 2, 2).
     sure_m
-        How far its 90 % region reaches, (cell,).
+        How far its 90 % region reaches, (camera, frame, joint).
     """
 
     off_px: Array
@@ -38,29 +38,38 @@ class LeftOut:
 
     @property
     def px(self) -> Array:
-        """Length of each difference."""
-        out: Array = np.linalg.norm(self.off_px, axis=1)
+        """Length of each difference, (camera, frame, joint)."""
+        out: Array = np.linalg.norm(self.off_px, axis=-1)
+        return out
+
+    @property
+    def known(self) -> regions.Flags:
+        """Which there are, (camera, frame, joint)."""
+        out: regions.Flags = np.isfinite(self.px)
         return out
 
     def errors(self, noise_px: float) -> regions.Errors:
         """Return them with what is stated of them, the noise of key points included."""
-        return regions.Errors(self.off_px, self.cov_px2 + noise_px**2 * np.eye(2))
+        noise_px2 = noise_px**2 * np.eye(2)
+        return regions.Errors(self.off_px[self.known], self.cov_px2[self.known] + noise_px2)
 
 
 def left_out(scene: Recorded, who: str, used: tuple[str, ...], one: Actor) -> LeftOut:
     """Return all key points of one actor in the cameras that were not used."""
-    off, cov, sure = [], [], []
-    for name in (name for name in scene.rig.names if name not in used):
+    names = [name for name in scene.rig.names if name not in used]
+    shape = (len(names), LAST_FRAME + 1, one.xyz_m.shape[1])
+    off, cov = np.full((*shape, 2), np.nan), np.full((*shape, 2, 2), np.nan)
+    sure = np.full(shape, np.nan)
+    there = np.flatnonzero(one.identity >= 0)
+    for number, name in enumerate(names):
         camera = scene.rig[name]
-        for moment, frame in enumerate(one.frames.tolist()):
+        for moment, frame in zip(there, one.frames[there], strict=True):
             pixels, by_world = camera.project_with_jacobian(one.xyz_m[moment])
-            apart = pixels - label(scene, name, who, frame)
-            known = np.isfinite(apart).all(axis=1)
-            cov_m2 = one.cov_m2[moment, known]
-            off.append(apart[known])
-            cov.append(by_world[known] @ cov_m2 @ by_world[known].transpose(0, 2, 1))
-            sure.append(regions.widest(cov_m2))
-    return LeftOut(np.concatenate(off), np.concatenate(cov), np.concatenate(sure))
+            cov_m2 = one.cov_m2[moment]
+            off[number, frame] = pixels - label(scene, name, who, int(frame))
+            cov[number, frame] = by_world @ cov_m2 @ by_world.transpose(0, 2, 1)
+            sure[number, frame] = regions.widest(cov_m2)
+    return LeftOut(off, cov, sure)
 
 
 def noise_px(scene: Recorded, who: str) -> float:

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -122,11 +123,16 @@ def _cpuinfo(key: str) -> str:
 
 
 def commit() -> str | None:
-    """Return the commit of the sources, with a plus sign where they were changed since."""
-    head = _git("rev-parse", "--short=10", "HEAD")
+    """Return the commit of the sources, with a plus sign where they were changed since.
+
+    Those are the sources that Python imports, which may be another checkout's.
+    """
+    tree = sources()
+    head = _git(tree, "rev-parse", "--short=10", "HEAD")
     if head is None:
         return None
-    changed = _git("status", "--porcelain", "--untracked-files=no", "--", "src", "benchmarks")
+    parts = ("src", "benchmarks") if tree == ROOT else ("src",)
+    changed = _git(tree, "status", "--porcelain", "--untracked-files=no", "--", *parts)
     return head + ("+" if _of_measured(changed or "") else "")
 
 
@@ -135,10 +141,17 @@ def _of_measured(status: str) -> bool:
     return any("benchmarks/results/" not in line for line in status.splitlines())
 
 
-def _git(*arguments: str) -> str | None:
+def sources() -> Path:
+    """Return the checkout that ``trecsim`` is imported from, this one if from none."""
+    found = find_spec("trecsim")
+    tree = Path(found.origin).parents[2] if found and found.origin else ROOT
+    return tree if (tree / "src" / "trecsim").is_dir() else ROOT
+
+
+def _git(tree: Path, *arguments: str) -> str | None:
     try:
         done = subprocess.run(
-            ["git", "-C", str(ROOT), *arguments], capture_output=True, text=True, check=True
+            ["git", "-C", str(tree), *arguments], capture_output=True, text=True, check=True
         )
     except (OSError, subprocess.CalledProcessError):
         return None

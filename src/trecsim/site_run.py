@@ -50,7 +50,6 @@ def run(
     recording: Callable[[Recorder], None] = lambda recorder: None,
     resume: bool = False,
     seconds: float | None = None,
-    provisional: bool = False,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
     tell: Callable[[Tally], None] = lambda tally: None,
@@ -77,8 +76,6 @@ def run(
         identities go on above its highest.
     seconds
         End so long after the first image is waited for [s].
-    provisional
-        Whether tracks of recordings that are not confirmed yet are kept, too; live they are.
     progress
         Told the number of images done and, if it is known, of all images.
     stop
@@ -104,10 +101,7 @@ def run(
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
         watch.gaps_s = gaps_before(folder) if resume else ()
         try:
-            fault = _record(
-                checked, folder, watch, feed, watchers, store, recording,
-                resume=resume, provisional=provisional,
-            )  # fmt: skip
+            fault = _record(checked, folder, watch, feed, watchers, store, recording, resume=resume)
             if fault is not None and watch.tally.frame_sets == 0:
                 if not watch.resumed:
                     discard_recording(folder)
@@ -133,7 +127,6 @@ def _record(
     recording: Callable[[Recorder], None],
     *,
     resume: bool,
-    provisional: bool,
 ) -> InputError | None:
     """Pass everything through the fusion into files; return the fault that ended it early."""
     write_rig(checked.rig, folder / RIG)
@@ -147,7 +140,7 @@ def _record(
                 _run_live(checked, watch, feed, sinks)
             else:
                 sinks = recorded_sinks(checked, folder, watch, watchers, files, resume=resume)
-                _run_recorded(checked, watch, sinks, files, provisional=provisional)
+                _run_recorded(checked, watch, sinks, files)
         except InputError as error:
             return error
     return None
@@ -170,9 +163,7 @@ def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -
     )
 
 
-def _run_recorded(
-    checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: ExitStack, *, provisional: bool
-) -> None:
+def _run_recorded(checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: ExitStack) -> None:
     site = checked.file.site
     kernels = warm_up_in_background()  # while videos are opened and the first image is estimated
     images = _begun(files.enter_context(closing(prefetched(_poses(checked, watch), _IMAGES_AHEAD))))
@@ -185,7 +176,6 @@ def _run_recorded(
         tally=watch.tally,
         step=sinks.take_step,
         first_id=watch.stored.next_person,
-        provisional=provisional,
     )
     first = list(islice(images, 1))
     if first or not watch.resumed:

@@ -37,7 +37,7 @@ def test_the_widest_reach_of_a_region_is_that_of_its_longest_axis() -> None:
 
 def _image(frame: int, *middles_px: float) -> Poses2D:
     body = np.stack([np.linspace(0.0, 40.0, 17), np.linspace(0.0, 200.0, 17)], axis=1)
-    xy_px = np.stack([body + [x, 0.0] for x in middles_px])
+    xy_px = np.stack([body + np.array([x, 0.0]) for x in middles_px])
     return Poses2D("cam", frame / 60, xy_px, np.ones(xy_px.shape[:2]), np.ones(len(middles_px)))
 
 

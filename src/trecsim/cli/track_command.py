@@ -25,7 +25,6 @@ def track(
     fps: float | None = None,
     names: Names = (),
     timing: Path | None = None,
-    provisional: bool = False,
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
@@ -50,9 +49,6 @@ def track(
         NAME=CAMERA: the camera of the rig for a name in the poses; once for each such camera.
     timing
         Also write the time of each frame set to this CSV file: `t_s,images,people,fusion_ms`.
-    provisional
-        Also write people whose track is not confirmed yet. In Parquet their `state` is
-        `provisional`; CSV has no column for it.
     json
         Print the summary as one JSON object.
     """
@@ -70,7 +66,6 @@ def track(
             fps=fps,
             names=_names(names),
             timing=timing,
-            provisional=provisional,
             progress=bar,
         )
     people, sets = counted_people(summary["people"]), summary["frame_sets"]
