@@ -47,8 +47,9 @@ def widened(S_px2, m_per_px, leeway=12.0, leeway_m=0.06):
 
 
 def score_pair(
-    P, focal_px, xyz_m, cov_m2, xy_px, trust, noise, outlier_share, outlier_area_m2, flipped
-):
+    P, focal_px, xyz_m, cov_m2, xy_px, trust, noise, outlier_share, outlier_area_m2, flipped,
+    slack=1.0,
+):  # fmt: skip
     """Sum the log ratios of all joints of one detection under one person."""
     total = noise.log_flip if flipped else 0.0
     for j in range(len(xyz_m)):
@@ -58,7 +59,7 @@ def score_pair(
             continue
         J = jacobian(P, xyz_m[j])
         sigma = noise.sigma_m[j] * focal_px / w * trust[m]
-        C = widened(J @ cov_m2[j] @ J.T, w / focal_px)
+        C = widened(J @ cov_m2[j] @ J.T, w / focal_px, 12.0 * slack**2, 0.06 * slack)
         C += (sigma**2 + noise.floor_px**2) * np.eye(2)
         e = xy_px[m] - project(P, xyz_m[j])
         total += log_ratio(e, C, w / focal_px, outlier_share, outlier_area_m2)[0]

@@ -167,7 +167,7 @@ def key_points(rng, cameras=4, spread_px=4.0):
     return kernels.Observed(
         np.arange(cameras), np.full(cameras, 1.5), np.zeros(cameras, np.int64),
         np.tile(joint + rng.normal(0, 0.05, 3), (cameras, 1)), xy, np.full(cameras, 0.02),
-        np.ones(cameras),
+        np.ones(cameras), np.ones(cameras),
     )  # fmt: skip
 
 

@@ -23,7 +23,7 @@ def observed(rng, joint_m, spread_px=0.0, cameras=(0, 1, 2)):
     xy = np.array([reference.project(CAMERAS.P[c], joint_m) for c in cameras])
     return kernels.Observed(
         np.array(cameras), np.full(n, 1.5), np.zeros(n, np.int64), np.tile(joint_m + OFF_M, (n, 1)),
-        xy + rng.normal(0, 1, (n, 2)) * spread_px, np.full(n, 0.03), np.ones(n),
+        xy + rng.normal(0, 1, (n, 2)) * spread_px, np.full(n, 0.03), np.ones(n), np.ones(n),
     )  # fmt: skip
 
 
@@ -135,7 +135,8 @@ def test_a_jump_of_the_body_is_followed_and_one_of_a_joint_is_not(jumps):
     before = R.copy()
     kernels.fit_all(
         MODEL.cameras, MODEL.noise, images(cam, xy),
-        kernels.Prediction(np.full(3, place), place, np.tile(rest, (3, 1, 1, 1)), prior),
+        kernels.Prediction(np.full(3, place), place, np.tile(rest, (3, 1, 1, 1)), prior,
+            np.ones((3, 1))),
         one_each(3), kernels.Trajectories(R, z, c, x, after), inlier,
     )  # fmt: skip
     off = np.linalg.norm(x[0] - there, axis=1)
@@ -175,13 +176,14 @@ def test_what_is_folded_is_what_was_located(seed):
     xy = np.array([reference.project(CAMERAS.P[k], joint) for k in cam]) + rng.normal(0, 2, (3, 2))
     seen = kernels.Observed(
         cam, np.full(3, place), np.zeros(3, np.int64), np.tile(joint + OFF_M, (3, 1)), xy,
-        np.full(3, MODEL.noise.sigma_m[0]), np.full(3, 0.7),
+        np.full(3, MODEL.noise.sigma_m[0]), np.full(3, 0.7), np.ones(3),
     )  # fmt: skip
     shift, cov, inlier = located(seen, prior[0, 0], 3)
     x, after, got = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.empty((1, 3, 1))
     kernels.fit_all(
         MODEL.cameras, MODEL.noise._replace(mirror=np.zeros(1, np.int64)), images(cam, xy[:, None]),
-        kernels.Prediction(np.full(3, place), place, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior),
+        kernels.Prediction(np.full(3, place), place, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior,
+            np.ones((3, 1))),
         one_each(3, 0.7), kernels.Trajectories(R, z, c, x, after), got,
     )  # fmt: skip
     np.testing.assert_allclose(got[0, :, 0], inlier, rtol=1e-9)
@@ -202,7 +204,8 @@ def test_somebody_whom_nobody_sees_stays_as_predicted():
         kernels.Measurements(
             np.array([0]), np.array([0, 0]), np.empty((0, 1, 2)), np.empty((0, 1))
         ),
-        kernels.Prediction(np.array([2.0]), 2.0, np.ones((1, 1, 1, 3)), np.eye(3)[None, None]),
+        kernels.Prediction(np.array([2.0]), 2.0, np.ones((1, 1, 1, 3)), np.eye(3)[None, None],
+            np.ones((1, 1))),
         kernels.Matches(np.full((1, 1), -1), np.zeros((1, 1), np.int64), np.ones((1, 1))),
         kernels.Trajectories(R, z, c, x, cov), inlier,
     )  # fmt: skip

@@ -12,10 +12,11 @@ from trecsim.fusion import kernels
 SEEDS = st.integers(0, 2**32 - 1)
 
 
-def score(cam, xyz, cov, xy, factor, reach_m=np.inf):
+def score(cam, xyz, cov, xy, factor, reach_m=np.inf, slack=None):
     out, flip = np.empty((len(xyz), len(xy))), np.empty((len(xyz), len(xy)), np.int64)
+    slack = np.ones(len(xyz)) if slack is None else slack
     kernels.score_view(
-        MODEL.cameras, MODEL.noise, cam, (xyz, cov), (xy, factor), reach_m, (out, flip)
+        MODEL.cameras, MODEL.noise, cam, (xyz, cov, slack), (xy, factor), reach_m, (out, flip)
     )
     return out, flip
 
@@ -26,13 +27,14 @@ def test_scores_of_a_view_equal_the_sum_over_joints(seed):
     P, focal = MODEL.cameras.P[1], MODEL.cameras.focal_px[1]
     xyz, cov = map(np.stack, zip(*[somebody(rng) for _ in range(2)], strict=True))
     xy, factor = map(np.stack, zip(*[seen(rng, P, x) for x in xyz], strict=True))
-    out, flip = score(1, xyz, cov, xy, factor)
+    slack = rng.uniform(1.0, 5.0, 2)
+    out, flip = score(1, xyz, cov, xy, factor, slack=slack)
     for k in range(2):
         for d in range(2):
             both = [
                 reference.score_pair(
                     P, focal, xyz[k], cov[k], xy[d], factor[d], MODEL.noise,
-                    SETTINGS.outlier_share, SETTINGS.outlier_area_m2, f,
+                    SETTINGS.outlier_share, SETTINGS.outlier_area_m2, f, slack[k],
                 )
                 for f in range(2)
             ]  # fmt: skip
@@ -119,7 +121,7 @@ def test_a_frame_set_is_associated_image_by_image(seed):
     sure = np.empty((3, 2))
     kernels.associate_all(
         MODEL.cameras, MODEL.noise, kernels.Measurements(cam, offset, xy, factor),
-        kernels.Prediction(np.zeros(2), 0.0, np.stack([xyz, xyz]), cov), np.inf,
+        kernels.Prediction(np.zeros(2), 0.0, np.stack([xyz, xyz]), cov, np.ones((2, 3))), np.inf,
         kernels.Matches(match, flip, sure),
     )  # fmt: skip
     ratio, mirrored = score(2, xyz, cov, xy, factor)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL, SETTINGS
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels.mixture import LEEWAY, LEEWAY_M, widened
+from trecsim.fusion.kernels.mixture import LEEWAY, LEEWAY_M, slack_after, widened
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -58,14 +58,21 @@ def test_covariance_in_the_image_is_that_of_the_linearised_projection(seed):
     np.testing.assert_allclose([uu, uv, vv], [C[0, 0], C[0, 1], C[1, 1]], rtol=1e-8, atol=1e-6)
 
 
-@given(SEEDS, st.floats(-4.0, 0.0))
-def test_leeway_is_much_for_who_is_well_known_and_next_to_nothing_for_others(seed, size):
+@given(SEEDS, st.floats(-4.0, 0.0), st.floats(1.0, 5.0))
+def test_leeway_is_much_for_who_is_well_known_and_next_to_nothing_for_others(seed, size, slack):
     """A few times the variance, but never more than its bound; the shape stays."""
     A = np.random.default_rng(seed).normal(size=(2, 2)) * 10.0**size
     S_m2, m_per_px = A @ A.T + 1e-10 * np.eye(2), 0.005
     S = S_m2 / m_per_px**2
-    uu, uv, vv = widened(S[0, 0], S[0, 1], S[1, 1], m_per_px)
-    expected = reference.widened(S, m_per_px, LEEWAY, LEEWAY_M)
+    uu, uv, vv = widened(S[0, 0], S[0, 1], S[1, 1], m_per_px, slack)
+    expected = reference.widened(S, m_per_px, slack**2 * LEEWAY, slack * LEEWAY_M)
     np.testing.assert_allclose([uu, uv, vv], expected[[0, 0, 1], [0, 1, 1]], rtol=1e-9)
     more_m2 = (uu + vv) * m_per_px**2 - np.trace(S_m2)
-    assert 0.0 < more_m2 <= min(LEEWAY * np.trace(S_m2), 2.0 * LEEWAY_M**2) * (1.0 + 1e-9)
+    most_m2 = slack**2 * min(LEEWAY * np.trace(S_m2), 2.0 * LEEWAY_M**2)
+    assert 0.0 < more_m2 <= most_m2 * (1.0 + 1e-9)
+
+
+def test_slack_grows_with_the_time_for_which_nobody_was_seen_up_to_a_limit():
+    assert [slack_after(t_s) for t_s in (0.0, 0.04, np.inf, -np.inf)] == [1.0] * 4
+    assert slack_after(0.125) == pytest.approx(0.125 / 0.06)
+    assert slack_after(1.0) == 5.0

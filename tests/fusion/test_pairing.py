@@ -66,7 +66,7 @@ def test_pairs_of_detections_are_scored_as_by_the_reference(seed):
     direction = np.array(
         [[reference.ray(eyes[c], xy) for xy in xy_px[d]] for d, c in enumerate(cam)]
     )
-    rays = kernels.Rays(cam, CAMERAS.position_m[cam], direction, factor)
+    rays = kernels.Rays(cam, CAMERAS.position_m[cam], direction, factor, np.zeros(6))
     score, flip = np.full((6, 6), np.nan), np.full((6, 6), -1)
     kernels.pair_scores(rays, MODEL.bones, MODEL.noise, score, flip)
     for i in range(6):

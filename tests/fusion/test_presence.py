@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
+from trecsim.fusion.kernels.presence import count_supported, second_newest, supporting
+from trecsim.fusion.lifecycle import look_back
 
 
 def sightings(camera_s, two_view_s, joint_s=None, duration_s=None, mirrored_s=None):
@@ -23,6 +25,7 @@ def matched(match, flip=None):
     return kernels.Matches(match, flip, np.ones(match.shape))
 
 
+LOOK_BACK_S = np.full(3, 0.12)
 LIMITS = kernels.Limits(confirm_s=0.15, death_s=0.5, single_view_death_s=1.5, duplicate_m=0.25)
 
 
@@ -55,10 +58,44 @@ def test_time_with_two_cameras_and_time_read_mirrored_add_up():
     match, flip = np.array([[0, 1, 2], [3, -1, -1]]), np.array([[1, 1, 0], [0, 0, 0]])
     two_s, together_s, mirrored_s = np.array([1.0, 2.0]), np.zeros(2), np.array([0.1, 0.03])
     seen = sightings(camera_s, two_s, None, together_s, mirrored_s)
-    kernels.age(seen, matched(match, flip), 10.0, 0.06)
+    before_s = np.array([9.86, 0.0])
+    now = kernels.Now(10.0, 0.06, 0.0, 0.1, 0)
+    kernels.age(seen, matched(match, flip), now, LOOK_BACK_S, before_s)
     assert two_s.tolist() == [10.0, 2.0]
-    assert together_s.tolist() == [0.06, 0.0]
+    assert together_s == pytest.approx([0.04, 0.0])  # the second camera saw the first at 9.9 s
     assert mirrored_s == pytest.approx([0.1 + 0.02, 0.0])  # two of three; then less than nothing
+
+
+def test_a_camera_with_few_images_supports_until_its_next_one_is_overdue():
+    last_s = np.array([9.8, 9.8])
+    slow, fast = look_back(np.array([0.2, 0.04])).look_back_s
+    assert supporting(last_s, 10.0, np.array([slow, slow])) == 2
+    assert supporting(last_s, 10.0, np.array([slow, fast])) == 1
+    counts = np.empty((1, 1), np.int64)
+    count_supported(last_s[None, None], 10.0, np.array([fast, slow]), counts)
+    assert counts.tolist() == [[1]]
+
+
+def test_the_second_newest_time_tells_until_when_two_cameras_saw_a_track():
+    camera_s = np.array([[9.0, 10.0, 9.5], [-np.inf, 10.0, -np.inf], [7.0, 7.0, 1.0]])
+    assert second_newest(camera_s).tolist() == [9.5, -np.inf, 7.0]
+
+
+def test_time_that_passes_does_not_confirm_what_two_cameras_saw_once():
+    """At 5 images per second a camera's support lasts longer than `confirm_s`."""
+    look_back_s = look_back(np.array([0.2, 0.2])).look_back_s
+    duration_s, seen_s = np.zeros(1), np.array([[9.8, 9.8]])
+    seen = sightings(seen_s, np.array([9.8]), None, duration_s)
+    missed = matched(np.full((1, 2), -1))
+    kernels.age(seen, missed, kernels.Now(10.0, 0.2, 0.0, 0.1, 0), look_back_s, np.array([9.8]))
+    assert duration_s.tolist() == [0.0]
+    seen_s[:] = 10.0
+    kernels.age(seen, missed, kernels.Now(10.0, 0.2, 0.0, 0.1, 0), look_back_s, np.array([9.8]))
+    assert duration_s == pytest.approx([0.2])
+    # Two single images a long time apart are not a long time.
+    seen_s[:] = 12.0
+    kernels.age(seen, missed, kernels.Now(12.0, 0.2, 0.0, 0.1, 0), look_back_s, np.array([10.0]))
+    assert duration_s == pytest.approx([0.5])
 
 
 @given(SEEDS, st.floats(0.05, 1.0))
@@ -126,8 +163,8 @@ def judged(camera_s, redundant_count, confirmed, n_compared):
     expected, asked, alive = np.empty(n, np.int64), np.empty(n, bool), np.empty(n, bool)
     told = kernels.judge_all(
         sightings(camera_s, np.full(n, 10.0)), confirmed,
-        kernels.Doubts(np.zeros(n), redundant_count), x, MODEL.torso, n_compared, 10.0, LIMITS,
-        expected, asked, alive,
+        kernels.Doubts(np.zeros(n), redundant_count), x, MODEL.torso, n_compared, 10.0,
+        LOOK_BACK_S[: camera_s.shape[1]], LIMITS, expected, asked, alive,
     )  # fmt: skip
     return told, expected.tolist(), asked.tolist(), alive.tolist()
 

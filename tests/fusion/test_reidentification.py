@@ -11,7 +11,13 @@ from trecsim.fusion import Tracker
 from trecsim.fusion.association import Association
 from trecsim.fusion.duplicates import is_duplicate
 from trecsim.fusion.population import Population
-from trecsim.fusion.reidentification import LostTrack, nearest_unseen, reidentify, within
+from trecsim.fusion.reidentification import (
+    LostTrack,
+    lost_since,
+    nearest_unseen,
+    reidentify,
+    within,
+)
 from trecsim.fusion.tuning import UNSEEN_MPS, YOUNG_MPS
 
 WALKING = LostTrack(7, 10.0, np.array([1.0, 0.0, 0.9]), np.array([2.0, 0.0, 0.0]))
@@ -72,6 +78,24 @@ def test_a_new_track_may_be_a_person_whom_no_camera_recognised_in_this_frame_set
     assert nearest_unseen([fell], there, 10.02) is None  # nobody is as fast
     assert nearest_unseen([beside], there, 10.125) is None
     assert nearest_unseen([], there, 10.125) is None
+
+
+@pytest.mark.parametrize(
+    ("match", "last_s", "since_s"),
+    [
+        ([-1, -1, -1, -1], [9.8, 9.9, 9.0, 9.0], 9.9),  # no camera sees it in this frame set
+        ([0, 1, -1, -1], [10.0, 10.0, 9.9, 9.9], 9.9),  # torn: the new one's two did until now
+        ([0, 1, -1, -1], [10.0, 10.0, 9.9, 9.0], -np.inf),  # one of them had lost it long before
+        ([0, -1, 2, -1], [10.0, 9.9, 10.0, 9.9], -np.inf),  # one of them sees both
+    ],
+)
+def test_a_new_track_takes_the_place_of_one_that_its_cameras_saw_until_the_last_image(
+    match, last_s, since_s
+):
+    found = lost_since(
+        np.array([last_s]), np.array([2, 3]), np.array([match]), np.arange(4), np.full(4, 9.85)
+    )
+    assert found.tolist() == [since_s]
 
 
 def test_a_track_just_born_may_belong_to_a_runner_as_its_velocity_is_hardly_known():

@@ -52,6 +52,12 @@ def score(
     ratio = np.empty((len(xyz_m), len(xy_px)))
     flip = np.empty((len(xyz_m), len(xy_px)), np.int64)
     kernels.score_view(
-        model.cameras, model.noise, cam, (xyz_m, cov_m2), (xy_px, factor), GATE_M, (ratio, flip)
+        model.cameras,
+        model.noise,
+        cam,
+        (xyz_m, cov_m2, np.ones(len(xyz_m))),
+        (xy_px, factor),
+        GATE_M,
+        (ratio, flip),
     )
     return ratio, flip

@@ -21,6 +21,7 @@ from trecsim.fusion.tuning import (
     JOIN_SCORE,
     MEETING_GAP_M,
     MOST_UNASSIGNED,
+    PAIR_MPS,
     SURE_BIRTH_SCORE,
 )
 
@@ -83,7 +84,8 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
             continue
         xyz = np.empty(ray.shape[1:])
         other = ray[k, model.noise.mirror] if flip[i, k] else ray[k]
-        met = kernels.midpoints(origin[i], ray[i], origin[k], other, MEETING_GAP_M, xyz)
+        gap_m = MEETING_GAP_M + PAIR_MPS * abs(pool.t_s[i] - pool.t_s[k])
+        met = kernels.midpoints(origin[i], ray[i], origin[k], other, gap_m, xyz)
         if met < FEWEST_JOINTS:
             continue
         alone = partners[i] == 1 and partners[k] == 1
@@ -104,7 +106,7 @@ def _pairs(
     """Return log likelihood ratio and mirror state of every pair of detections as one person."""
     pair = np.full((len(pool), len(pool)), -np.inf)
     flip = np.zeros(pair.shape, np.int64)
-    sight = kernels.Rays(pool.cam, origin, ray, pool.sigma_scale)
+    sight = kernels.Rays(pool.cam, origin, ray, pool.sigma_scale, pool.t_s)
     kernels.pair_scores(sight, model.bones, model.noise, pair, flip)
     return pair, flip
 
@@ -117,12 +119,15 @@ def _absorb(
     member: dict[int, int],
 ) -> None:
     """Add free detections of the same person in other cameras to `member`, with mirror state."""
-    cov = np.broadcast_to(np.eye(3) * CANDIDATE_SIGMA_M**2, (1, len(xyz_m), 3, 3)).copy()
+    taken_s = pool.t_s[list(member)].mean()
     taken = {int(pool.cam[d]) for d in member}
     for cam in sorted(set(pool.cam.tolist()) - taken):
         here = np.flatnonzero((pool.cam == cam) & free)
         if not len(here):
             continue
+        moved_m = PAIR_MPS * (pool.t_s[here[0]] - taken_s)
+        var_m2 = CANDIDATE_SIGMA_M**2 + moved_m**2
+        cov = np.tile(np.eye(3) * var_m2, (1, len(xyz_m), 1, 1))
         ratio, mirrored = score(
             model, cam, pool.xy_px[here], pool.sigma_scale[here], xyz_m[None], cov
         )

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Float64, Int64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.association import Association
@@ -23,12 +23,15 @@ class Step(NamedTuple):
         Its time, and place on the knot grid, which reaches it.
     since_s
         How long before each image its camera took the last one [s].
+    look_back_s
+        For how long what each camera supported counts as supported now [s].
     appended
         By how many control points the grid has moved on for this frame set.
     """
 
     now: Now
     since_s: Sequence[float]
+    look_back_s: Float64[np.ndarray, " cam"]
     appended: int = 0
 
 
@@ -94,7 +97,8 @@ def _run(
     found: tuple[int, bool] = kernels.update_all(
         model.cameras, model.noise, model.bones, model.limbs, model.motion, people.trajectories,
         people.bodies, people.sightings, people.confirmed, people.doubts, images.measurements,
-        Taken(images.t_s, np.array(step.since_s, np.float64)), step.now, matches, owner,
+        Taken(images.t_s, np.array(step.since_s, np.float64), step.look_back_s), step.now, matches,
+        owner,
         (step.appended, *only_fit_and_check),
     )  # fmt: skip
     return found

@@ -88,11 +88,16 @@ class Detections:
             self.cam[which], self.t_s[which], self.xy_px[which], self.sigma_scale[which]
         )
 
-    def still_open(self, cam: Int64[np.ndarray, " view"], since_s: float) -> "Detections":
-        """Return those since `since_s` of cameras other than `cam`, which have newer images."""
+    def still_open(
+        self, cam: Int64[np.ndarray, " view"], since_s: Float64[np.ndarray, " cam"]
+    ) -> "Detections":
+        """Return those of cameras other than `cam`, which have newer images.
+
+        Those of each camera of the rig count that were taken at `since_s` or later.
+        """
         again = set(cam.tolist())
         other = [c not in again for c in self.cam.tolist()]
-        return self.take(np.array(other, bool) & (self.t_s >= since_s))
+        return self.take(np.array(other, bool) & (self.t_s >= since_s[self.cam]))
 
     def joined(self, other: "Detections") -> "Detections":
         """Return these detections and then those of `other`."""

@@ -4,11 +4,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
+from trecsim.fusion.tuning import LONGEST_SUPPORT_S, LOOK_BACK, SUPPORT_S, UNASSIGNED_S
 
 
 class Judgement(NamedTuple):
@@ -33,6 +34,7 @@ def judge(
     n_compared: int,
     looking: Callable[[], Bool[np.ndarray, " cam"]],
     t_s: float,
+    look_back_s: Float64[np.ndarray, " cam"],
 ) -> Judgement:
     """Confirm tracks, in place, and tell which live on.
 
@@ -46,6 +48,8 @@ def judge(
         Returns which cameras deliver images; called only if a track may die.
     t_s
         Time of the frame set [s].
+    look_back_s
+        For how long each camera's support counts as now [s].
 
     Notes
     -----
@@ -63,7 +67,7 @@ def judge(
     expected, asked, alive = np.empty(n, np.int64), np.empty(n, bool), np.empty(n, bool)
     close, some_asked, all_alive = kernels.judge_all(
         people.sightings, people.confirmed, people.doubts, people.xyz_m, model.torso, n_compared,
-        t_s, model.limits, expected, asked, alive,
+        t_s, look_back_s, model.limits, expected, asked, alive,
     )  # fmt: skip
     if some_asked:
         expected = expected_cameras(people, model, looking(), asked)
@@ -72,6 +76,34 @@ def judge(
             model.limits, alive,
         )  # fmt: skip
     return Judgement(alive, all_alive, close)
+
+
+class LookBack(NamedTuple):
+    """How far back images count as of now, for each camera: its images may be few [s].
+
+    Attributes
+    ----------
+    look_back_s
+        For how long what a camera supported counts as supported.
+    waiting_s
+        For how long its unassigned detections wait for one of another camera.
+    """
+
+    look_back_s: Float64[np.ndarray, " cam"]
+    waiting_s: Float64[np.ndarray, " cam"]
+
+
+def look_back(usual_s: Float64[np.ndarray, " cam"]) -> LookBack:
+    """Return how far back images count for cameras with these usual intervals [s].
+
+    Examples
+    --------
+    >>> two = look_back(np.array([0.04, 0.2, 1.0]))
+    >>> two.look_back_s.round(3).tolist(), two.waiting_s.round(3).tolist()
+    ([0.12, 0.3, 0.5], [0.1, 0.3, 0.5])
+    """
+    long_s = (LOOK_BACK * usual_s).clip(max=LONGEST_SUPPORT_S)
+    return LookBack(np.maximum(long_s, SUPPORT_S), np.maximum(long_s, UNASSIGNED_S))
 
 
 def expected_cameras(

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64, Int64
 
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
@@ -60,8 +60,7 @@ class LostTrack:
         """
         since_s = t_s - self.t_s
         trust = since_s / ((self.reach_mps * since_s) ** 2 + UNSEEN_M**2) * self.reach_mps**2
-        velocity_mps: Float64[np.ndarray, "3"] = (xyz_m - self.xyz_m) * trust
-        return velocity_mps
+        return np.asarray((xyz_m - self.xyz_m) * trust)
 
 
 def reidentify(
@@ -152,20 +151,53 @@ class Identities:
         self.dead = within(self.dead, t_s, self._reidentify_s) + tracks
 
 
+def lost_since(
+    last_seen_s: Float64[np.ndarray, "track cam"],
+    cam: Int64[np.ndarray, " member"],
+    match: Int64[np.ndarray, "track view"],
+    view_cam: Int64[np.ndarray, " view"],
+    lately_s: Float64[np.ndarray, " cam"],
+) -> Float64[np.ndarray, " track"]:
+    """Return since when each track is lost to a new one beside it; -inf for those that are not [s].
+
+    Parameters
+    ----------
+    last_seen_s
+        When each camera last supported each track [s].
+    cam
+        The cameras of the new track's detections.
+    match, view_cam
+        Detection of each track in each image of the frame set or -1, and the images' cameras.
+    lately_s
+        Since when a camera's support counts as now [s].
+
+    Notes
+    -----
+    A track is lost if no detection supports it in this frame set; or if each camera of the new
+    track supported it until the last image, and shows the new one in its place now: then the same
+    motion was within the gate of the other cameras' earlier images.
+    """
+    unseen = (match < 0).all(axis=1)
+    gone_here = (match[:, np.isin(view_cam, cam)] < 0).all(axis=1)
+    torn = gone_here & (last_seen_s[:, cam] > lately_s[cam]).all(axis=1)
+    since_s = np.where(unseen, last_seen_s.max(axis=1), last_seen_s[:, cam].max(axis=1))
+    out: Float64[np.ndarray, " track"] = np.where(unseen | torn, since_s, -np.inf)
+    return out
+
+
 def lost_tracks(
     people: Population,
-    which: Bool[np.ndarray, " track"],
+    seen_s: Float64[np.ndarray, " track"],
     grid: KnotGrid,
     model: Model,
     t_s: float,
 ) -> list[LostTrack]:
-    """Return what re-identification needs of the tracks `which`, as they were last seen.
+    """Return what re-identification needs of tracks, as they were at the times `seen_s`.
 
-    `t_s` is the time of the last frame set.
+    Those of which the time is -inf are left out. `t_s` is the time of the last frame set.
     """
-    seen_s = people.last_seen_s.max(axis=1, initial=-np.inf)
     lost = []
-    for k in np.flatnonzero(which):
+    for k in np.flatnonzero(np.isfinite(seen_s)):
         then_s = max(float(seen_s[k]), t_s - model.settings.window_s)
         one = people.keep(np.arange(len(people)) == k)
         xyz_m = evaluated(one.c, grid, [then_s])[0, 0, model.torso].mean(axis=0)

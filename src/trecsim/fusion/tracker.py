@@ -20,13 +20,14 @@ from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import (
     Identities,
     LostTrack,
+    lost_since,
     lost_tracks,
     nearest_unseen,
 )
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
-from trecsim.fusion.tuning import CHECK_S, SAME_S, UNASSIGNED_S
+from trecsim.fusion.tuning import CHECK_S, SAME_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
@@ -108,6 +109,7 @@ class Tracker:
         self._provisional = provisional
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._clocks = Clocks(len(rig))
+        self._times = lifecycle.look_back(self._clocks.usual_s())
         self._identities = Identities(s.reidentify_s, first_id)
         self._restart()
 
@@ -124,6 +126,7 @@ class Tracker:
         views = self._usable(frame_set)
         if not views and (frame_set.views or self._grid is None):
             return self._snapshot(self._clocks.now_s if self._grid else frame_set.t_s)
+        self._times = lifecycle.look_back(self._clocks.usual_s())
         elapsed_s = max(0.0, self._t_s - before_s) if math.isfinite(before_s) else 0.0
         images = prepare(views, self._model)
         update = self._update(images, min(elapsed_s, JUMP_S))
@@ -189,7 +192,8 @@ class Tracker:
         check = t_s - self._checked_s >= CHECK_S
         if check:
             self._checked_s = t_s
-        step = Step(Now(t_s, elapsed_s, *self._grid.place), since_s, appended)
+        now = Now(t_s, elapsed_s, *self._grid.place)
+        step = Step(now, since_s, self._times.look_back_s, appended)
         update = fitting.update(people, images, step, m, check=check)
         if update.is_mirrored:
             evidence.unmirror(people, m)
@@ -230,7 +234,10 @@ class Tracker:
                 continue
             velocity_mps = np.zeros(3)
             torso_m = xyz_m[self._model.torso].mean(axis=0)
-            lost = None if owners else self._unseen_now(torso_m, update.association, named)
+            cam = pool.cam[candidate.member]
+            lost = (
+                None if owners else self._moved_on(torso_m, cam, images, update.association, named)
+            )
             if lost is not None:
                 owners = set(np.flatnonzero(self._people.id == lost.id).tolist())
                 unnamed = sorted(owners)
@@ -253,7 +260,7 @@ class Tracker:
         """
         old = self._unassigned
         if len(old):
-            old = old.still_open(images.cam, self._t_s - UNASSIGNED_S)
+            old = old.still_open(images.cam, self._t_s - self._times.waiting_s)
         if not update.n_open:
             return old, np.full(len(old), kernels.FREE)
         open_ = update.owner != kernels.TAKEN
@@ -269,25 +276,34 @@ class Tracker:
         # Their images have just been noted, so they weigh little here: the first place is theirs
         # already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
-        step = Step(Now(self._t_s, 0.0, *self._knots.place), since_s)
+        now = Now(self._t_s, 0.0, *self._knots.place)
+        step = Step(now, since_s, self._times.look_back_s)
         fitting.fit(people, images, association, step, self._model)
         self._people = self._people.joined(people)
 
-    def _unseen_now(
-        self, torso_m: Float64[np.ndarray, "3"], association: Association, named: set[int]
+    def _moved_on(
+        self,
+        torso_m: Float64[np.ndarray, "3"],
+        cam: Int64[np.ndarray, " member"],
+        images: Images,
+        association: Association,
+        named: set[int],
     ) -> LostTrack | None:
-        """Return the track without a detection in this frame set that a new one at `torso_m` is.
+        """Return the track whose person a new one at `torso_m`, seen by the cameras `cam`, is.
 
         Its person has moved further than the association allows, as in a fall. Tracks whose
         identities are `named` already do not count.
         """
-        n_compared = len(association.match)
-        unseen = np.zeros(len(self._people), bool)
-        unseen[:n_compared] = (association.match < 0).all(axis=1)
-        unseen &= ~np.isin(self._people.id, list(named))
-        if not unseen.any():
+        people, known = self._people, len(association.match)
+        seen_s = np.full(len(people), -np.inf)
+        seen_s[:known] = lost_since(
+            people.last_seen_s[:known], cam, association.match, images.cam,
+            self._t_s - self._times.look_back_s,
+        )  # fmt: skip
+        seen_s[np.isin(people.id, list(named))] = -np.inf
+        if not np.isfinite(seen_s).any():
             return None
-        tracks = lost_tracks(self._people, unseen, self._knots, self._model, self._t_s)
+        tracks = lost_tracks(people, seen_s, self._knots, self._model, self._t_s)
         return nearest_unseen(tracks, torso_m, self._t_s)
 
     def _identify(
@@ -307,7 +323,9 @@ class Tracker:
         """Confirm tracks; delete those that are dead, duplicates or replaced."""
         people = self._people
         n_compared, looking = len(association.match), self._clocks.looking
-        found = lifecycle.judge(people, self._model, n_compared, looking, self._t_s)
+        found = lifecycle.judge(
+            people, self._model, n_compared, looking, self._t_s, self._times.look_back_s
+        )
         duplicates = self._duplicates.found(
             people, self._model, association, self._t_s, found.some_close
         )
@@ -317,7 +335,8 @@ class Tracker:
         alive = np.ones(len(people), bool)
         alive[[*replaced, *duplicates]] = False
         died = ~stays & alive
-        gone = lost_tracks(people, died & people.confirmed, self._knots, self._model, self._t_s)
+        seen_s = np.where(died & people.confirmed, people.last_seen_s.max(axis=1), -np.inf)
+        gone = lost_tracks(people, seen_s, self._knots, self._model, self._t_s)
         self._identities.note_dead(gone, self._t_s)
         died[list(replaced)] = True
         self._keep_for_lag(people.keep(died & people.confirmed))

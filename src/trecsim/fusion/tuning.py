@@ -30,6 +30,11 @@ NEAR_M: Final = 0.05
 # [m].
 LEEWAY: Final = 12.0
 LEEWAY_M: Final = 0.06
+# Both grow with the time since a track was seen, as its velocity may have changed by so much: at 8
+# images per second somebody who falls or stops is that much further away [m/s]. So many times the
+# usual distance at most.
+LEEWAY_MPS: Final = 1.0
+MOST_SLACK: Final = 5.0
 
 # ------------------------------------------------------------------------------- fit of the joints
 
@@ -111,8 +116,12 @@ LEAST_INDEPENDENCE: Final = 0.05
 
 # --------------------------------------------------------------------------------------- birth
 
-# Time for which an unassigned detection waits for one of another camera to pair with [s].
+# Time for which an unassigned detection waits for one of another camera to pair with, at least [s];
+# see `LOOK_BACK`.
 UNASSIGNED_S: Final = 0.1
+# Standard deviation of the velocity at which people move between the images of a pair, per axis
+# [m/s]: then two rays to the same joint miss each other.
+PAIR_MPS: Final = 1.0
 # Of more unassigned detections only the best are paired, as the work grows with the square of their
 # number: a crowd of 20 in view of three cameras.
 MOST_UNASSIGNED: Final = 60
@@ -183,8 +192,11 @@ DUPLICATE_S: Final = 0.25
 
 # ---------------------------------------------------------------- support, confirmation and death
 
-# A camera supports a joint or person "now" if it did within this time [s].
+# A camera supports a joint or person "now" if it did within this time [s], or within so many of its
+# own usual intervals if that is longer, but not longer than this [s].
 SUPPORT_S: Final = 0.12
+LOOK_BACK: Final = 1.5
+LONGEST_SUPPORT_S: Final = 0.5
 # A key point supports its joint from this responsibility on; so many of them support a person.
 INLIER: Final = 0.5
 FEWEST_INLIERS: Final = 3

@@ -6,7 +6,7 @@ from itertools import compress
 from statistics import median
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 
 from trecsim.sync.stream_time import JUMP_S, StreamTime
 
@@ -54,6 +54,11 @@ class Clocks:
                 for c, last_s in enumerate(self._last_s)
             ]
         )
+
+    def usual_s(self) -> Float64[np.ndarray, " cam"]:
+        """Return the usual time between two images of each camera; 0 while unknown [s]."""
+        heard = self._time.heard
+        return np.array([heard(c).usual_s for c in range(len(self._last_s))], np.float64)
 
     def move_on(self, t_s: float) -> bool:
         """Let time pass without an image; return whether it passed for so long that it starts anew.

@@ -64,15 +64,16 @@ class Person(NamedTuple):
 
 
 @inner
-def gather_views(seen, measured, prediction, moment, match, weight):
-    """Copy what the matched images of one track have in common to `seen`; return how many."""
+def gather_views(seen, measured, prediction, moment, k, matches):
+    """Copy what the matched images of track `k` have in common to `seen`; return how many."""
     cam, knot_time, moment_of, credit = seen.cam, seen.knot_time, seen.moment, seen.credit
-    camera, taken = measured.cam, prediction.knot_time
+    slack, camera, taken = seen.slack, measured.cam, prediction.knot_time
+    match, weight = matches.match[k], matches.weight[k]
     n = 0
     for v in range(match.shape[0]):
         if match[v] >= 0:
             cam[n], knot_time[n], moment_of[n] = camera[v], taken[v], moment[v]
-            credit[n] = weight[v]
+            credit[n], slack[n] = weight[v], prediction.slack[v, k]
             n += 1
     return n
 
@@ -203,7 +204,7 @@ def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
             prediction.xyz_m[:, k], prediction.cov_m2[k], matches.match[k], matches.flip[k],
             inlier[k],
         )  # fmt: skip
-        n = gather_views(seen, measured, prediction, moment, matches.match[k], matches.weight[k])
+        n = gather_views(seen, measured, prediction, moment, k, matches)
         inflation = 1.0
         for again in range(2):
             seek_body(cameras, noise, measured, person, inflation, seen, n, found, tmp)

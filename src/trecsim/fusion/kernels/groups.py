@@ -59,12 +59,15 @@ class Prediction(NamedTuple):
         Joints at each image's own time.
     cov_m2
         Their covariance at the frame set's time.
+    slack
+        How much further than usual each track may be from that, as it was not seen for long.
     """
 
     knot_time: Float64[np.ndarray, " view"]
     now: float
     xyz_m: Float64[np.ndarray, "view track joint 3"]
     cov_m2: Float64[np.ndarray, "track joint 3 3"]
+    slack: Float64[np.ndarray, "view track"]
 
 
 class Matches(NamedTuple):
@@ -239,10 +242,13 @@ class Taken(NamedTuple):
         Their times [s].
     since_s
         How long before each its camera took the last one [s].
+    look_back_s
+        For how long what each camera of the rig supported counts as supported now [s].
     """
 
     t_s: Float64[np.ndarray, " view"]
     since_s: Float64[np.ndarray, " view"]
+    look_back_s: Float64[np.ndarray, " cam"]
 
 
 class Now(NamedTuple):
@@ -274,9 +280,12 @@ class Rays(NamedTuple):
         Unit directions; NaN where the key point is missing.
     sigma_scale
         Standard deviation of each key point, relative to that of a good one.
+    t_s
+        When each was taken [s].
     """
 
     cam: Int64[np.ndarray, " person"]
     origin_m: Float64[np.ndarray, "person 3"]
     direction: Float64[np.ndarray, "person joint 3"]
     sigma_scale: Float64[np.ndarray, "person joint"]
+    t_s: Float64[np.ndarray, " person"]

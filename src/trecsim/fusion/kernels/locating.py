@@ -29,6 +29,8 @@ class Observed(NamedTuple):
         Noise of each key point as a length at the person's distance.
     credit
         What each observation is worth, 0 to 1.
+    slack
+        How much further than usual the joint may be from its prediction.
     """
 
     cam: Int64[np.ndarray, " view"]
@@ -38,6 +40,7 @@ class Observed(NamedTuple):
     xy_px: Float64[np.ndarray, "view 2"]
     sigma_m: Float64[np.ndarray, " view"]
     credit: Float64[np.ndarray, " view"]
+    slack: Float64[np.ndarray, " view"]
 
 
 class Located(NamedTuple):
@@ -96,6 +99,7 @@ def observed(n_view):
     return Observed(
         np.empty(n_view, np.int64), np.empty(n_view), np.empty(n_view, np.int64),
         np.empty((n_view, 3)), np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
+        np.empty(n_view),
     )  # fmt: skip
 
 
@@ -171,7 +175,7 @@ def locate_joint(cameras, noise, seen, n, located, j, tmp):
     # all steps in one function, as a call with these tuples costs as much as a camera.
     P, focal_px = cameras.P, cameras.focal_px
     cam, moment, knot_time, credit = seen.cam, seen.moment, seen.knot_time, seen.credit
-    xyz_m, xy_px, sigma_m = seen.xyz_m, seen.xy_px, seen.sigma_m
+    xyz_m, xy_px, sigma_m, slack = seen.xyz_m, seen.xy_px, seen.sigma_m, seen.slack
     info, rhs, inlier = located.info[j], located.rhs[j], located.inlier
     sum_time, sum_weight = located.knot_time[j], located.weight[j]
     shift_m, cov_m2, known, total, vector = (
@@ -193,7 +197,7 @@ def locate_joint(cameras, noise, seen, n, located, j, tmp):
                 continue
             eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
             var = (sigma_m[v] / m_per_px) ** 2 + least_px2
-            uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px)
+            uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px, slack[v])
             odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
             inlier[v] = odds / (1.0 + odds)
             # Student's t as a scale mixture of Gaussians, in two dimensions.

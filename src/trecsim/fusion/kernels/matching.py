@@ -14,13 +14,13 @@ FREE, TAKEN = -1, -2
 
 
 @inner
-def project_person(P, focal_px, cam, xyz_m, cov_m2, uv, S, depth_m):
+def project_person(P, focal_px, cam, xyz_m, cov_m2, slack, uv, S, depth_m):
     """Write a person's projected joints, their covariances (uu, uv, vv) and depths."""
     for j in range(xyz_m.shape[0]):
         w, u, v, du, dv = project(P, cam, xyz_m[j, 0], xyz_m[j, 1], xyz_m[j, 2])
         depth_m[j], uv[j, 0], uv[j, 1] = w, u, v
         spread = image_covariance(du, dv, cov_m2[j])
-        S[j, 0], S[j, 1], S[j, 2] = widened(*spread, w / focal_px[cam])
+        S[j, 0], S[j, 1], S[j, 2] = widened(*spread, w / focal_px[cam], slack)
 
 
 @inner
@@ -92,8 +92,8 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
     cam
         The camera that took the image.
     people
-        Tracks at the image's time: joints (track, joint, 3), NaN where one is not known, and
-        covariances (track, joint, 3, 3).
+        Tracks at the image's time: joints (track, joint, 3), NaN where one is not known,
+        covariances (track, joint, 3, 3), and slack, (track,), as for `widened`.
     points
         Undistorted key points (person, joint, 2), NaN where not to be used, and by how much each
         is less certain than a good one.
@@ -102,7 +102,7 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
     scores
         Results, (track, person): log ratio; 1 where the exchanged reading is likelier.
     """
-    (xyz_m, cov_m2), (xy_px, sigma_scale), (out, flip) = people, points, scores
+    (xyz_m, cov_m2, slack), (xy_px, sigma_scale), (out, flip) = people, points, scores
     P, focal_px = cameras.P, cameras.focal_px
     n_joint = xyz_m.shape[1]
     uv, S, depth_m = np.empty((n_joint, 2)), np.empty((n_joint, 3)), np.empty(n_joint)
@@ -111,7 +111,7 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
     for d in range(xy_px.shape[0]):
         box_of(xy_px[d], boxes[d])
     for k in range(xyz_m.shape[0]):
-        project_person(P, focal_px, cam, xyz_m[k], cov_m2[k], uv, S, depth_m)
+        project_person(P, focal_px, cam, xyz_m[k], cov_m2[k], slack[k], uv, S, depth_m)
         box_of(uv, mine)
         least_m = nearest_m(depth_m)
         for d in range(xy_px.shape[0]):
@@ -237,7 +237,7 @@ def associate_all(cameras, noise, measured, prediction, reach_m, matches):
         ratio = np.empty((n_track, last - first))
         mirrored = np.empty((n_track, last - first), np.int64)
         score_view(
-            cameras, noise, cam[v], (xyz_m[v], cov_m2),
+            cameras, noise, cam[v], (xyz_m[v], cov_m2, prediction.slack[v]),
             (xy_px[first:last], sigma_scale[first:last]), reach_m, (ratio, mirrored),
         )  # fmt: skip
         match_view(ratio, best)

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
-from trecsim.fusion.tuning import LEEWAY, LEEWAY_M
+from trecsim.fusion.tuning import LEEWAY, LEEWAY_M, LEEWAY_MPS, MOST_SLACK
 
 
 class Noise(NamedTuple):
@@ -86,11 +86,25 @@ def image_covariance(du, dv, cov_m2):
 
 
 @inner
-def widened(uu, uv, vv, m_per_px):
-    """Return a prediction's covariance in the image [px^2] as it is when somebody may turn."""
-    most_px = LEEWAY_M / m_per_px
-    more = 1.0 + min(LEEWAY, 2.0 * most_px * most_px / (uu + vv + 1e-12))
+def widened(uu, uv, vv, m_per_px, slack):
+    """Return a prediction's covariance in the image [px^2] as it is when somebody may turn.
+
+    `slack` is 1, or more for somebody who was not seen for long; see `slack_after`.
+    """
+    most_px = slack * LEEWAY_M / m_per_px
+    more = 1.0 + min(slack * slack * LEEWAY, 2.0 * most_px * most_px / (uu + vv + 1e-12))
     return more * uu, more * uv, more * vv
+
+
+@inner
+def slack_after(unseen_s):
+    """Return how much further than usual people may be from the prediction, at least 1.
+
+    `unseen_s` is the time for which no camera has seen them [s]; -inf or inf where none ever has.
+    """
+    if not math.isfinite(unseen_s):
+        return 1.0
+    return min(max(unseen_s * LEEWAY_MPS / LEEWAY_M, 1.0), MOST_SLACK)
 
 
 @inner

@@ -107,7 +107,7 @@ def pair_score(sight, view, i, k):
     other = cameras.position_m[e], ray[1], measured.sigma_scale[k]
     best = 0.0
     for f in range(2):
-        total, close = meeting_score(one, other, f, noise, x)
+        total, close = meeting_score(one, other, f, noise, 0.0, x)
         if close >= PAIR_JOINTS:
             best = max(best, total + limb_score(x, bones))
     return best

@@ -10,6 +10,7 @@ from trecsim.fusion.tuning import (
     LIMB_CURVE,
     LIMB_WORST,
     PAIR_JOINTS,
+    PAIR_MPS,
     PARALLEL,
     RAY_GATE,
     TOO_CLOSE_M,
@@ -71,12 +72,12 @@ def midpoints(p, u, q, v, most_m, out):
 
 
 @inner
-def meeting_score(one, other, flipped, noise, x):
+def meeting_score(one, other, flipped, noise, moved_m, x):
     """Return how well the rays of two detections meet, and how many joints do.
 
     Each detection is the origin of its rays (3,), their directions (joint, 3) and factors of
-    uncertainty (joint,). The points halfway are written to `x` (joint, 3), NaN where the rays miss
-    each other.
+    uncertainty (joint,). A person has moved by `moved_m` between the two, per axis. The points
+    halfway are written to `x` (joint, 3), NaN where the rays miss each other.
     """
     (p, u, u_scale), (q, v, v_scale) = one, other
     sigma_m, mirror, share = noise.sigma_m, noise.mirror, noise.outlier_share
@@ -88,7 +89,8 @@ def meeting_score(one, other, flipped, noise, x):
         if math.isnan(gap):
             x[j, 0] = math.nan
             continue
-        sigma = sigma_m[j] * math.sqrt(u_scale[j] ** 2 + v_scale[m] ** 2)
+        seen_m2 = sigma_m[j] * sigma_m[j] * (u_scale[j] ** 2 + v_scale[m] ** 2)
+        sigma = math.sqrt(seen_m2 + moved_m * moved_m)
         gauss = math.exp(-0.5 * (gap / sigma) ** 2) / (sigma * _SQRT_2_PI)
         total += math.log((1.0 - share) * gauss + share)
         if gap < RAY_GATE * sigma:
@@ -128,9 +130,10 @@ def pair_scores(rays, bones, noise, out, flip):
     Notes
     -----
     Two rays of the same joint pass close to each other; the points halfway between them make a
-    body of human size. Both are log likelihood ratios against rays and lengths at random.
+    body of human size. Both are log likelihood ratios against rays and lengths at random. Rays of
+    images of different times pass each other where the person has moved between them.
     """
-    cam, origin_m, direction, sigma_scale = rays
+    cam, origin_m, direction, sigma_scale, t_s = rays
     x = np.empty((direction.shape[1], 3))
     for i in range(cam.shape[0]):
         one = origin_m[i], direction[i], sigma_scale[i]
@@ -140,8 +143,9 @@ def pair_scores(rays, bones, noise, out, flip):
             if cam[i] == cam[k]:
                 continue
             other = origin_m[k], direction[k], sigma_scale[k]
+            moved_m = PAIR_MPS * abs(t_s[i] - t_s[k])
             for f in range(2):
-                total, close = meeting_score(one, other, f, noise, x)
+                total, close = meeting_score(one, other, f, noise, moved_m, x)
                 if close < PAIR_JOINTS:
                     continue
                 total += limb_score(x, bones)

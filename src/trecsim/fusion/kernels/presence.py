@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import (
@@ -10,7 +12,6 @@ from trecsim.fusion.tuning import (
     FEWEST_INLIERS,
     INLIER,
     REDUNDANT_CHECKS,
-    SUPPORT_S,
     SURE_CAMERAS,
     TENTATIVE_S,
     UNSEEN_PATIENCE,
@@ -60,7 +61,42 @@ def count_since(last_s, since_s, out):
 
 
 @inner
-def age(sightings, matches, now_s, elapsed_s):
+def count_supported(last_s, now_s, look_back_s, out):
+    """Write how many cameras support each joint now to `out` (track, joint).
+
+    Parameters
+    ----------
+    last_s
+        When each camera last supported each joint, (track, joint, cam) [s].
+    now_s, look_back_s
+        The time, and for how long each camera's support counts as now, (cam,) [s].
+    """
+    for k in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[k, j] = supporting(last_s[k, j], now_s, look_back_s)
+
+
+@inner(allocates=True)
+def second_newest(camera_s):
+    """Return until when two cameras have seen each track: the second newest time (track,) [s]."""
+    out = np.empty(camera_s.shape[0])
+    for k in range(out.shape[0]):
+        out[k] = second_of(camera_s[k])
+    return out
+
+
+@inner
+def second_of(last_s):
+    """Return the second largest of some times; -inf where there is only one."""
+    latest = second = -math.inf
+    for c in range(last_s.shape[0]):
+        second = max(second, min(latest, last_s[c]))
+        latest = max(latest, last_s[c])
+    return second
+
+
+@inner
+def age(sightings, matches, now, look_back_s, before_s):
     """Count the time for which people have been supported by two cameras, and read mirrored.
 
     Parameters
@@ -69,45 +105,56 @@ def age(sightings, matches, now_s, elapsed_s):
         `Sightings`, of which all but the times per camera change.
     matches
         `Matches`.
-    now_s, elapsed_s
-        Time of the frame set, and since the last one [s].
+    now
+        `Now`: the time of the frame set, and since the last one.
+    look_back_s
+        For how long each camera's support counts as now, (cam,) [s].
+    before_s
+        Until when two cameras had seen each track before this frame set, (track,) [s].
 
     Notes
     -----
+    Support looks back, the duration of support does not: it grows by the time between two images
+    in which two cameras did see the person. What two cameras see in one image each, and never
+    again, is not confirmed by time that passes, however long the cameras' intervals are.
+
     Whoever began with both cameras seeing the back for the front has a mirrored body, and every
     later detection is read mirrored to fit it. One camera that errs now and then is outvoted.
     """
     match, flip = matches.match, matches.flip
     camera_s, _, two_view_s, two_view_duration_s, mirrored_s = sightings
+    longest_s = largest(look_back_s)
     for k in range(match.shape[0]):
-        if supporting(camera_s[k], now_s) >= 2:
-            two_view_s[k] = now_s
-            two_view_duration_s[k] += elapsed_s
+        if supporting(camera_s[k], now.t_s, look_back_s) >= 2:
+            two_view_s[k] = now.t_s
+        added_s = second_of(camera_s[k]) - before_s[k]
+        if math.isfinite(added_s):
+            two_view_duration_s[k] += min(added_s, longest_s)
         seen = votes = 0
         for v in range(match.shape[1]):
             if match[k, v] >= 0:
                 seen += 1
                 votes += 2 * flip[k, v] - 1
         if seen:
-            mirrored_s[k] = max(0.0, mirrored_s[k] + votes / seen * elapsed_s)
+            mirrored_s[k] = max(0.0, mirrored_s[k] + votes / seen * now.elapsed_s)
 
 
 @inner
-def supporting(last_seen_in_s, now_s):
-    """Return how many cameras support a person now."""
+def supporting(last_s, now_s, look_back_s):
+    """Return how many cameras support a person or joint now; see `count_supported`."""
     n = 0
-    for c in range(last_seen_in_s.shape[0]):
-        n += last_seen_in_s[c] > now_s - SUPPORT_S
+    for c in range(last_s.shape[0]):
+        n += last_s[c] > now_s - look_back_s[c]
     return n
 
 
 @inner
-def confirm_all(last_seen_in_s, two_view_duration_s, now_s, confirm_s, confirmed):
+def confirm_all(last_seen_in_s, two_view_duration_s, now_s, look_back_s, confirm_s, confirmed):
     """Confirm, in place, whom two cameras have supported long enough or three support now."""
     for k in range(last_seen_in_s.shape[0]):
         if (
             two_view_duration_s[k] >= confirm_s - 1e-9
-            or supporting(last_seen_in_s[k], now_s) >= SURE_CAMERAS
+            or supporting(last_seen_in_s[k], now_s, look_back_s) >= SURE_CAMERAS
         ):
             confirmed[k] = True
 
@@ -131,8 +178,9 @@ def any_close(x_m, torso, distance_m):
 
 @kernel
 def judge_all(
-    sightings, confirmed, doubts, x_m, torso, n_compared, now_s, limits, expected, asked, alive
-):
+    sightings, confirmed, doubts, x_m, torso, n_compared, now_s, look_back_s, limits, expected,
+    asked, alive,
+):  # fmt: skip
     """Confirm tracks, in place, and tell which live on, for which it matters who should see them.
 
     Parameters
@@ -143,8 +191,9 @@ def judge_all(
         The joints that stand for a person.
     n_compared
         Only so many of the tracks, the first, are compared as possible duplicates.
-    now_s, limits
-        Time of the frame set [s], and `Limits`.
+    now_s, look_back_s, limits
+        Time of the frame set, for how long each camera's support counts as now, (cam,) [s], and
+        `Limits`.
     expected, asked, alive
         Results, (track,): how many cameras should detect each person, which is taken as two where
         nothing is known; whether that decides over the track; whether it lives on.
@@ -154,7 +203,7 @@ def judge_all(
     Whether any two tracks are close, any track is asked for, and all live on.
     """
     camera_s, duration_s = sightings.camera_s, sightings.two_view_duration_s
-    confirm_all(camera_s, duration_s, now_s, limits.confirm_s, confirmed)
+    confirm_all(camera_s, duration_s, now_s, look_back_s, limits.confirm_s, confirmed)
     close = any_close(x_m[:n_compared], torso, limits.duplicate_m)
     some_asked = ask_all(sightings, now_s, limits, asked)
     for k in range(expected.shape[0]):

@@ -12,8 +12,9 @@ from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import Matches, Prediction
 from trecsim.fusion.kernels.information import covariance_all
 from trecsim.fusion.kernels.matching import associate_all, owners
+from trecsim.fusion.kernels.mixture import slack_after
 from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
-from trecsim.fusion.kernels.presence import age, count_since, note_support
+from trecsim.fusion.kernels.presence import age, count_supported, note_support, second_newest
 from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_S, SWAP_EVIDENCE
 
@@ -48,16 +49,17 @@ def update_all(
     """
     steps, given, check = work
     if steps:
-        append(tracks, sightings, motion, now, steps)
-    prediction = predict(tracks, taken, now)
+        append(tracks, sightings, motion, taken, now, steps)
+    prediction = predict(tracks, sightings, taken, now)
     if not given:
         associate_all(cameras, noise, measured, prediction, GATE_M, matches)
     shape = tracks.R.shape[0], taken.t_s.shape[0], tracks.R.shape[1]
     inlier = np.empty(shape)
     weighted = Matches(matches.match, matches.flip, worth(matches, taken, motion))
     fit_all(cameras, noise, measured, prediction, weighted, tracks, inlier)
+    before_s = second_newest(sightings.camera_s)
     note_support(measured.cam, taken.t_s, matches, inlier, sightings)
-    age(sightings, matches, now.t_s, now.elapsed_s)
+    age(sightings, matches, now, taken.look_back_s, before_s)
     if given:
         return 0, False
     if check:
@@ -66,7 +68,7 @@ def update_all(
         )
         note_swaps(cameras, bones, noise, measured, matches.match, doubts.swap_evidence)
     n_seen = np.empty(tracks.x_m.shape[:2], np.int64)
-    count_since(sightings.joint_s, now.t_s - SUPPORT_S, n_seen)
+    count_supported(sightings.joint_s, now.t_s, taken.look_back_s, n_seen)
     constrain_all(tracks, bodies, n_seen, limbs, noise.white_share, prediction.now, now.elapsed_s)
     two_view_s = trusted_two_view_s(sightings.two_view_s, doubts.swap_evidence)
     n_open = owners(matches.match, two_view_s, now.t_s, SUPPORT_S, owner)
@@ -74,10 +76,10 @@ def update_all(
 
 
 @inner(allocates=True)
-def append(tracks, sightings, motion, now, steps):
+def append(tracks, sightings, motion, taken, now, steps):
     """Append control points to all trajectories, in place."""
     seen = np.empty(tracks.x_m.shape[:2], np.int64)
-    count_since(sightings.joint_s, now.t_s - now.knot_s - SUPPORT_S, seen)
+    count_supported(sightings.joint_s, now.t_s - now.knot_s, taken.look_back_s, seen)
     for _ in range(steps):
         extend_all(
             tracks, seen, motion.torso, motion.stiffness, motion.own_memory, motion.coasting_memory
@@ -85,7 +87,7 @@ def append(tracks, sightings, motion, now, steps):
 
 
 @inner(allocates=True)
-def predict(tracks, taken, now):
+def predict(tracks, sightings, taken, now):
     """Return the `Prediction` of all tracks for the images of a frame set."""
     n_view, n_track, n_joint = taken.t_s.shape[0], tracks.c.shape[0], tracks.c.shape[1]
     knot_time, here = np.empty(n_view), knots(now.t_s, now)
@@ -95,7 +97,12 @@ def predict(tracks, taken, now):
     evaluate_all(tracks.c, knot_time, xyz_m)
     cov_m2 = np.empty((n_track, n_joint, 3, 3))
     covariance_all(tracks.R, here, cov_m2)
-    return Prediction(knot_time, here, xyz_m, cov_m2)
+    slack = np.empty((n_view, n_track))
+    for k in range(n_track):
+        seen_s = largest(sightings.camera_s[k])
+        for v in range(n_view):
+            slack[v, k] = slack_after(taken.t_s[v] - seen_s)
+    return Prediction(knot_time, here, xyz_m, cov_m2, slack)
 
 
 @inner(allocates=True)
