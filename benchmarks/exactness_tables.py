@@ -119,6 +119,17 @@ def detector(results: Results) -> str:
     return table(["figure", "recorded", "here", "`annotated`", "off by", "`real`"], rows)
 
 
+def shared(results: Results) -> str:
+    """Return what all cameras share of the errors of key points, recorded and simulated."""
+    made = results["shared_errors"].figures
+    columns = ("recorded", "annotated", "clothed", "real")
+    rows = []
+    for name in made:
+        values = (value_of(made, name, column) for column in columns)
+        rows.append([name, *(fixed(v, 2) if math.isfinite(v) else "" for v in values)])
+    return table(["figure", "recorded", *(f"`{column}`" for column in columns[1:])], rows)
+
+
 def shelf(results: Results, *, short: bool) -> str:
     """Return ours on Shelf, five cameras, among recorded figures of others."""
     result = results["shelf"]

@@ -25,6 +25,7 @@ _IN_ORDER = (
     "claims",
     "disturbed",
     "detector_figures",
+    "shared_errors",
     "speed",
     "simulating",
     "evaluating",

@@ -69,6 +69,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "shelf-short": ("shelf", partial(exact.shelf, short=True)),
     "shelf-fewer": ("shelf", exact.shelf_fewer),
     "detector-figures": ("detector_figures", exact.detector),
+    "shared-errors": ("shared_errors", exact.shared),
     "speed": ("speed", fast.speed),
     "speed-short": ("speed", fast.speed_short),
     "pipeline-short": ("estimator_speed", fast.pipeline_short),

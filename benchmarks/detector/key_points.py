@@ -92,7 +92,7 @@ def sights_of(
     score = np.zeros(truth_px.shape[:2])
     limbs_px = poses.xy_px[:, LIMBS]
     error_px = np.linalg.norm(limbs_px - truth_px[:, None], axis=-1)
-    cost = _median(error_px) / np.ptp(truth_px[..., 1], axis=1)[:, None]
+    cost = median_of_known(error_px) / np.ptp(truth_px[..., 1], axis=1)[:, None]
     for person, detection in best_pairs(cost, GATE):
         found_px[person] = limbs_px[detection]
         score[person] = poses.score[detection, LIMBS]
@@ -108,7 +108,9 @@ def sights_of(
     )
 
 
-def _median(error_px: Float64[np.ndarray, "row column 12"]) -> Float64[np.ndarray, "row column"]:
+def median_of_known(
+    error_px: Float64[np.ndarray, "row column 12"],
+) -> Float64[np.ndarray, "row column"]:
     """Return the median of what is known; NaN where too little is."""
     known = np.isfinite(error_px).sum(axis=-1)
     ordered = np.sort(error_px, axis=-1)  # NaN come last

@@ -133,10 +133,10 @@ def _sights(
     for run, of_run in enumerate(runs):
         of_people, *of_cameras = of_run.spawn(1 + len(STANDS_M))
         common_seed = int(of_run.generate_state(1, np.uint64)[0])
-        xyz_m, stature_m = _people(frame / FPS % ROUND_S, np.random.default_rng(of_people))
+        xyz_m, stature_m = people(frame / FPS % ROUND_S, np.random.default_rng(of_people))
         for number, own in enumerate(of_cameras):
             footage = Footage(
-                _camera(number), frame / FPS, frame / FPS, xyz_m, stature_m, (), common_seed
+                camera(number), frame / FPS, frame / FPS, xyz_m, stature_m, (), common_seed
             )
             truth_px = footage.camera.project(xyz_m[:, :, LIMBS])
             for i, seen in enumerate(detect(footage, detector, np.random.default_rng(own))):
@@ -145,16 +145,17 @@ def _sights(
     return together(parts)
 
 
-def _camera(number: int) -> Camera:
+def camera(number: int) -> Camera:
+    """Return one of five cameras that stand as those of Shelf do."""
     K = np.array([[FOCAL_PX, 0, SIZE_PX[0] / 2], [0, FOCAL_PX, SIZE_PX[1] / 2], [0, 0, 1.0]])
     T_cam_world = look_at(np.array(STANDS_M[number]), np.array([0.0, 0.0, 0.95]))
     return Camera(str(number), SIZE_PX, K, T_cam_world)
 
 
-def _people(
+def people(
     t_s: Float64[np.ndarray, " time"], rng: np.random.Generator
 ) -> tuple[Float64[np.ndarray, "person time 17 3"], Float64[np.ndarray, " person"]]:
-    """Return everybody's joints and statures [m]."""
+    """Return the joints of three people who walk in circles, and their statures [m]."""
     statures = [body(stature_m, rng) for stature_m in STATURES_M]
     motions = [
         walker(one, _circle(place_m, rng), float(rng.uniform(0, 2 * np.pi)))

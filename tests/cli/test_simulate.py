@@ -32,6 +32,20 @@ def test_the_seed_and_the_length_may_be_given(trecsim: Run, tmp_path: Path) -> N
     assert (facts["cameras"], facts["people"], facts["images"]) == (2, 1, 60)
 
 
+def test_the_detector_may_be_given_by_its_preset(trecsim: Run, tmp_path: Path) -> None:
+    key_points = {}
+    for preset in ("real", "clothed", "perfect"):
+        asked = ("simulate", "one-person", "--seconds", 1, "--detector", preset)
+        assert trecsim(*asked, "--out", tmp_path / preset)[0] == 0
+        key_points[preset] = (tmp_path / preset / "poses.jsonl").read_text()
+    assert trecsim("simulate", "one-person", "--seconds", 1, "--out", tmp_path / "own")[0] == 0
+    assert (tmp_path / "own" / "poses.jsonl").read_text() == key_points["real"]
+    assert len(set(key_points.values())) == 3
+    code, _, err = trecsim("simulate", "one-person", "--detector", "good")
+    assert code == 2
+    assert "clothed" in err
+
+
 def test_without_a_directory_the_scene_names_it(
     trecsim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from trecsim.lab.simulation.scene import Scene
 
 
+Preset = Literal["real", "clothed", "annotated", "perfect"]
+
+
 def simulate(
     scene: str | None = None,
     /,
@@ -20,6 +23,7 @@ def simulate(
     out: Path | None = None,
     seed: int | None = None,
     seconds: float | None = None,
+    detector: Preset | None = None,
     list_: Annotated[bool, Parameter(name="--list")] = False,
     names: bool = False,
     show: str | None = None,
@@ -43,6 +47,10 @@ def simulate(
         files; another one gives other bodies and noise.
     seconds
         Length [s] (default: that of the scene).
+    detector
+        Errors of the 2D pose estimator (default: those of the scene): `real`, those that differ
+        between cameras; `clothed`, also those that all cameras share; `annotated`, the same with
+        the bias of one recording's annotators; `perfect`, none.
     list_
         List the built-in scenes, each with a small floor plan.
     names
@@ -71,18 +79,26 @@ def simulate(
     elif pictures is not None:
         _draw(scene, pictures, json)
     elif scene is not None:
-        _simulate(scene, out, seed, seconds, json)
+        _simulate(scene, out, seed, seconds, detector, json)
 
 
 def _simulate(
-    source: str, out: Path | None, seed: int | None, seconds: float | None, json: bool
+    source: str,
+    out: Path | None,
+    seed: int | None,
+    seconds: float | None,
+    detector: Preset | None,
+    json: bool,
 ) -> None:
     from trecsim.lab.simulation.scene_file import read_scene
+    from trecsim.lab.simulation.scene_tables import PRESETS
     from trecsim.lab.staging import stage
 
     scene = read_scene(source)
     if seconds is not None:
         scene = replace(scene, seconds=seconds)
+    if detector is not None:
+        scene = replace(scene, detector=PRESETS[detector])
     folder = out or Path("simulated") / scene.name
     with (
         progress_bar("cameras", quiet=json) as cameras,

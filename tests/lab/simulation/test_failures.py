@@ -8,7 +8,7 @@ import pytest
 from trecsim.errors import CalibrationError, InputError
 from trecsim.lab.simulation.camera_clocks import Clock
 from trecsim.lab.simulation.detector_errors import PERFECT
-from trecsim.lab.simulation.failures import Knock, Outage
+from trecsim.lab.simulation.failures import Knock, Outage, turned
 from trecsim.lab.simulation.scene import Scene, Simulation, room_scene, simulate
 from trecsim.values import Poses2D
 
@@ -114,5 +114,33 @@ def test_failures_that_cannot_be_are_refused(room: Scene) -> None:
         Knock("cam1", 1.0, turn_deg=(np.nan, 0.0, 0.0))
     with pytest.raises(CalibrationError, match="no camera 'cam7'"):
         replace(room, outages=(Outage("cam7", 1.0),))
-    with pytest.raises(InputError, match="knocked once"):
-        replace(room, knocks=(Knock("cam1", 1.0), Knock("cam1", 2.0)))
+    with pytest.raises(CalibrationError, match="no camera 'cam8'"):
+        replace(room, knocks=(Knock("cam8", 1.0),))
+
+
+def test_moves_of_a_camera_add_up_in_the_order_of_their_times(
+    room: Scene, whole: Simulation
+) -> None:
+    there, back = (
+        Knock("cam1", 1.0, turn_deg=(0, 3.0, 0)),
+        Knock("cam1", 3.0, turn_deg=(0, -3.0, 0)),
+    )
+    made = simulate(replace(room, knocks=(back, there)), 1)
+    assert reprojection_px(made, "cam1", 1.0, 3.0) > 20.0
+    after = [(a, b) for a, b in zip(made.poses, whole.poses, strict=True) if a.t_s >= 3.0]
+    for found, expected in after:
+        np.testing.assert_allclose(found.xy_px, expected.xy_px, atol=1e-6)
+
+
+def test_a_wrong_calibration_shifts_every_camera_from_the_start_by_its_angle(room: Scene) -> None:
+    knocks = turned(room.rig, 0.5)
+    made = simulate(replace(room, knocks=knocks), 1)
+    for knock in knocks:
+        K = room.rig[knock.camera].K
+        # A turn about the line of sight moves what is near the middle of the image but little.
+        expected_px = K[0, 0] * np.tan(np.radians(np.hypot(*knock.turn_deg[:2])))
+        found_px = reprojection_px(made, knock.camera, 0.0, 4.0)
+        assert 0.8 * expected_px < found_px < K[0, 0] * np.tan(np.radians(0.8))
+    turns_deg = np.array([knock.turn_deg for knock in knocks])
+    np.testing.assert_allclose(np.linalg.norm(turns_deg, axis=1), 0.5)
+    assert turned(room.rig, 0.0) == ()

@@ -19,13 +19,12 @@ from trecsim.lab.simulation.camera_placement import (
     look_at,
     rolled,
 )
-from trecsim.lab.simulation.failures import Knock, Outage
+from trecsim.lab.simulation.failures import GOLDEN, Knock, Outage
 from trecsim.lab.simulation.room import Floor, pattern_rig
 from trecsim.toml_models import SizePx, Table, Vector
 from trecsim.toml_models.toml_reading import nearest
 
 MOST_CAMERAS = 28
-GOLDEN = 0.6180339887498949  # its multiples are spread evenly, whatever their number
 
 Length = Annotated[float, Field(gt=0, le=FARTHEST_M)]
 Place = Annotated[tuple[Metres, Metres, Metres], Field(strict=False)]
@@ -84,6 +83,9 @@ class RigTable(MakeTable):
     """Height of the cameras above the floor [m]."""
     centre_m: Point = (0.0, 0.0)
     """Centre of that floor, x and y [m]."""
+    turned_deg: float = Field(default=0.0, ge=0, le=45)
+    """Error of the calibration: angle by which every camera, those placed one by one too, is turned
+    from where the rig file has it, each about an axis of its own [degrees]."""
 
     def rig(self) -> Rig | None:
         """Return the cameras of the pattern, or None without one."""

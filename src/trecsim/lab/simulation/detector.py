@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.geometry.camera import Camera
-from trecsim.lab.simulation.annotation_bias import with_annotation_bias
 from trecsim.lab.simulation.body_shape import JOINTS
+from trecsim.lab.simulation.common_error import with_common_error
 from trecsim.lab.simulation.detector_errors import Detector
 from trecsim.lab.simulation.false_positives import false_positive, with_swaps
 from trecsim.lab.simulation.noise import ornstein_uhlenbeck, spells
@@ -63,7 +63,7 @@ class Footage:
     obstacles
         Boxes that occlude people.
     common_seed
-        Seed of the annotation bias, the same for all cameras of a scene.
+        Seed of the errors that all cameras of a scene share.
     """
 
     camera: Camera
@@ -122,16 +122,15 @@ def _seen(
     log_doubt: Values,
     detector: Detector,
 ) -> Points:
-    """Return the key points with only the errors that are common to all cameras."""
+    """Return the key points with only the errors that all cameras share."""
     camera = footage.camera
     xy_px = camera.project(xyz_m)
-    if any(detector.common_up_m) or any(detector.common_spread_m):
+    if common := detector.common_error:
         rng = np.random.default_rng(footage.common_seed)
-        up_m, spread_m = detector.common_up_m, detector.common_spread_m
-        biased_m = with_annotation_bias(footage.taken_s, xyz_m, up_m, spread_m, rng)
-        # The less visible a joint, the more the estimator relies on its bias.
+        shown_m = with_common_error(footage.taken_s, xyz_m, common, rng)
+        # The less visible a joint, the more the estimator relies on its habits.
         trust = np.minimum(np.exp(BIAS_POWER * log_doubt), MOST_BIAS)
-        xy_px += (camera.project(biased_m) - xy_px) * trust[..., None]
+        xy_px += (camera.project(shown_m) - xy_px) * trust[..., None]
     xy_px = _inside(camera, xy_px)
     if any(detector.hidden_missing):
         xy_px[..., HEAD, :][faces_away(camera.position_m, xyz_m)] = np.nan

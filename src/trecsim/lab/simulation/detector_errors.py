@@ -1,17 +1,20 @@
 """Errors of the simulated 2D pose estimator: what they are called, and their figures.
 
 The figures are those of OpenPose on a recording with five cameras; see
-``docs/reference/simulated-detector.md``. A part of the errors is common to all cameras (annotation
-bias); no tracker can observe it, so it is off by default (see `ANNOTATED`).
+``docs/reference/simulated-detector.md``. A part of the errors is common to all cameras. No tracker
+can observe it, so it hides differences between trackers; it is off by default, and on where it is
+asked whether a stated uncertainty is true (see `CLOTHED`).
 """
 
 from dataclasses import field, replace
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema
 from pydantic.dataclasses import dataclass
 
 from trecsim.lab.simulation.body_shape import JOINTS
+from trecsim.lab.simulation.common_error import CommonError
 from trecsim.toml_models import TABLE_VALUE, Number
 
 LARGEST = 1e4
@@ -89,27 +92,67 @@ class Detector:
     false_people: Share = 0.01
     """Share of the images in which a camera reports a false positive."""
     common_up_m: Lengths = (0.0,) * JOINTS
-    """Mean annotation bias of each joint, from the hips towards the shoulders, the same in all
-    cameras [m]."""
+    """Mean of the error that all cameras share, of each joint, the same for all people, from the
+    hips towards the shoulders [m]."""
     common_spread_m: Sizes = (0.0,) * JOINTS
-    """Standard deviation about that mean, per axis and joint, the same in all cameras [m]."""
-    preset: Literal["real", "annotated", "perfect"] = field(default="real", compare=False)
-    """Figures that a scene file begins with: of a real estimator, of a real one compared with
-    annotated images, or without errors."""
+    """Standard deviation about that mean, over people, poses and time, per axis and joint, the same
+    in all cameras [m]."""
+    common_person: Shares = (0.3,) * JOINTS
+    """Share of that variance that is constant for a person, per joint."""
+    common_pose: Share = 0.5
+    """Share of the rest that depends on the pose; what remains wanders."""
+    common_s: Memory = 0.25
+    """Correlation time of what wanders [s]."""
+    preset: Literal["real", "clothed", "annotated", "perfect"] = field(
+        default="real", compare=False
+    )
+    """Figures that a scene file begins with: of a real estimator, of a real one with the errors
+    that all cameras share, of a real one compared with annotated images, or without errors."""
+
+    @property
+    def common_error(self) -> CommonError:
+        """Return the size of the error that all cameras share."""
+        return CommonError(
+            self.common_up_m,
+            self.common_spread_m,
+            self.common_person,
+            self.common_pose,
+            self.common_s,
+        )
 
 
 REAL = Detector()
-"""Errors of a real estimator without annotation bias."""
+"""Errors of a real estimator that differ between cameras."""
 
 ANNOTATED = replace(
     REAL,
     preset="annotated",
-    # The bias is weighted by each camera's doubt, so the other errors are a little smaller.
+    # The common error is weighted by each camera's doubt, so the other errors are a little smaller.
     sigma=_per_joint(0.010, 0.0135, 0.0110, 0.0138, 0.0095, 0.0165, 0.0107),
     common_up_m=_per_joint(0.0, 0.032, 0.0155, 0.023, 0.069, 0.0215, 0.019),
     common_spread_m=_per_joint(0.010, 0.018, 0.0185, 0.0285, 0.019, 0.0145, 0.0135),
 )
-"""Errors of a real estimator compared with annotated images."""
+"""Errors of a real estimator compared with the annotation of one recording."""
+
+
+def _clothed() -> Detector:
+    """Return `ANNOTATED` where the mean of the common error is each person's own."""
+    spread_m2 = np.square(ANNOTATED.common_spread_m)
+    own_m2 = np.square(ANNOTATED.common_up_m) / 3.0  # along one axis of three
+    total_m2 = spread_m2 + own_m2
+    person = (np.array(ANNOTATED.common_person) * spread_m2 + own_m2) / total_m2
+    return replace(
+        ANNOTATED,
+        preset="clothed",
+        common_up_m=(0.0,) * JOINTS,
+        common_spread_m=tuple(np.sqrt(total_m2).tolist()),
+        common_person=tuple(person.tolist()),
+    )
+
+
+CLOTHED = _clothed()
+"""Errors of a real estimator, and those that all cameras share, in a direction that differs between
+people: what a tracker meets whose site and people nobody has measured."""
 
 PERFECT = Detector(
     sigma=(0.0,) * JOINTS,

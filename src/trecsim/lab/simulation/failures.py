@@ -1,4 +1,4 @@
-"""Camera failures: outages, and cameras that are moved."""
+"""Camera failures: outages, and cameras that are moved or do not look where the rig says."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,10 @@ from jaxtyping import Bool, Float64
 
 from trecsim.errors import InputError
 from trecsim.geometry.camera import Camera
+from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import rotation_matrix
+
+GOLDEN = 0.6180339887498949  # its multiples are spread evenly, whatever their number
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,3 +78,32 @@ class Knock:
         T_cam_world[:3, :3] = R
         T_cam_world[:3, 3] = -R @ (camera.position_m + self.shift_m)
         return replace(camera, T_cam_world=T_cam_world)
+
+
+def turned(rig: Rig, angle_deg: float) -> tuple[Knock, ...]:
+    """Return an error of the calibration: each camera is turned from where the rig has it.
+
+    The angle is the same for all cameras [degrees], the axis differs: axes are spread evenly over
+    all directions, so that the cameras contradict each other.
+
+    Examples
+    --------
+    >>> from trecsim.lab.simulation.room import corner_rig
+    >>> knocks = turned(corner_rig(8.0, 6.0, 2.7), 0.5)
+    >>> [round(float(np.linalg.norm(knock.turn_deg)), 6) for knock in knocks]
+    [0.5, 0.5, 0.5, 0.5]
+    """
+    if angle_deg == 0:
+        return ()
+    return tuple(
+        Knock(camera.name, 0.0, turn_deg=_turn_deg(number, angle_deg))
+        for number, camera in enumerate(rig)
+    )
+
+
+def _turn_deg(number: int, angle_deg: float) -> tuple[float, float, float]:
+    along = 2.0 * ((number + 0.5) * GOLDEN % 1.0) - 1.0
+    around = 2.0 * np.pi * (number * GOLDEN**2 % 1.0)
+    across = np.sqrt(1.0 - along**2)
+    x, y, z = angle_deg * np.array([across * np.cos(around), across * np.sin(around), along])
+    return float(x), float(y), float(z)

@@ -59,7 +59,8 @@ class Scene:
     outages
         Cameras that stop delivering images.
     knocks
-        Cameras that are moved while the rig stays as it was; at most one move per camera.
+        Cameras that are moved while the rig stays as it was; a move at 0 s is an error of the
+        calibration (see `trecsim.lab.simulation.failures.turned`).
     name, about
         Name, and a description in one line.
     seed
@@ -92,8 +93,6 @@ class Scene:
         knocked = [knock.camera for knock in self.knocks]
         for name in (*knocked, *(outage.camera for outage in self.outages)):
             self.rig.index(name)
-        if len(set(knocked)) < len(knocked):
-            raise InputError("a camera can be knocked once in a scene, not more often")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,23 +192,29 @@ def _look(
         obstacles=scene.obstacles,
         common_seed=common_seed,
     )
-    same_rng = deepcopy(rng)
-    seen = detect(footage, scene.detector, rng)
-    for knock in scene.knocks:
-        if knock.camera == camera.name:
+    seen: list[Poses2D] = []
+    for view, until_s in _views(scene, camera):
+        until = int(np.searchsorted(taken_s, until_s))
+        if until > len(seen):
             # The same random numbers, so that only the view differs.
-            moved = replace(footage, camera=knock.moved(camera))
-            after = detect(moved, scene.detector, same_rng)
-            seen = [
-                late if t_s >= knock.t_s else early
-                for t_s, early, late in zip(taken_s, seen, after, strict=True)
-            ]
+            found = detect(replace(footage, camera=view), scene.detector, deepcopy(rng))
+            seen += found[len(seen) : until]
     silent = np.zeros(len(taken_s), dtype=bool)
     for outage in scene.outages:
         if outage.camera == camera.name:
             silent |= outage.silent(taken_s)
     kept = np.flatnonzero(~silent)
     return [float(taken_s[i]) for i in kept], [seen[i] for i in kept]
+
+
+def _views(scene: Scene, camera: Camera) -> list[tuple[Camera, float]]:
+    """Return one camera as it truly stands, between its moves, and until when [s]."""
+    knocks = [knock for knock in scene.knocks if knock.camera == camera.name]
+    views = [(camera, np.inf)]
+    for knock in sorted(knocks, key=lambda knock: knock.t_s):
+        before, _ = views[-1]
+        views[-1:] = [(before, knock.t_s), (knock.moved(before), np.inf)]
+    return views
 
 
 def room_scene(

@@ -22,7 +22,8 @@ from trecsim.lab.simulation.camera_tables import (
     RigTable,
     possible,
 )
-from trecsim.lab.simulation.detector_errors import ANNOTATED, PERFECT, REAL, Detector
+from trecsim.lab.simulation.detector_errors import ANNOTATED, CLOTHED, PERFECT, REAL, Detector
+from trecsim.lab.simulation.failures import turned
 from trecsim.lab.simulation.occlusion import Obstacle
 from trecsim.lab.simulation.people import PeopleGroups, ScriptedPeople, Wanderers
 from trecsim.lab.simulation.roles import SHORTEST_M, TALLEST_M, Role, Visit
@@ -34,7 +35,7 @@ FEWEST_CAMERAS = 2
 MOST_PEOPLE = 200
 MOST_ACTIONS = 200
 
-PRESETS = {"real": REAL, "annotated": ANNOTATED, "perfect": PERFECT}
+PRESETS = {"real": REAL, "clothed": CLOTHED, "annotated": ANNOTATED, "perfect": PERFECT}
 """Detectors from which a scene file can start."""
 
 SceneName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
@@ -200,7 +201,10 @@ class SceneTable(Table):
             ),
             obstacles=tuple(table.obstacle() for table in self.obstacles),
             outages=tuple(one for camera, table in named for one in table.outages(camera)),
-            knocks=tuple(one for camera, table in named for one in table.knocks(camera)),
+            knocks=(
+                *turned(rig, self.rig.turned_deg),
+                *(one for camera, table in named for one in table.knocks(camera)),
+            ),
             name=name,
             about=self.about,
             seed=self.seed,
