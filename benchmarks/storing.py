@@ -1,8 +1,9 @@
 """How long writing and reading tracks takes, and how much room they need.
 
-The recording of a live site is measured on tracks of the tracker itself, of 20 simulated people
-before twelve cameras with the detector's usual errors. A part is written for each second, parts are
-merged to a minute, and that to a segment: what the recorder's threads do, without waiting between.
+All is measured on tracks of the tracker itself, of 20 simulated people before twelve cameras with
+the detector's usual errors; so is what rounding costs. For the recording of a live site a part is
+written for each second, parts are merged to a minute, and that to a segment: what the recorder's
+threads do, without waiting between.
 What a kill costs is measured on a recorder in a process of its own, at 25 Hz, killed at a random
 moment.
 
@@ -101,13 +102,14 @@ def moments(seconds: float = SECONDS, people: int = PEOPLE, hz: float = HZ) -> "
 
 def measure(options: Options) -> Figures:
     """Measure time and room that tracks of 20 people take on the disk."""
-    made = list(moments())
-    options.input.update(data=f"{PEOPLE} made people, {SECONDS:g} s at {HZ:g} Hz", rounds=ROUNDS)
+    seconds = 10.0 if options.quick else LIVE_SECONDS
+    data = f"{PEOPLE} simulated people, {seconds:g} s at {HZ:g} Hz, tracked"
+    options.input.update(data=data, rounds=ROUNDS)
+    made = tracked(seconds)
+    options.tell("tracked")
     with tempfile.TemporaryDirectory() as folder:
         figures = {name: of_file(Path(folder) / name, made) for name in FILES}
-        live = tracked(10.0 if options.quick else LIVE_SECONDS)
-        options.tell("tracked")
-        rounds = [of_live(Path(folder) / f"live-{n}", live) for n in range(ROUNDS)]
+        rounds = [of_live(Path(folder) / f"live-{n}", made) for n in range(ROUNDS)]
         lost_s = [lost_by_kill(Path(folder) / f"killed-{n}", n) for n in range(KILLS)]
     options.tell("done")
     figures["live"] = {
@@ -115,24 +117,53 @@ def measure(options: Options) -> Figures:
         "writing, share of one core": median_of([share for _, share in rounds], "%"),
         "lost by a kill, worst": once(max(lost_s), "s"),
     }
+    figures["rounding"] = of_rounding(made)
     return figures
 
 
 def tracked(seconds: float) -> "list[Snapshot]":
-    """Return what the tracker makes of 20 simulated people, rounded as a live site does."""
+    """Return what the tracker makes of 20 simulated people."""
     from trecsim.lab.simulation import read_scene, simulate
-    from trecsim.store.precision import rounded
     from trecsim.tracking import follow
 
     with tempfile.TemporaryDirectory() as folder:
         scene = Path(folder) / "twenty.toml"
         scene.write_text(SCENE.format(seconds=seconds + FOUND_AFTER_S, people=PEOPLE))
         made = simulate(read_scene(scene), 1000)
-    found = [rounded(one) for one in follow(made.poses, made.rig)]
+    found = list(follow(made.poses, made.rig))
     return [one for one in found if one.t_s >= found[0].t_s + FOUND_AFTER_S]
 
 
-def of_live(folder: Path, live: "list[Snapshot]") -> tuple[Figures, float]:
+def of_rounding(made: "list[Snapshot]") -> Figures:
+    """Return how far the numbers of a recording are from those of the tracker, at most."""
+    import numpy as np
+
+    from trecsim.store.precision import rounded
+
+    sigma, direction, smallest, least_m = 0.0, [], np.inf, np.inf
+    for one in made:
+        order = np.argsort(one.id)
+        before, after = one.cov_m2[order], rounded(one).cov_m2
+        if not len(order):
+            continue
+        change = rounded(one).sigma_m / one.sigma_m[order] - 1.0
+        sigma = max(sigma, float(np.abs(change).max()))
+        to_sphere = np.linalg.inv(np.linalg.cholesky(before))
+        ratio = np.linalg.eigvalsh(to_sphere @ after @ to_sphere.swapaxes(-1, -2))
+        direction.append(np.abs(np.sqrt(ratio) - 1.0).max(axis=-1).ravel())
+        smallest = min(smallest, float(np.linalg.eigvalsh(after).min()))
+        least_m = min(least_m, float(one.sigma_m.min()))
+    return {
+        "standard deviation, largest error": once(100.0 * sigma, "%"),
+        "the same in the worst direction, 99 of 100 joints": once(
+            100.0 * float(np.quantile(np.concatenate(direction), 0.99)), "%"
+        ),
+        "smallest eigenvalue of a covariance": once(1e6 * smallest, "mm2"),
+        "smallest standard deviation": once(1e3 * least_m, "mm"),
+    }
+
+
+def of_live(folder: Path, made: "list[Snapshot]") -> tuple[Figures, float]:
     """Record moments as a live site does; return room and reading, and the share of a core [%]."""
     from trecsim.skeleton import COCO17
     from trecsim.store.compact import compact_table
@@ -140,9 +171,11 @@ def of_live(folder: Path, live: "list[Snapshot]") -> tuple[Figures, float]:
     from trecsim.store.compaction import complete_segment
     from trecsim.store.parquet_file import TracksInfo
     from trecsim.store.parquet_reading import read_parquet
+    from trecsim.store.precision import rounded
     from trecsim.store.recorder import PART_S
 
     info, step = TracksInfo(), round(PART_S * HZ)
+    live = [rounded(one) for one in made]
     parts = folder / "00000001"
     parts.mkdir(parents=True)
     began = time.process_time()
@@ -230,7 +263,7 @@ def of_file(path: Path, made: "list[Snapshot]") -> Figures:
     return {
         "writing a moment": _timed(write_ms, calibration),
         "reading a moment": _timed(read_ms, calibration),
-        "per person and second": once(size / (PEOPLE * SECONDS), "bytes"),
+        "per person and second": once(HZ * size / sum(len(one.id) for one in made), "bytes"),
     }
 
 

@@ -108,6 +108,7 @@ def track(
     fps: float | None = None,
     names: Mapping[str, str] | None = None,
     timing: Path | None = None,
+    provisional: bool = False,
     progress: Progress | None = None,
 ) -> TrackSummary:
     """Track people in 3D from files of 2D poses.
@@ -128,6 +129,9 @@ def track(
         Frames per second, for poses without time stamps.
     timing
         A file for the time of each frame set (CSV).
+    provisional
+        Whether tracks that are not confirmed yet are written, too. Parquet marks them by their
+        state; a CSV file cannot.
     progress
         Told the number of frame sets done.
 
@@ -145,11 +149,20 @@ def track(
     tally, kept = Tally(), kept_of(out)
     try:
         with ExitStack() as files:
-            tracks = files.enter_context(tracks_writer(out, tracks_info(rig)))
+            tracks = files.enter_context(
+                tracks_writer(out, tracks_info(rig), provisional=provisional)
+            )
             steps = [files.enter_context(TimingWriter(timing))] if timing is not None else []
             sinks = Sinks([tracks, _Told(tally, progress)], steps)
             warm_up()
-            follower = Follower(rig, settings, lag_s=lag_s, tally=tally, step=sinks.take_step)
+            follower = Follower(
+                rig,
+                settings,
+                lag_s=lag_s,
+                tally=tally,
+                step=sinks.take_step,
+                provisional=provisional,
+            )
             flow(recorded(images), follower, sinks)
     except InputError as error:
         raise type(error)(_with_kept(error, kept, tally, timing)) from error

@@ -35,7 +35,10 @@ def recorded_sinks(
     if checked.file.site.output.poses:
         kept.append(files.enter_context(poses_recorder(folder, resume=resume)))
     return Sinks(
-        [tracks, watch, *watchers.snapshots], [steps, *watchers.steps], [*kept, *watchers.poses]
+        [tracks, watch, *watchers.snapshots],
+        [steps, *watchers.steps],
+        [*kept, *watchers.poses],
+        rounding=rounded,
     )
 
 

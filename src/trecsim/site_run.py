@@ -50,6 +50,7 @@ def run(
     recording: Callable[[Recorder], None] = lambda recorder: None,
     resume: bool = False,
     seconds: float | None = None,
+    provisional: bool = False,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
     tell: Callable[[Tally], None] = lambda tally: None,
@@ -76,6 +77,8 @@ def run(
         identities go on above its highest.
     seconds
         End so long after the first image is waited for [s].
+    provisional
+        Whether tracks of recordings that are not confirmed yet are kept, too; live they are.
     progress
         Told the number of images done and, if it is known, of all images.
     stop
@@ -101,7 +104,10 @@ def run(
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
         watch.gaps_s = gaps_before(folder) if resume else ()
         try:
-            fault = _record(checked, folder, watch, feed, watchers, store, recording, resume=resume)
+            fault = _record(
+                checked, folder, watch, feed, watchers, store, recording,
+                resume=resume, provisional=provisional,
+            )  # fmt: skip
             if fault is not None and watch.tally.frame_sets == 0:
                 if not watch.resumed:
                     discard_recording(folder)
@@ -127,6 +133,7 @@ def _record(
     recording: Callable[[Recorder], None],
     *,
     resume: bool,
+    provisional: bool,
 ) -> InputError | None:
     """Pass everything through the fusion into files; return the fault that ended it early."""
     write_rig(checked.rig, folder / RIG)
@@ -140,7 +147,7 @@ def _record(
                 _run_live(checked, watch, feed, sinks)
             else:
                 sinks = recorded_sinks(checked, folder, watch, watchers, files, resume=resume)
-                _run_recorded(checked, watch, sinks, files)
+                _run_recorded(checked, watch, sinks, files, provisional=provisional)
         except InputError as error:
             return error
     return None
@@ -163,7 +170,9 @@ def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -
     )
 
 
-def _run_recorded(checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: ExitStack) -> None:
+def _run_recorded(
+    checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: ExitStack, *, provisional: bool
+) -> None:
     site = checked.file.site
     kernels = warm_up_in_background()  # while videos are opened and the first image is estimated
     images = _begun(files.enter_context(closing(prefetched(_poses(checked, watch), _IMAGES_AHEAD))))
@@ -176,6 +185,7 @@ def _run_recorded(checked: CheckedSite, watch: RunWatch, sinks: Sinks, files: Ex
         tally=watch.tally,
         step=sinks.take_step,
         first_id=watch.stored.next_person,
+        provisional=provisional,
     )
     first = list(islice(images, 1))
     if first or not watch.resumed:

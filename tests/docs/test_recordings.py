@@ -15,7 +15,7 @@ from trecsim.store.recorder import Recorder
 from trecsim.store.site_store import SiteStore
 
 PAGE = Path(__file__).parents[2] / "docs" / "recordings.md"
-INFO = TracksInfo(compact=True)
+INFO = TracksInfo()
 QUERIES = re.findall(r"```sql\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 

@@ -18,7 +18,7 @@ from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.playback import snapshots
 from trecsim.store.site_store import SiteStore
 
-INFO = TracksInfo(compact=True)
+INFO = TracksInfo()
 
 
 def test_a_site_that_runs_is_backed_up_and_restored(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from trecsim.store.precision import rounded
 from trecsim.store.tracks import export_tracks, read_tracks
 from trecsim.values import Snapshot
 
-INFO = TracksInfo(compact=True, rig_sha256="ab")
+INFO = TracksInfo(rig_sha256="ab")
 
 
 def write(path: Path, moments: list[Snapshot]) -> Path:
@@ -128,10 +128,10 @@ def test_a_compact_file_becomes_a_csv_file_with_its_short_numbers(tmp_path: Path
 
 def test_a_file_of_a_newer_version_is_refused_with_a_sentence(tmp_path: Path) -> None:
     table = compact_table(list(live_moments(3)), COCO17)
-    newer = table.replace_schema_metadata({"trecsim": '{"format": "trecsim.tracks/3"}'})
+    newer = table.replace_schema_metadata({"trecsim": '{"format": "trecsim.tracks/4"}'})
     pq.write_table(newer, tmp_path / "t.parquet", store_decimal_as_integer=True)
 
-    with pytest.raises(InputError, match=r"tracks/3'; it was made by a newer trecsim"):
+    with pytest.raises(InputError, match=r"tracks/4'; it was made by a newer trecsim"):
         list(read_parquet(tmp_path / "t.parquet"))
 
 
@@ -145,6 +145,10 @@ def damaged(change: str) -> pa.Table:
         "negative": ("person", pa.array(np.full(len(table), -5))),
         "joint": ("joint", pa.array(["tail"] * len(table)).dictionary_encode()),
         "floats": ("x_m", pa.array(np.zeros(len(table)))),
+        "text": ("cxy_m2", pa.array(["much"] * len(table))),
+        "infinite covariance": ("cxy_m2", pa.array(np.full(len(table), np.inf))),
+        "negative variance": ("cxx_m2", pa.array(np.full(len(table), -1e-4))),
+        "indefinite": ("cxy_m2", pa.array(np.full(len(table), 1.0))),
     }[change]
     return table.set_column(table.column_names.index(column), column, values)
 
@@ -157,10 +161,14 @@ def damaged(change: str) -> pa.Table:
         ("negative", "person must not"),
         ("joint", "tail"),
         ("floats", "x_m: expected decimals"),
+        ("text", "cxy_m2: expected numbers with a fraction, found string"),
+        ("infinite covariance", "covariances must be finite or NaN"),
+        ("negative variance", "covariances must be finite or NaN, and positive"),
+        ("indefinite", "positive semidefinite"),
     ],
 )
 def test_impossible_content_is_refused(tmp_path: Path, change: str, told: str) -> None:
-    table = damaged(change).replace_schema_metadata({"trecsim": '{"format": "trecsim.tracks/2"}'})
+    table = damaged(change).replace_schema_metadata({"trecsim": '{"format": "trecsim.tracks/3"}'})
     pq.write_table(table, tmp_path / "t.parquet", store_decimal_as_integer=True)
 
     with pytest.raises(InputError, match=told):
@@ -193,7 +201,7 @@ def test_a_file_that_duckdb_wrote_again_can_be_read(tmp_path: Path) -> None:
     duckdb.execute(f"COPY (FROM '{path}') TO '{tmp_path / 'b.parquet'}' (FORMAT parquet)")
     table = pq.read_table(tmp_path / "b.parquet")
     assert set(table.column_names) == set(COMPACT_SCHEMA.names)
-    table = table.replace_schema_metadata({"trecsim": '{"format": "trecsim.tracks/2"}'})
+    table = table.replace_schema_metadata({"trecsim": '{"format": "trecsim.tracks/3"}'})
     pq.write_table(table, tmp_path / "c.parquet")
 
     assert_same_bits(list(read_parquet(tmp_path / "c.parquet")), moments)

@@ -23,7 +23,7 @@ from trecsim.store.recordings import stored_in
 from trecsim.store.tracks import read_tracks, tracks_writer
 from trecsim.values import Snapshot
 
-INFO = TracksInfo(compact=True)
+INFO = TracksInfo()
 
 
 def record(folder: Path, moments: list[Snapshot], *, end: bool = True) -> Path:
@@ -72,7 +72,7 @@ def test_what_is_left_of_whole_hours_is_nothing_and_identities_are_not_used_agai
     assert stored_in(run).next_person == before
 
 
-def test_a_recording_of_full_precision_is_erased_too(tmp_path: Path) -> None:
+def test_a_recording_that_was_tracked_from_files_is_erased_too(tmp_path: Path) -> None:
     with tracks_writer(tmp_path / "tracks.parquet") as writer:
         for one in walk(20):
             writer.write(one)

@@ -16,7 +16,7 @@ from trecsim.values import Snapshot
 
 def record(folder: Path, moments: list[Snapshot], *, end: bool = True) -> None:
     folder.mkdir(exist_ok=True)
-    writer = Recorder(folder / "tracks.parquet", TracksInfo(compact=True), segment_s=2.0)
+    writer = Recorder(folder / "tracks.parquet", TracksInfo(), segment_s=2.0)
     for moment in moments:
         writer.write(moment)
     if end:

@@ -16,7 +16,6 @@ from pathlib import Path
 import pytest
 
 from made_live import assert_same_bits, live_moment, live_moments
-from made_tracks import walk
 from often import often
 from trecsim.errors import InputError, SetupError
 from trecsim.store import recorder
@@ -27,10 +26,9 @@ from trecsim.store.parquet_reading import parts_of, read_parquet, recording_segm
 from trecsim.store.recorder import Recorder
 from trecsim.store.recordings import stored_in
 from trecsim.store.segments import segments_in
-from trecsim.store.tracks import tracks_writer
 from trecsim.values import Snapshot
 
-INFO = TracksInfo(compact=True)
+INFO = TracksInfo()
 DEADLINE_S = 60.0
 TESTS = Path(__file__).parents[1]
 
@@ -138,16 +136,6 @@ def test_a_clock_that_is_set_back_is_a_fault_until_it_has_caught_up(tmp_path: Pa
     (gap,) = read_gaps(tmp_path)
     assert (gap.from_s, gap.to_s) == (moments[49].t_s, moments[50].t_s)
     assert "clock was set back" in gap.reason
-
-
-def test_a_recording_of_full_precision_is_not_continued(tmp_path: Path) -> None:
-    path = tmp_path / "tracks.parquet"
-    with tracks_writer(path) as writer:
-        for moment in walk(5):
-            writer.write(moment)
-    with pytest.raises(InputError, match="full precision"):
-        Recorder(path, INFO, resume=True)
-    assert path.is_file() or parts_of(path).is_dir()
 
 
 def test_what_an_unfinished_recording_holds_is_not_overwritten(tmp_path: Path) -> None:
@@ -278,7 +266,7 @@ from made_live import live_moments
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recorder import Recorder
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-writer = Recorder(Path(sys.argv[1]), TracksInfo(compact=True), part_s=0.01)
+writer = Recorder(Path(sys.argv[1]), TracksInfo(), part_s=0.01)
 def wait(condition):
     import time
     while not condition():
@@ -368,7 +356,7 @@ pyarrow.array(numpy.zeros(1))  # imports pandas, which each child would do
 
 def endless(path):
     writer = Recorder(
-        path, TracksInfo(compact=True), part_s=0.005, parts_of_a_minute=3, segment_s=0.2,
+        path, TracksInfo(), part_s=0.005, parts_of_a_minute=3, segment_s=0.2,
         resume=True,
     )
     begun = writer.stored_s

@@ -18,7 +18,7 @@ from trecsim.store.site_store import SiteStore
 from trecsim.values import Snapshot
 
 HOUR = 3600.0
-INFO = TracksInfo(compact=True)
+INFO = TracksInfo()
 STEP_S = 601.0  # six moments an hour
 
 

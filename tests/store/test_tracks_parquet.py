@@ -212,5 +212,5 @@ def test_what_is_no_parquet_file_is_told(tmp_path: Path, content: bytes) -> None
 def test_a_file_of_another_format_is_told(tmp_path: Path, note: str) -> None:
     table = pa.table(columns()).replace_schema_metadata({"trecsim": note})
     pq.write_table(table, tmp_path / "t.parquet")
-    with pytest.raises(InputError, match=r"t\.parquet: (expected the format|its note)"):
+    with pytest.raises(InputError, match=r"t\.parquet: (expected one of the formats|its note)"):
         list(read_parquet(tmp_path / "t.parquet"))

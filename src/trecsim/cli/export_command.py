@@ -5,7 +5,7 @@ from pathlib import Path
 from trecsim.cli.terminal import counted_people, finish, progress_bar
 
 
-def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
+def export(tracks: Path, out: Path, /, *, provisional: bool = False, json: bool = False) -> None:
     """Convert tracks to another format.
 
     CSV and Parquet hold the same numbers to the last digit. A recording that a crash or a power
@@ -17,13 +17,16 @@ def export(tracks: Path, out: Path, /, *, json: bool = False) -> None:
         A file `*.csv` or `*.parquet`, or the directory of a recording.
     out
         The file to write; its suffix, `.csv` or `.parquet`, sets the format.
+    provisional
+        Also write provisional people to a CSV file, which has no column for their state. Parquet
+        gets all that there are, with their state.
     json
         Print the summary as one JSON object.
     """
     from trecsim.store.tracks import export_tracks
 
     with progress_bar("frames", quiet=json) as bar:
-        extent = export_tracks(tracks, out, bar)
+        extent = export_tracks(tracks, out, bar, provisional=provisional)
     summary = {
         "out": out,
         "moments": extent.moments,

@@ -32,6 +32,7 @@ def run(
     as_live: bool = False,
     seconds: float | None = None,
     resume: bool = False,
+    provisional: bool = False,
     json: bool = False,
 ) -> None:
     """Run the pipeline of a site file: cameras or recordings in, people in 3D out.
@@ -61,6 +62,9 @@ def run(
     resume
         Go on with the recording in the directory `--out`, if there is one: after a crash, or where
         it ended. Images up to its end are left out; people get new identities.
+    provisional
+        Of recordings, also write people whose track is not confirmed yet; their `state` is
+        `provisional`. Live cameras always do.
     json
         Print the summary as one JSON object.
     """
@@ -91,7 +95,7 @@ def run(
             lines = _Lines(bar)
             summary = service.run(
                 checked, out, inputs=inputs, resume=resume, progress=lines.passed, stop=stop,
-                seconds=seconds,
+                seconds=seconds, provisional=provisional,
                 tell=_tell_nothing if told else lines.tell,
                 picture=partial(_draw_paths, checked) if inputs is None else _draw_nothing,
             )  # fmt: skip

@@ -25,6 +25,7 @@ def track(
     fps: float | None = None,
     names: Names = (),
     timing: Path | None = None,
+    provisional: bool = False,
     reading: Reading = RigOptions(),  # noqa: B008
     json: bool = False,
 ) -> None:
@@ -49,6 +50,9 @@ def track(
         NAME=CAMERA: the camera of the rig for a name in the poses; once for each such camera.
     timing
         Also write the time of each frame set to this CSV file: `t_s,images,people,fusion_ms`.
+    provisional
+        Also write people whose track is not confirmed yet. In Parquet their `state` is
+        `provisional`; CSV has no column for it.
     json
         Print the summary as one JSON object.
     """
@@ -66,6 +70,7 @@ def track(
             fps=fps,
             names=_names(names),
             timing=timing,
+            provisional=provisional,
             progress=bar,
         )
     people, sets = counted_people(summary["people"]), summary["frame_sets"]

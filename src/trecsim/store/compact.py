@@ -3,6 +3,10 @@
 Positions are decimals of 1 mm, and so on: the steps of :mod:`trecsim.store.precision`. SQL sees
 metres. Rows are sorted by person, joint and time, so that neighbours differ little and a file takes
 a third of the room. A moment without anybody has one row, without a person.
+
+Covariances are float32 with few bits; see :mod:`trecsim.store.packed_covariance`. Version 2 of the
+format, which is read as well, held them for six joints only, as decimals; the other joints of such
+a file have a sphere of their standard deviation.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -10,12 +14,12 @@ from itertools import pairwise
 
 import numpy as np
 import pyarrow as pa
-from jaxtyping import Bool, Float64, Int32, Int64, Shaped
+from jaxtyping import Bool, Float32, Float64, Int32, Int64, Shaped
 
 from trecsim.skeleton import Skeleton
 from trecsim.store.limits import LATEST_S
+from trecsim.store.packed_covariance import is_possible
 from trecsim.store.precision import (
-    COVARIANCE_STEPS,
     LARGEST,
     MISSING,
     POSITION_STEPS,
@@ -24,7 +28,7 @@ from trecsim.store.precision import (
     VELOCITY_STEPS,
     Steps,
     from_steps,
-    full_joints,
+    spheres_of,
     to_steps,
 )
 from trecsim.store.rows import COVARIANCE, VELOCITY
@@ -45,7 +49,6 @@ DECIMALS = {
     **_decimals(POSITION, POSITION_STEPS),
     **_decimals(("sigma_m",), SIGMA_STEPS),
     **_decimals(VELOCITY, VELOCITY_STEPS),
-    **_decimals(COVARIANCE, COVARIANCE_STEPS),
 }
 """Digits behind the point of each column of decimals."""
 
@@ -58,12 +61,12 @@ COMPACT_SCHEMA = pa.schema(
         pa.field("sigma_m", pa.decimal32(DIGITS, DECIMALS["sigma_m"])),
         pa.field("support", pa.uint16(), nullable=False),
         pa.field("state", pa.dictionary(pa.int8(), pa.string())),
-        *(
-            pa.field(name, pa.decimal32(DIGITS, DECIMALS[name]))
-            for name in (*VELOCITY, *COVARIANCE)
-        ),
+        *(pa.field(name, pa.decimal32(DIGITS, DECIMALS[name])) for name in VELOCITY),
+        *(pa.field(name, pa.float32()) for name in COVARIANCE),
     ]
 )
+
+_COVARIANCE_DECIMALS = 6  # of version 2
 
 
 def compact_table(moments: Sequence[Snapshot], skeleton: Skeleton) -> pa.Table:
@@ -72,9 +75,7 @@ def compact_table(moments: Sequence[Snapshot], skeleton: Skeleton) -> pa.Table:
     counts = np.array([len(one.id) for one in moments], np.int64)
     t_s = np.array([one.t_s for one in moments], np.float64)
     time_s = np.repeat(t_s, counts)  # of skeletons
-    steps = to_steps(_stacked(moments, joints), skeleton)
-    covariance = np.full((len(steps.person), joints, len(COVARIANCE)), MISSING)
-    covariance[:, full_joints(skeleton)] = steps.covariance
+    steps = to_steps(_stacked(moments, joints))
     order = np.lexsort((time_s, steps.person))
     row = _by_joint(steps.person[order], joints)
     one, joint = order[row // joints], row % joints  # skeleton and joint of each row
@@ -82,8 +83,8 @@ def compact_table(moments: Sequence[Snapshot], skeleton: Skeleton) -> pa.Table:
         **_named(steps.position[one, joint], POSITION),
         "sigma_m": steps.sigma[one, joint],
         **_named(steps.velocity[one, joint], VELOCITY),
-        **_named(covariance[one, joint], COVARIANCE),
     }
+    covariance = _named(steps.covariance[one, joint].astype(np.float32), COVARIANCE)
     nobody = t_s[counts == 0]
     absent = np.arange(len(nobody) + len(row)) < len(nobody)
     columns = {
@@ -96,6 +97,7 @@ def compact_table(moments: Sequence[Snapshot], skeleton: Skeleton) -> pa.Table:
             name: _decimal_array(_padded(numbers, nobody, MISSING), DECIMALS[name])
             for name, numbers in decimals.items()
         },
+        **{name: _float_array(numbers, nobody) for name, numbers in covariance.items()},
     }
     return pa.table([columns[name] for name in COMPACT_SCHEMA.names], schema=COMPACT_SCHEMA)
 
@@ -134,7 +136,7 @@ def _by_joint(person: Int64[np.ndarray, " skeleton"], joints: int) -> Int64[np.n
 def _padded(
     numbers: Shaped[np.ndarray, " row"],
     nobody: Shaped[np.ndarray, " moment"],
-    fill: int | np.int32 = 0,
+    fill: int | np.int32 | np.float32 = 0,
 ) -> Shaped[np.ndarray, " all"]:
     return np.concatenate([np.full(len(nobody), fill, numbers.dtype), numbers])
 
@@ -154,6 +156,17 @@ def _decimal_array(whole: Int32[np.ndarray, " row"], decimals: int) -> pa.Array:
     return pa.Array.from_buffers(
         pa.decimal32(DIGITS, decimals), len(whole), [None if known.all() else validity, numbers]
     )
+
+
+def _float_array(
+    numbers: Float32[np.ndarray, " row"], nobody: Float64[np.ndarray, " moment"]
+) -> pa.Array:
+    return pa.array(_padded(numbers, nobody, np.float32(np.nan)), from_pandas=True)  # NaN is null
+
+
+def joined(tables: Iterable[pa.Table]) -> pa.Table:
+    """Join tables of consecutive times to one, sorted by person, joint and time."""
+    return sorted_by_person(pa.concat_tables(tables).unify_dictionaries())
 
 
 def sorted_by_person(table: pa.Table) -> pa.Table:
@@ -188,7 +201,7 @@ def moments_in(table: pa.Table, skeleton: Skeleton) -> Iterator[Snapshot]:
     for first in range(0, len(times), _MOMENTS_AT_ONCE):
         part = slice(first, first + _MOMENTS_AT_ONCE)
         low = bounds[first : first + _MOMENTS_AT_ONCE + 1]
-        people_of = from_steps(0.0, steps.of(slice(low[0], low[-1])), skeleton)
+        people_of = from_steps(0.0, steps.of(slice(low[0], low[-1])))
         yield from _split(times[part], low - low[0], people_of)
 
 
@@ -211,9 +224,12 @@ def _skeletons(
     def filled(names: Sequence[str]) -> np.ndarray:
         numbers = np.full((len(pairs), joints, len(names)), MISSING)
         for n, name in enumerate(names):
-            numbers[row, joint, n] = _whole(table, name)
+            numbers[row, joint, n] = _whole(table, name, DECIMALS[name])
         return numbers
 
+    sigma = filled(("sigma_m",))[..., 0]
+    covariance = np.full((len(pairs), joints, len(COVARIANCE)), np.nan)
+    covariance[row, joint] = _covariances(table, sigma[row, joint])
     support = np.zeros((len(pairs), joints), np.uint16)
     support[row, joint] = table["support"].cast(pa.uint16()).to_numpy()
     steps = Steps(
@@ -221,9 +237,9 @@ def _skeletons(
         state=state[first],
         position=filled(POSITION),
         velocity=filled(VELOCITY),
-        sigma=filled(("sigma_m",))[..., 0],
+        sigma=sigma,
         support=support,
-        covariance=filled(COVARIANCE)[:, full_joints(skeleton)],
+        covariance=covariance,
     )
     return moment[first], steps
 
@@ -254,13 +270,37 @@ def _indices(table: pa.Table, name: str, names: Sequence[str]) -> Int64[np.ndarr
     return indices
 
 
-def _whole(table: pa.Table, name: str) -> Int32[np.ndarray, " row"]:
+def _covariances(table: pa.Table, sigma: Int32[np.ndarray, " row"]) -> Float64[np.ndarray, "row 6"]:
+    """Return the upper triangles of covariances; NaN where unknown."""
+    if all(pa.types.is_decimal(table[name].type) for name in COVARIANCE):
+        return _covariances_of_decimals(table, sigma)
+    columns = [table[name] for name in COVARIANCE]
+    for name, column in zip(COVARIANCE, columns, strict=True):
+        if not pa.types.is_floating(column.type):
+            raise ValueError(f"{name}: expected numbers with a fraction, found {column.type}")
+    covariance = np.stack([one.cast(pa.float64()).to_numpy() for one in columns], axis=-1)
+    if not is_possible(covariance).all():
+        raise ValueError("covariances must be finite or NaN, and positive semidefinite")
+    covariance[np.isnan(covariance).any(axis=-1) | (sigma == MISSING)] = np.nan
+    return covariance
+
+
+def _covariances_of_decimals(
+    table: pa.Table, sigma: Int32[np.ndarray, " row"]
+) -> Float64[np.ndarray, "row 6"]:
+    """Return the covariances of version 2: spheres where none is given."""
+    whole = np.stack([_whole(table, name, _COVARIANCE_DECIMALS) for name in COVARIANCE], axis=-1)
+    missing = (whole == MISSING).any(axis=-1, keepdims=True)
+    return np.where(missing, spheres_of(sigma), whole / 10.0**_COVARIANCE_DECIMALS)
+
+
+def _whole(table: pa.Table, name: str, decimals: int) -> Int32[np.ndarray, " row"]:
     """Return a column of decimals as whole numbers of steps."""
     column = table[name].combine_chunks()
     kind = column.type
-    if not pa.types.is_decimal(kind) or kind.scale != DECIMALS[name]:
+    if not pa.types.is_decimal(kind) or kind.scale != decimals:
         raise ValueError(
-            f"{name}: expected decimals with {DECIMALS[name]} digits behind the point, found {kind}"
+            f"{name}: expected decimals with {decimals} digits behind the point, found {kind}"
         )
     numbers = _low_bits(column)
     missing: Bool[np.ndarray, " row"] = column.is_null().to_numpy(zero_copy_only=False)

@@ -212,7 +212,7 @@ def _filtered(path: Path, stays: Kept) -> Iterator[pa.Table]:
 
 
 def _write(path: Path, tables: Iterator[pa.Table], info: TracksInfo) -> None:
-    (write_compact if info.compact else write_file)(path, tables, info)
+    (write_compact if info.is_compact else write_file)(path, tables, info)
 
 
 def _erase_poses(folder: Path, from_s: float, to_s: float, person: int | None) -> tuple[str, ...]:

@@ -1,16 +1,18 @@
 """The segment of a recording that is being written."""
 
 import os
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
 import pyarrow as pa
 
 from trecsim.store.atomic import PRIVATE_FILE, PRIVATE_FOLDER, disk_faults, sync_directory
+from trecsim.store.compact import compact_table, joined
+from trecsim.store.compact_file import compact_writer, write_compact
 from trecsim.store.parquet_file import ROWS_OF_A_GROUP, Contents, TracksInfo
-from trecsim.store.parquet_writing import joined, parquet_file, write_file, write_group
-from trecsim.store.rows import Rows, table_of
 from trecsim.store.segments import SUFFIX, Segment, segment_name
+from trecsim.values import Snapshot
 
 
 class OpenSegment:
@@ -29,23 +31,24 @@ class OpenSegment:
         with disk_faults(self._target, running=True):
             flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC
             self._file = os.fdopen(os.open(self._temporary, flags, PRIVATE_FILE), "wb")
-            self._writer = parquet_file(self._file, info)
+            self._writer = compact_writer(self._file, info)
 
-    def append(self, rows: Rows) -> None:
-        """Write the rows of whole snapshots as a part, and to the file of the segment."""
-        table = table_of(rows, self._info.skeleton, details=self._info.details)
+    def append(self, moments: Sequence[Snapshot]) -> None:
+        """Write snapshots as a part, and to the file of the segment."""
+        table = compact_table(moments, self._info.skeleton)
         self._part += 1
         part = self.parts / f"{self._part:06d}{SUFFIX}"
         with disk_faults(part, running=True):
             self.parts.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
-            write_file(part, [table], self._info)
-            self._contents = self._contents.with_rows(rows)
+            write_compact(part, [table], self._info)
+            self._contents = self._contents.with_moments(moments)
             self._waiting.append(table)
             if sum(map(len, self._waiting)) >= ROWS_OF_A_GROUP:
                 self._write_group()
 
     def _write_group(self) -> None:
-        write_group(self._writer, joined(self._waiting))
+        table = joined(self._waiting)
+        self._writer.write_table(table, row_group_size=len(table))
         self._waiting.clear()
         self._file.flush()
         os.fsync(self._file.fileno())  # so that little is left to do when the hour ends

@@ -23,9 +23,12 @@ from trecsim.store.rows import (
     Rows,
     rows_in,
 )
+from trecsim.values import Snapshot
 
 FORMAT = "trecsim.tracks/1"
-COMPACT_FORMAT = "trecsim.tracks/2"
+SIX_COVARIANCES_FORMAT = "trecsim.tracks/2"
+COMPACT_FORMAT = "trecsim.tracks/3"
+FORMATS = (FORMAT, SIX_COVARIANCES_FORMAT, COMPACT_FORMAT)
 ROWS_OF_A_GROUP = 1 << 17
 
 _FORMAT_NAME = "trecsim.tracks/"
@@ -45,14 +48,19 @@ class TracksInfo:
         Digest of the rig; None when unknown.
     details
         Whether it holds states, velocities and covariances beside the columns of the CSV file.
-    compact
-        Whether its numbers have the precision of a live site: see `trecsim.store.precision`.
+    format
+        Name of its version.
     """
 
     skeleton: Skeleton = COCO17
     rig_sha256: str | None = None
     details: bool = True
-    compact: bool = False
+    format: str = COMPACT_FORMAT
+
+    @property
+    def is_compact(self) -> bool:
+        """Whether its numbers are rounded: see `trecsim.store.precision`."""
+        return self.format != FORMAT
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,15 +91,15 @@ class Contents:
         """Return whether it overlaps the time between two times, both included [s]."""
         return self.rows > 0 and self.first_s <= until_s and self.last_s >= from_s
 
-    def with_rows(self, rows: Rows) -> "Contents":
-        """Return the extent after rows were appended."""
-        if not len(rows):
+    def with_moments(self, moments: Sequence[Snapshot]) -> "Contents":
+        """Return the extent after snapshots with people were appended."""
+        if not moments:
             return self
         return Contents(
-            self.rows + len(rows),
-            float(rows["t_s"][0]) if self.rows == 0 else self.first_s,
-            float(rows["t_s"][-1]),
-            max(self.highest_person, int(rows["person"].max())),
+            self.rows + sum(one.support.size for one in moments),
+            moments[0].t_s if self.rows == 0 else self.first_s,
+            moments[-1].t_s,
+            max(self.highest_person, *(int(one.id.max()) for one in moments)),
         )
 
 
@@ -112,13 +120,13 @@ def read_file_info(path: Path) -> TracksInfo:
         skeleton = SKELETONS[facts.get("skeleton", COCO17.name)]
     except (ValueError, AttributeError, KeyError, TypeError, RecursionError):
         raise InputError(f"{path}: its note for trecsim is damaged: {metadata[:80]!r}") from None
-    if made not in (FORMAT, COMPACT_FORMAT):
+    if made not in FORMATS:
         newer = str(made).startswith(_FORMAT_NAME) and str(made)[len(_FORMAT_NAME) :].isdecimal()
         why = "; it was made by a newer trecsim: install that one" if newer else ""
         raise InputError(
-            f"{path}: expected the format {FORMAT!r} or {COMPACT_FORMAT!r}, found {made!r}{why}"
+            f"{path}: expected one of the formats {', '.join(FORMATS)}, found {made!r}{why}"
         )
-    return TracksInfo(skeleton, facts.get("rig_sha256"), details, compact=made == COMPACT_FORMAT)
+    return TracksInfo(skeleton, facts.get("rig_sha256"), details, made)
 
 
 def read_contents(path: Path) -> Contents:

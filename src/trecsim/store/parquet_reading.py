@@ -39,7 +39,7 @@ def read_parquet(
         When the recording is missing or wrong.
     """
     info = read_info(path)
-    if info.compact:
+    if info.is_compact:
         yield from _moments(path, info.skeleton, from_s, until_s)
         return
     blocks = _blocks(path, info.skeleton, from_s, until_s)

@@ -25,7 +25,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from trecsim.errors import Error, InputError, SetupError
+from trecsim.errors import Error, SetupError
 from trecsim.health import StoreHealth
 from trecsim.recent import Recent
 from trecsim.store.atomic import PRIVATE_FOLDER, disk_faults, sync_directory
@@ -36,7 +36,7 @@ from trecsim.store.gaps import Gap, add_gaps
 from trecsim.store.growing import KeepsPartial
 from trecsim.store.ledger_events import rfc3339
 from trecsim.store.parquet_file import TracksInfo
-from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
+from trecsim.store.parquet_reading import parts_of, recording_segments
 from trecsim.store.segments import (
     SUFFIX,
     files_in,
@@ -44,7 +44,7 @@ from trecsim.store.segments import (
     segment_files,
     segment_name,
 )
-from trecsim.store.unfinished import claim_parts, with_kept
+from trecsim.store.unfinished import check_continued, claim_parts, with_kept
 from trecsim.values import Snapshot
 
 logger = logging.getLogger(__name__)
@@ -95,7 +95,7 @@ class Recorder(KeepsPartial):
     ------
     InputError
         When `path` cannot be written to, is in use, has parts of an unfinished recording, or holds
-        a recording of another precision.
+        a recording of another format.
     SetupError
         When the disk has no room.
     """
@@ -357,13 +357,9 @@ def _end_of(parts: Path) -> float:
     Raises
     ------
     InputError
-        When it has another precision.
+        When it has another format.
     """
     if not files_in(parts):
         return -math.inf
-    if not read_info(parts).compact:
-        raise InputError(
-            f"{parts} holds tracks of full precision, which a live site cannot continue; give "
-            "another folder"
-        )
+    check_continued(parts)
     return max((one.contents.last_s for one in recording_segments(parts)), default=-math.inf)

@@ -94,14 +94,6 @@ def rows_of(snapshot: Snapshot) -> Rows:
     return rows.reshape(-1)
 
 
-def as_stored(snapshot: Snapshot) -> Snapshot:
-    """Return a snapshot with the numbers that reading it from Parquet gives.
-
-    Rules that use these numbers give the same result live and on the recording.
-    """
-    return _snapshot(rows_of(snapshot), snapshot.support.shape[1])
-
-
 def confirmed_only(snapshots: Iterable[Snapshot]) -> Iterator[Snapshot]:
     """Remove provisional people, and snapshots that hold no others."""
     for snapshot in snapshots:

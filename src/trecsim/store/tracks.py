@@ -80,6 +80,7 @@ def tracks_writer(
     *,
     segment_s: float = math.inf,
     resume: bool = False,
+    provisional: bool = False,
 ) -> TracksWriter:
     """Open a file of tracks for writing until its block ends.
 
@@ -97,6 +98,9 @@ def tracks_writer(
         Several segments make a folder of the name `path`.
     resume
         Parquet only: continue the recording at `path`, complete or not, if it exists.
+    provisional
+        CSV only: whether provisional people are written. Parquet always holds them, with their
+        state.
 
     Raises
     ------
@@ -109,7 +113,7 @@ def tracks_writer(
     if _suffix(path) == ".csv":
         if resume:
             raise InputError(f"{path}: CSV tracks cannot be continued; write *.parquet")
-        return CsvWriter(path, info.skeleton)
+        return CsvWriter(path, info.skeleton, provisional=provisional)
     return ParquetTracksWriter(path, info, segment_s=segment_s, resume=resume)
 
 
@@ -216,7 +220,8 @@ def read_tracks(
         Only snapshots between these times are read, both included [s]. Other segments of a long
         recording are not opened.
     provisional
-        Whether provisional people are included; CSV holds none.
+        Whether provisional people are included. CSV does not say who is one, and holds them only
+        where it was asked to.
 
     Raises
     ------
@@ -227,7 +232,11 @@ def read_tracks(
 
 
 def export_tracks(
-    path: Path | str, out: Path | str, progress: Callable[[int, int | None], None] | None = None
+    path: Path | str,
+    out: Path | str,
+    progress: Callable[[int, int | None], None] | None = None,
+    *,
+    provisional: bool = False,
 ) -> TracksExtent:
     """Write recorded tracks in the format that the suffix of `out` sets.
 
@@ -242,6 +251,9 @@ def export_tracks(
         ``*.csv`` or ``*.parquet``.
     progress
         Called with the number of times done.
+    provisional
+        Whether a CSV file gets provisional people, too; it does not say who is one. Parquet gets
+        all that there are, with their state.
 
     Raises
     ------
@@ -254,9 +266,9 @@ def export_tracks(
     suffix = _suffix(out)
     info = TracksInfo(details=False) if _suffix(path) == ".csv" else read_info(path)
     extent = _Extent(progress)
-    snapshots = extent.watch(read_tracks(path, provisional=suffix == ".parquet"))
+    snapshots = extent.watch(read_tracks(path, provisional=provisional or suffix == ".parquet"))
     if suffix == ".csv":
-        with CsvWriter(out, info.skeleton) as writer:
+        with CsvWriter(out, info.skeleton, provisional=provisional) as writer:
             for snapshot in snapshots:
                 writer.write(snapshot)
     else:

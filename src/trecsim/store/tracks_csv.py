@@ -54,6 +54,8 @@ class CsvWriter(KeepsPartial):
         Names of the joints.
     clock
         Returns the time [s].
+    provisional
+        Whether provisional people are written; the file does not say who is one.
 
     Raises
     ------
@@ -69,14 +71,16 @@ class CsvWriter(KeepsPartial):
         skeleton: Skeleton = COCO17,
         *,
         clock: Callable[[], float] = time.monotonic,
+        provisional: bool = False,
     ) -> None:
+        self._provisional = provisional
         self._file = GrowingFile(path, (",".join(COLUMNS) + "\n").encode(), clock=clock)
         self._skeleton = skeleton
         self._rows: list[Rows] = []
 
     def write(self, snapshot: Snapshot) -> None:
-        """Append one snapshot, without provisional people."""
-        self._rows += map(rows_of, confirmed_only([snapshot]))
+        """Append one snapshot."""
+        self._rows += map(rows_of, [snapshot] if self._provisional else confirmed_only([snapshot]))
         if self._file.due or sum(map(len, self._rows)) >= _BUFFERED_ROWS:
             self._write_rows()
 

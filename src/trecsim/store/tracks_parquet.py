@@ -14,8 +14,7 @@ are complete, and :func:`read_parquet` reads them; only the seconds since the la
 After an error the parts stay, so an unfinished recording never looks like a complete one.
 
 The columns are those of the CSV file, followed by the state of each person and the velocity and
-covariance of each joint. Numbers are float32, encoded with BYTE_STREAM_SPLIT and compressed with
-Zstandard. See ``docs/decisions/``.
+covariance of each joint, rounded and stored as :mod:`trecsim.store.compact` says.
 """
 
 import math
@@ -32,11 +31,12 @@ import pyarrow as pa
 
 from trecsim.errors import SetupError
 from trecsim.store.atomic import disk_faults, sync_directory
+from trecsim.store.compact import joined
+from trecsim.store.compact_file import compact_groups, write_compact
 from trecsim.store.open_segment import OpenSegment
-from trecsim.store.parquet_file import TracksInfo, file_rows
+from trecsim.store.parquet_file import ROWS_OF_A_GROUP, TracksInfo
 from trecsim.store.parquet_reading import parts_of
-from trecsim.store.parquet_writing import write_file
-from trecsim.store.rows import ROW, Rows, rows_of, table_of
+from trecsim.store.rows import Rows, rows_of, table_of
 from trecsim.store.segments import (
     CATALOGUE,
     SUFFIX,
@@ -47,7 +47,7 @@ from trecsim.store.segments import (
     segments_in,
     write_catalogue,
 )
-from trecsim.store.unfinished import claim_parts, with_kept
+from trecsim.store.unfinished import check_continued, claim_parts, with_kept
 from trecsim.values import Snapshot
 
 HOUR_S = 3600.0
@@ -81,7 +81,8 @@ class ParquetTracksWriter:
     Raises
     ------
     InputError
-        When `path` cannot be written to, is in use, or has parts of an unfinished recording.
+        When `path` cannot be written to, is in use, has parts of an unfinished recording, or holds
+        one of an older format to be continued.
     SetupError
         When the disk has no room; the earlier content is kept.
     """
@@ -112,32 +113,33 @@ class ParquetTracksWriter:
         self._number = max(segment_files(self._parts), default=0)
         self._open: OpenSegment | None = None
         self._obsolete: Path | None = None  # parts that a segment has replaced
-        self._rows: list[Rows] = []
+        self._moments: list[Snapshot] = []
+        self._waiting_rows = 0
         self._flushed_s = clock()
         self._ended = False
 
     def write(self, snapshot: Snapshot) -> None:
-        """Append one snapshot."""
+        """Append one snapshot; times without people are not recorded."""
         if snapshot.t_s <= self._after_s:
             return
         if self._open is not None and snapshot.t_s - self._open.first_s >= self._segment_s:
             self._end_segment()
-        rows = rows_of(snapshot)
-        if len(rows) and self._open is None:
-            self._number += 1
-            self._open = OpenSegment(self._parts, self._number, snapshot.t_s, self._info)
-        self._rows.append(rows)
+        if len(snapshot.id):
+            if self._open is None:
+                self._number += 1
+                self._open = OpenSegment(self._parts, self._number, snapshot.t_s, self._info)
+            self._moments.append(snapshot)
+            self._waiting_rows += snapshot.support.size
         due = self._clock() - self._flushed_s >= self._part_s
-        if due or sum(map(len, self._rows)) >= _ROWS_OF_A_PART:
+        if due or self._waiting_rows >= _ROWS_OF_A_PART:
             self._flush()
 
     def _flush(self) -> None:
         self._flushed_s = self._clock()
         self._remove_some()
-        rows = np.concatenate(self._rows) if self._rows else np.empty(0, ROW)
-        self._rows.clear()
-        if len(rows) and self._open is not None:
-            self._open.append(rows)
+        moments, self._moments, self._waiting_rows = self._moments, [], 0
+        if moments and self._open is not None:
+            self._open.append(moments)
 
     def _end_segment(self) -> None:
         self._flush()
@@ -221,7 +223,7 @@ class ParquetTracksWriter:
     def _take_name(self) -> None:
         files = segment_files(self._parts)
         if not files or (len(files) > 1 and self._duration_s() < self._segment_s):
-            write_file(self._path, _tables(files.values(), self._info), self._info)
+            write_compact(self._path, _groups(files.values()), self._info)
             shutil.rmtree(self._parts)
             self._claim.release()
         elif len(files) > 1:
@@ -242,22 +244,31 @@ class ParquetTracksWriter:
 
 def _recovered(parts: Path, info: TracksInfo) -> list[Segment]:
     """Merge the parts that a crash left into a segment."""
+    check_continued(parts)
     with disk_faults(parts):
         whole = segment_files(parts)
         for number, folder in part_folders(parts).items():
             files = segment_files(folder).values()
             if number not in whole and files:
-                write_file(parts / f"{segment_name(number)}{SUFFIX}", _tables(files, info), info)
+                target = parts / f"{segment_name(number)}{SUFFIX}"
+                write_compact(target, _groups(files), info)
             shutil.rmtree(folder)
         segments = [one for one in segments_in(parts) if one.contents.rows]
         write_catalogue(parts, segments)
     return segments
 
 
-def _tables(files: Iterable[Path], info: TracksInfo) -> Iterator[pa.Table]:
+def _groups(files: Iterable[Path]) -> Iterator[pa.Table]:
+    """Yield the rows of files of consecutive times in groups of a convenient size."""
+    waiting: list[pa.Table] = []
     for file in files:
-        for rows in file_rows(file, info.skeleton):
-            yield table_of(rows, info.skeleton, details=info.details)
+        for table in compact_groups(file):
+            waiting.append(table)
+            if sum(map(len, waiting)) >= ROWS_OF_A_GROUP:
+                yield joined(waiting)
+                waiting.clear()
+    if waiting:
+        yield joined(waiting)
 
 
 def tables_of(snapshots: Iterable[Snapshot], info: TracksInfo) -> Iterator[pa.Table]:

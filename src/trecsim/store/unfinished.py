@@ -7,7 +7,8 @@ from pathlib import Path
 from trecsim.errors import InputError, SetupError
 from trecsim.store.atomic import disk_faults
 from trecsim.store.claiming import FolderClaim
-from trecsim.store.parquet_reading import parts_of
+from trecsim.store.parquet_file import COMPACT_FORMAT
+from trecsim.store.parquet_reading import parts_of, read_info
 from trecsim.store.segments import SUFFIX, files_in, segment_name
 
 
@@ -53,6 +54,21 @@ def _prepare(path: Path, parts: Path, resume: bool) -> None:
         temporary.unlink()
     if resume and path.is_file():
         path.replace(parts / f"{segment_name(1)}{SUFFIX}")
+
+
+def check_continued(parts: Path) -> None:
+    """Refuse to continue a recording that is not of the present format.
+
+    Raises
+    ------
+    InputError
+        When it has another one.
+    """
+    if files_in(parts) and (found := read_info(parts).format) != COMPACT_FORMAT:
+        raise InputError(
+            f"{parts} holds tracks of the format {found}, which can be read, not continued; "
+            f"expected {COMPACT_FORMAT}: give another folder or file"
+        )
 
 
 def with_kept(error: SetupError, parts: Path) -> SetupError:
