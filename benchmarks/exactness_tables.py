@@ -130,6 +130,20 @@ def shared(results: Results) -> str:
     return table(["figure", "recorded", *(f"`{column}`" for column in columns[1:])], rows)
 
 
+def noise(results: Results) -> str:
+    """Return errors of key points over the noise that the tracker states."""
+    made = results["noise"].figures
+    columns: dict[str, None] = {}
+    for of_name in made.values():
+        assert isinstance(of_name, Mapping)
+        columns |= dict.fromkeys(of_name)
+    rows = []
+    for name in made:
+        values = [value_of(made, name, column) for column in columns]
+        rows.append([name, *(fixed(v, 2) if math.isfinite(v) else "" for v in values)])
+    return table(["error / stated noise", *columns], rows)
+
+
 def shelf(results: Results, *, short: bool) -> str:
     """Return ours on Shelf, five cameras, among recorded figures of others."""
     result = results["shelf"]

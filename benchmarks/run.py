@@ -26,6 +26,7 @@ _IN_ORDER = (
     "disturbed",
     "detector_figures",
     "shared_errors",
+    "noise",
     "speed",
     "simulating",
     "evaluating",

@@ -70,6 +70,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "shelf-fewer": ("shelf", exact.shelf_fewer),
     "detector-figures": ("detector_figures", exact.detector),
     "shared-errors": ("shared_errors", exact.shared),
+    "noise": ("noise", exact.noise),
     "speed": ("speed", fast.speed),
     "speed-short": ("speed", fast.speed_short),
     "pipeline-short": ("estimator_speed", fast.pipeline_short),
