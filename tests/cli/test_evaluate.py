@@ -93,6 +93,7 @@ def test_what_is_wrong_is_one_line(trecsim: Run, case: Path) -> None:
         ((case / "newest.csv", "--truth", case / "none.npz"), "none.npz"),
         ((case / "none.csv",), "there are no tracks at"),
         ((case / "newest.csv", "--rig", case / "rig.toml"), "both rig and poses"),
+        ((case / "newest.csv", "--left-out"), "leaving cameras out needs both rig and poses"),
         ((case / "newest.csv", "--shelf", case), "gt3d.npz is not there"),
         ((), "TRACKS requires an argument"),
     ):
@@ -120,3 +121,7 @@ def test_a_simulated_scene_is_tracked_and_scored(trecsim: Run, tmp_path: Path) -
     assert facts["scores"]["identity"]["idf1"] > 0.9
     assert 0 < facts["reprojection"]["joints"][0]["median_px"] < 20
     assert 0 < facts["limbs"]["limb_difference_cm"] < 5
+    overall, *cameras = facts["left_out"]["cameras"]
+    assert [row["name"] for row in cameras] == list(made.rig.names)
+    assert 0.7 < overall["within_90"] < 1.0
+    assert all(0 < one < 0.1 for one in facts["left_out"]["detector_noise_m"].values())

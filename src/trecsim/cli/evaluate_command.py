@@ -20,6 +20,7 @@ def evaluate(
     rig: Path | None = None,
     poses: Path | None = None,
     lengths: Path | None = None,
+    left_out: bool | None = None,
     from_s: float | None = None,
     to_s: float | None = None,
     details: bool = False,
@@ -41,13 +42,17 @@ def evaluate(
         Directory of the Shelf recording, to compute PCP3D over all its frames.
     lag_s
         Smoothing lag of the tracks [s]; goes with `--shelf`, whose last frames of that length are
-        not scored, since the recording ends before lagged tracks reach them.
+        not scored, since the recording ends before lagged tracks reach them, and with `--left-out`.
     rig
         Calibration, for reprojection errors; needs `--poses`.
     poses
         The 2D poses the tracks were computed from; needs `--rig`.
     lengths
         Limb lengths measured with a tape (TOML), to compare with.
+    left_out
+        Track once more without each camera, and check whether its key points are where the others
+        say, as surely as they say; needs `--rig` and `--poses` of three cameras or more. Done by
+        itself up to 12,000 images.
     from_s
         Evaluate from this time on [s].
     to_s
@@ -60,24 +65,24 @@ def evaluate(
     from trecsim.cli.score_table import details_table, score_table
     from trecsim.lab.evaluation.evaluating import evaluate as run
 
-    results = []
-    with progress_bar("tracks", total=len(tracks), quiet=json) as bar:
-        for path in tracks:
-            results.append(
-                run(
-                    path,
-                    truth,
-                    shelf=shelf,
-                    lag_s=lag_s,
-                    rig=rig,
-                    poses=poses,
-                    lengths=lengths,
-                    from_s=-float("inf") if from_s is None else from_s,
-                    until_s=float("inf") if to_s is None else to_s,
-                    remark=note,
-                )
+    with progress_bar("evaluation", quiet=json) as bar:
+        results = [
+            run(
+                path,
+                truth,
+                shelf=shelf,
+                lag_s=lag_s,
+                rig=rig,
+                poses=poses,
+                lengths=lengths,
+                left_out=left_out,
+                from_s=-float("inf") if from_s is None else from_s,
+                until_s=float("inf") if to_s is None else to_s,
+                remark=note,
+                progress=bar,
             )
-            bar.advance()
+            for path in tracks
+        ]
     text = "\n\n".join([score_table(results), *(map(details_table, results) if details else ())])
     summary = {"truth": truth, "shelf": shelf, "tracks": [_facts(result) for result in results]}
     finish(summary, json, text)
@@ -108,4 +113,5 @@ def _facts(result: "Evaluation") -> dict[str, Any]:
             "joints": [asdict(row) for row in seen.rows],
             "cameras": [row.row() for row in seen.cameras],
         },
+        "left_out": result.left_out and result.left_out.row(),
     }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from trecsim.lab.evaluation.evaluating import Evaluation
     from trecsim.lab.evaluation.latency import Delay
+    from trecsim.lab.evaluation.left_out import LeftOut, LeftOutRow
     from trecsim.lab.evaluation.limbs import LimbRow
     from trecsim.lab.evaluation.scores import Scores
     from trecsim.lab.evaluation.uncertainty_calibration import UncertaintyCalibration
@@ -43,6 +44,8 @@ def details_table(result: "Evaluation") -> str:
         ]
         parts.append(_aligned([("joint", head), *errors]))
         parts.append(_aligned(_calibration(result.scores)))
+    if result.left_out:
+        parts.append(_aligned(_left_out_lines(result.left_out)))
     if result.shelf:
         parts.append(_aligned(list(_actors(result))))
     parts.append(_aligned([("limb", ("mean cm", "sd cm", "true cm", "error cm")), *_limbs(result)]))
@@ -104,6 +107,12 @@ def _without_truth(results: "Sequence[Evaluation]") -> list[Line]:
         lines += _each(
             results, ("reprojection error, median (90th percentile) [px]", _reprojection)
         )
+    if any(one.left_out for one in results):
+        lines += _each(
+            results,
+            ("left-out camera inside the 50, 90, 99 % ellipses [%]", _left_out),
+            ("  of their variance, noise of the detector [%]", _noise_share),
+        )
     if any(one.shelf for one in results):
         lines += _each(results, ("PCP3D, mean of actors 1 to 3 [%]", _pcp))
     return lines
@@ -118,6 +127,38 @@ def _reprojection(one: "Evaluation") -> str:
         return UNKNOWN
     overall = one.reprojection.overall
     return f"{_number(overall.median_px, 1)} ({_number(overall.p90_px, 1)})"
+
+
+def _left_out(one: "Evaluation") -> str:
+    return UNKNOWN if one.left_out is None else _ellipses(one.left_out.overall)
+
+
+def _noise_share(one: "Evaluation") -> str:
+    return UNKNOWN if one.left_out is None else _pc(one.left_out.overall.noise_share)
+
+
+def _ellipses(row: "LeftOutRow") -> str:
+    return ", ".join(_number(100 * p, 0) for p in (row.within_50, row.within_90, row.within_99))
+
+
+def _left_out_lines(found: "LeftOut") -> list[Line]:
+    rows = [
+        *((row.name, row) for row in found.cameras),
+        *((f"support {row.name}", row) for row in found.supports),
+    ]
+    return [
+        ("left-out camera", ("key points", "50, 90, 99 % [%]", "off px", "stated px", "noise %")),
+        *(
+            (
+                name,
+                (
+                    str(row.key_points), _ellipses(row), _number(row.median_px, 1),
+                    _number(row.stated_px, 1), _pc(row.noise_share),
+                ),
+            )
+            for name, row in rows
+        ),
+    ]  # fmt: skip
 
 
 def _pcp(one: "Evaluation") -> str:

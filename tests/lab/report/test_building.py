@@ -61,7 +61,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> str:
     rig = named(ring(3), EVIL, "a $b$ & \"c\" 'd'", "雪 камера")
     make_recording(folder / "walk", rig=rig)
     (folder / "lengths.toml").write_text(LENGTHS)
-    summary = report(folder / "walk", folder / "r.html", lengths=folder / "lengths.toml")
+    summary = report(
+        folder / "walk", folder / "r.html", lengths=folder / "lengths.toml", left_out=True
+    )
     assert summary.sections == SECTIONS
     assert (summary.moments, summary.identities) == (56, 1)
     assert len(summary.warnings) == 1
@@ -78,7 +80,13 @@ def test_the_page_has_every_part_with_its_figures(made: str) -> None:
     assert page.tags.count("section") == len(SECTIONS)
     assert page.tags.count("svg") >= 10
     assert "missing" not in re.findall(r'<p class="(\w+)"', made)
-    for title in ("Skeletons", "Fit time", "Paths and time spent", "Reprojection error"):
+    for title in (
+        "Skeletons",
+        "Fit time",
+        "Paths and time spent",
+        "Reprojection error",
+        "Judged by a left-out camera",
+    ):
         assert title in page.text
 
 
@@ -109,6 +117,26 @@ def test_lengths_are_compared_with_the_tape(made: str) -> None:
     page = Page(made)
     assert "measured" in page.text
     assert "36.5" in page.text
+
+
+def test_left_out_cameras_judge_the_uncertainty_where_there_is_no_truth(tmp_path: Path) -> None:
+    walk = make_recording(tmp_path / "walk", 12)
+    title = "Judged by a left-out camera"
+    for left_out, there in ((None, False), (True, True)):
+        report(walk, tmp_path / "r.html", left_out=left_out)
+        assert (title in (tmp_path / "r.html").read_text()) is there
+    (walk / "truth.npz").unlink()
+    for left_out, there in ((None, True), (False, False)):
+        report(walk, tmp_path / "r.html", left_out=left_out)
+        assert (title in (tmp_path / "r.html").read_text()) is there
+    assert "with --left-out" in (tmp_path / "r.html").read_text()
+
+
+def test_leaving_cameras_out_needs_rig_and_poses(tmp_path: Path) -> None:
+    walk = make_recording(tmp_path / "walk", 12)
+    (walk / "poses.jsonl").unlink()
+    with pytest.raises(InputError, match="leaving cameras out needs the rig and the 2D poses"):
+        report(walk, tmp_path / "r.html", left_out=True)
 
 
 @pytest.mark.usefixtures("blank_figures")

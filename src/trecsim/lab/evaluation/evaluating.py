@@ -4,10 +4,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.calibration import read_rig
-from trecsim.callbacks import Remark
+from trecsim.callbacks import Progress, Remark
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
 from trecsim.lab.evaluation.jitter import JitterRow, SupportRow, jitter, support_of_joints
+from trecsim.lab.evaluation.left_out import LeftOut, left_out_of_files
 from trecsim.lab.evaluation.limbs import (
     LimbRow,
     LimbSummary,
@@ -70,6 +71,9 @@ class Evaluation:
         Support of each joint; the first row is over all joints.
     reprojection
         Reprojection errors; None without 2D poses.
+    left_out
+        Stated uncertainties, judged by the camera that was left out; None without 2D poses or where
+        it was not asked for.
     lifetimes, fragmentations
         Lifetime of each track, and probable changes of identity.
     """
@@ -86,6 +90,7 @@ class Evaluation:
     jitter: tuple[JitterRow, ...]
     support: tuple[SupportRow, ...]
     reprojection: Reprojection | None
+    left_out: LeftOut | None
     lifetimes: tuple[Lifetime, ...]
     fragmentations: tuple[Fragmentation, ...]
 
@@ -99,9 +104,11 @@ def evaluate(
     rig: Rig | Path | str | None = None,
     poses: Path | str | None = None,
     lengths: Path | str | None = None,
+    left_out: bool | None = None,
     from_s: float = -float("inf"),
     until_s: float = float("inf"),
     remark: Remark = lambda text: None,
+    progress: Progress | None = None,
 ) -> Evaluation:
     """Evaluate tracks, with ground truth where it is given.
 
@@ -115,15 +122,20 @@ def evaluate(
         Directory of the Shelf recording, for tracks of it; all its frames count.
     lag_s
         Smoothing lag of the tracks [s]; the last frames of `shelf`, which they cannot reach, do
-        not count.
+        not count. `left_out` tracks with it, too.
     rig, poses
         Cameras and 2D poses, for reprojection errors.
     lengths
         Limb lengths measured with a tape; they replace those of the ground truth.
+    left_out
+        Whether to track once more without each camera, and to judge the stated uncertainties by it;
+        None does so where there are `poses` of three cameras or more, few enough for seconds.
     from_s, until_s
         Time to evaluate, except for `shelf` [s].
     remark
         Called with remarks.
+    progress
+        Told how many images of `left_out` are tracked.
 
     Returns
     -------
@@ -136,7 +148,7 @@ def evaluate(
     SetupError
         The library that scores identities is not installed.
     """
-    _check_request(rig, poses, from_s, until_s)
+    _check_request(rig, poses, from_s, until_s, left_out=left_out is True)
     if isinstance(truth, (str, Path)):
         truth = read_truth(truth)
     recorded = read_moments(tracks)
@@ -144,6 +156,7 @@ def evaluate(
     moments = within(recorded.moments, from_s, until_s)
     people, usual_s = people_of(moments), interval_s(moments)
     limbs = _limbs(people, truth, lengths)
+    cameras = rig if rig is None or isinstance(rig, Rig) else read_rig(Path(rig), remark=remark)
     return Evaluation(
         tracks=recorded.path,
         moments=len(moments.t_s),
@@ -156,17 +169,34 @@ def evaluate(
         limb_summary=limb_summary(limbs),
         jitter=jitter(people, usual_s),
         support=support_of_joints(people),
-        reprojection=_reprojection(rig, poses, people, usual_s, remark),
+        reprojection=_reprojection(cameras, poses, people, usual_s),
+        left_out=left_out_of_files(
+            cameras,
+            poses,
+            people,
+            usual_s,
+            wanted=left_out,
+            lag_s=lag_s,
+            range_s=(from_s, until_s),
+            progress=progress,
+        ),
         lifetimes=lifetimes(people, usual_s),
         fragmentations=fragmentations(people),
     )
 
 
 def _check_request(
-    rig: Rig | Path | str | None, poses: Path | str | None, from_s: float, until_s: float
+    rig: Rig | Path | str | None,
+    poses: Path | str | None,
+    from_s: float,
+    until_s: float,
+    *,
+    left_out: bool,
 ) -> None:
     if (rig is None) != (poses is None):
         raise InputError("reprojection errors need both rig and poses")
+    if left_out and rig is None:
+        raise InputError("leaving cameras out needs both rig and poses")
     if -float("inf") < from_s < 0:
         raise InputError(f"the time to evaluate cannot begin before 0 s, got from {from_s:g} s")
     if not from_s < until_s:
@@ -188,17 +218,12 @@ def _limbs(
 
 
 def _reprojection(
-    rig: Rig | Path | str | None,
-    poses: Path | str | None,
-    people: tuple[PersonTrack, ...],
-    usual_s: float,
-    remark: Remark,
+    rig: Rig | None, poses: Path | str | None, people: tuple[PersonTrack, ...], usual_s: float
 ) -> Reprojection | None:
     if rig is None or poses is None:
         return None
-    cameras = rig if isinstance(rig, Rig) else read_rig(Path(rig), remark=remark)
-    images = read_poses(Path(poses), rig_cameras=cameras.names)
-    return reprojection(images, cameras, people, usual_s)
+    images = read_poses(Path(poses), rig_cameras=rig.names)
+    return reprojection(images, rig, people, usual_s)
 
 
 def _scores(

@@ -7,6 +7,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from trecsim.callbacks import Progress
+from trecsim.errors import InputError
+from trecsim.lab.evaluation.left_out import LeftOut, left_out_of_files
 from trecsim.lab.evaluation.limbs import Given, limb_series, limb_summary, limb_table, true_lengths
 from trecsim.lab.evaluation.measured import read_measured
 from trecsim.lab.evaluation.person_tracks import people_of
@@ -67,6 +69,7 @@ def report(
     lengths: Path | None = None,
     from_s: float = 0.0,
     to_s: float = math.inf,
+    left_out: bool | None = None,
     progress: Progress | None = None,
 ) -> ReportSummary:
     """Write a report on a recording: one HTML page with quality checks.
@@ -84,13 +87,17 @@ def report(
         Limb lengths measured with a tape, to compare with (TOML).
     from_s, to_s
         The part of the recording to take, counted from its start [s].
+    left_out
+        Whether to track once more without each camera, and to judge the stated uncertainties by it;
+        None does so without ground truth, where there are 2D poses of three cameras or more, few
+        enough for seconds.
     progress
-        Called with the number of frames read.
+        Called with the number of frames read, then with that of images tracked.
 
     Raises
     ------
     InputError
-        A file is not right.
+        A file is not right, or what `left_out` needs is missing.
     SetupError
         Matplotlib or Jinja is not installed, or the disk is full.
     """
@@ -103,7 +110,7 @@ def report(
         out.parent.stat()  # a folder that is missing is told before all the work
     measured = read_measured(lengths) if lengths is not None else None
     read = read_recording(places, from_s=from_s, to_s=to_s, progress=progress)
-    sections = _sections(read, measured)
+    sections = _sections(read, measured, _left_out(read, left_out, progress))
     now = datetime.now(UTC)
     text = page(
         f"Report on {read.name}",
@@ -128,7 +135,26 @@ def report(
     )
 
 
-def _sections(recording: Recording, measured: Given | None) -> list[Section]:
+def _left_out(
+    recording: Recording, wanted: bool | None, progress: Progress | None
+) -> LeftOut | None:
+    rig, poses = recording.rig, recording.places.poses
+    if wanted and (rig is None or poses is None):
+        raise InputError(
+            f"{recording.places.tracks}: leaving cameras out needs the rig and the 2D poses: give "
+            "--rig and --poses"
+        )
+    if wanted is None and (recording.truth is not None or not recording.stays):
+        return None
+    return left_out_of_files(
+        rig, poses, people_of(recording.sample), recording.period_s,
+        wanted=wanted, lag_s=recording.lag_s, range_s=recording.range_s, progress=progress,
+    )  # fmt: skip
+
+
+def _sections(
+    recording: Recording, measured: Given | None, left_out: LeftOut | None
+) -> list[Section]:
     given, source = _given(recording, measured)
     seen = facts_of(recording)
     series = limb_series(people_of(recording.sample))
@@ -144,7 +170,7 @@ def _sections(recording: Recording, measured: Given | None) -> list[Section]:
         floor_section.section(recording),
         limbs_section.section(recording, given, source),
         cameras_section.section(recording, seen),
-        uncertainty.section(recording),
+        uncertainty.section(recording, left_out),
         compute_section.section(recording),
     ]
 

@@ -6,8 +6,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.lab.evaluation.jitter import support_of_joints
+from trecsim.lab.evaluation.left_out import LeftOut
 from trecsim.lab.evaluation.person_tracks import people_of
 from trecsim.lab.report.curves import curve, draw_curve
+from trecsim.lab.report.left_out_section import left_out_blocks
 from trecsim.lab.report.page import Figure, Section, Text
 from trecsim.lab.report.recording import Recording
 from trecsim.lab.report.style import ACCENT, SOFT, as_svg, draw_spreads, figure, quiet
@@ -23,14 +25,15 @@ LEAD = (
 )
 
 
-def section(recording: Recording) -> Section:
-    """Return the stated uncertainty over time and per joint, beside the support."""
+def section(recording: Recording, left_out: LeftOut | None = None) -> Section:
+    """Return the stated uncertainty over time and per joint, and what left-out cameras say."""
     sigma_m = recording.sample.sigma_m
     if not np.isfinite(sigma_m).any():
         return Section(TITLE, [Text("The tracks state no uncertainty.", "missing")])
     over_time = Figure(_over_time(recording), _OVER_TIME_CAPTION, "Over time")
     per_joint = Figure(_per_joint(recording), _PER_JOINT_CAPTION, "Per joint")
-    return Section(TITLE, [over_time, per_joint], LEAD)
+    judged = left_out_blocks(left_out) if left_out is not None or recording.truth is None else []
+    return Section(TITLE, [over_time, per_joint, *judged], LEAD)
 
 
 _OVER_TIME_CAPTION = (
