@@ -66,7 +66,8 @@ def test_each_new_track_is_fitted_to_its_own_detections_and_no_others():
     """Detections of a pool are in any order; some of a camera are from an earlier image."""
     rng = np.random.default_rng(3)
     cam, t_s = np.array([2, 0, 1, 0, 2, 1, 0]), np.array([0.1, 0.1, 0.1, 0.0, 0.1, 0.1, 0.1])
-    pool = Detections(cam, t_s, rng.normal(size=(7, 17, 2)), rng.uniform(1, 2, (7, 17)))
+    nobody = np.full(7, -1)
+    pool = Detections(cam, t_s, rng.normal(size=(7, 17, 2)), rng.uniform(1, 2, (7, 17)), nobody)
     members = [([0, 1], [0, 1]), ([2, 3, 4], [0, 0, 1])]
     births = [
         Birth(

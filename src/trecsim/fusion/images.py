@@ -46,12 +46,28 @@ class Images:
         """The detections as the kernels take them."""
         return Measurements(self.cam, self.offset, self.xy_px, self.sigma_scale)
 
-    def detections(self, which: Bool[np.ndarray, " person"]) -> "Detections":
-        """Return the detections that `which` marks, without their images."""
-        view_of = np.repeat(np.arange(len(self)), np.diff(self.offset))[which]
+    @property
+    def view_of(self) -> Int64[np.ndarray, " person"]:
+        """The image of each detection."""
+        return np.repeat(np.arange(len(self)), np.diff(self.offset))
+
+    def detections(
+        self, which: Bool[np.ndarray, " person"], claim: Int64[np.ndarray, " person"]
+    ) -> "Detections":
+        """Return the detections that `which` marks, without their images.
+
+        `claim` tells of all detections which track of a single camera they support.
+        """
+        view_of = self.view_of[which]
         return Detections(
-            self.cam[view_of], self.t_s[view_of], self.xy_px[which], self.sigma_scale[which]
-        )
+            self.cam[view_of], self.t_s[view_of], self.xy_px[which], self.sigma_scale[which],
+            claim[which],
+        )  # fmt: skip
+
+    def only(self, which: Bool[np.ndarray, " person"]) -> "Images":
+        """Return the same images with only the detections that `which` marks."""
+        offset = np.concatenate([[0], np.cumsum(which)])[self.offset]
+        return Images(self.cam, self.t_s, offset, self.xy_px[which], self.sigma_scale[which])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,19 +80,23 @@ class Detections:
         Camera (index in the rig) and time.
     xy_px, sigma_scale
         Key points, as for `Images`.
+    claim
+        Which track of a single camera each supports; see `SingleViews`.
     """
 
     cam: Int64[np.ndarray, " person"]
     t_s: Float64[np.ndarray, " person"]
     xy_px: Float64[np.ndarray, "person joint 2"]
     sigma_scale: Float64[np.ndarray, "person joint"]
+    claim: Int64[np.ndarray, " person"]
 
     @classmethod
     def nothing(cls, n_joint: int) -> "Detections":
         """Return no detection."""
         return cls(
-            np.empty(0, np.int64), np.empty(0), np.empty((0, n_joint, 2)), np.empty((0, n_joint))
-        )
+            np.empty(0, np.int64), np.empty(0), np.empty((0, n_joint, 2)), np.empty((0, n_joint)),
+            np.empty(0, np.int64),
+        )  # fmt: skip
 
     def __len__(self) -> int:
         """Return the number of detections."""
@@ -85,8 +105,9 @@ class Detections:
     def take(self, which: Int64[np.ndarray, " some"] | Bool[np.ndarray, " person"]) -> "Detections":
         """Return the detections `which`."""
         return Detections(
-            self.cam[which], self.t_s[which], self.xy_px[which], self.sigma_scale[which]
-        )
+            self.cam[which], self.t_s[which], self.xy_px[which], self.sigma_scale[which],
+            self.claim[which],
+        )  # fmt: skip
 
     def still_open(
         self, cam: Int64[np.ndarray, " view"], since_s: Float64[np.ndarray, " cam"]
@@ -106,6 +127,7 @@ class Detections:
             np.concatenate([self.t_s, other.t_s]),
             np.concatenate([self.xy_px, other.xy_px]),
             np.concatenate([self.sigma_scale, other.sigma_scale]),
+            np.concatenate([self.claim, other.claim]),
         )
 
     def as_images(self) -> tuple[Images, Int64[np.ndarray, " person"]]:

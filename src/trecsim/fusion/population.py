@@ -47,6 +47,10 @@ class Population:
         Learnt distances between the body's joints, and their variances [m, m^2].
     ground_level
         Learnt height of the ground under the person, and its variance [m, m^2].
+    range_from_m, range_sigma, range_rate_sigma
+        Camera that alone sees the person [m], standard deviation of the distance from it, as a
+        share of the distance, and of its rate [1/s]: errors that all joints have in common, and
+        that are not in the covariances of the trajectories. Zero where two cameras see the person.
     """
 
     R: Float64[np.ndarray, "track joint n n"]
@@ -67,6 +71,9 @@ class Population:
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
     ground_level: Float64[np.ndarray, "track 2"]
+    range_from_m: Float64[np.ndarray, "track 3"]
+    range_sigma: Float64[np.ndarray, " track"]
+    range_rate_sigma: Float64[np.ndarray, " track"]
 
     @cached_property
     def trajectories(self) -> Trajectories:
@@ -119,6 +126,9 @@ class Population:
             limb_m=np.empty((0, n_limb)),
             limb_m2=np.empty((0, n_limb)),
             ground_level=np.empty((0, 2)),
+            range_from_m=np.empty((0, 3)),
+            range_sigma=np.empty(0),
+            range_rate_sigma=np.empty(0),
         )
 
     def __len__(self) -> int:

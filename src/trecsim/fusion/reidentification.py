@@ -137,14 +137,14 @@ class Identities:
         self._reidentify_s = reidentify_s
         self._next_id = first_id
 
-    def identify(self, torso_m: Float64[np.ndarray, "3"], t_s: float) -> tuple[int, bool]:
-        """Return the identity of a new track at `torso_m`, and whether it is a dead track's."""
-        back = reidentify(self.dead, torso_m, t_s, self._reidentify_s)
-        if back is not None:
-            self.dead.remove(back)
-            return back.id, True
+    def returning(self, torso_m: Float64[np.ndarray, "3"], t_s: float) -> LostTrack | None:
+        """Return the dead track whose person a new one at `torso_m` is; None if nobody's."""
+        return reidentify(self.dead, torso_m, t_s, self._reidentify_s)
+
+    def new(self) -> int:
+        """Return an identity that nobody has had."""
         self._next_id += 1
-        return self._next_id - 1, False
+        return self._next_id - 1
 
     def note_dead(self, tracks: list[LostTrack], t_s: float) -> None:
         """Remember the tracks that die at `t_s`, and forget those that died too long ago."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels import Now, Reported
@@ -71,14 +71,34 @@ def _part(
     )  # fmt: skip
     if n_reported < n:
         out = Reported(*(values[:n_reported] for values in out))
+    if people.range_sigma.any():
+        _widen_along_rays(out, people, _reported(people, t_s, provisional))
     state = STATES.take(out.is_supported)
     if provisional:
-        confirmed = people.confirmed[people.born_s <= t_s + SAME_S]
+        confirmed = people.confirmed[_reported(people, t_s, provisional)]
         state = state if confirmed.all() else np.where(confirmed, state, PROVISIONAL)
     return Snapshot(
         t_s, out.id, out.xyz_m, out.cov_m2, out.support, velocity_mps=out.velocity_mps,
         velocity_cov_m2ps2=out.velocity_cov_m2ps2, state=state,
     )  # fmt: skip
+
+
+def _reported(people: Population, t_s: float, provisional: bool) -> Bool[np.ndarray, " track"]:
+    """Return which tracks `kernels.snapshot_all` reports."""
+    return (people.confirmed | provisional) & (people.born_s <= t_s + SAME_S)
+
+
+def _widen_along_rays(out: Reported, people: Population, which: Bool[np.ndarray, " track"]) -> None:
+    """Add to the covariances, in place, how far off people are along the rays of one camera.
+
+    Notes
+    -----
+    A distance that is off by a share moves each joint on its ray by that share of its own distance.
+    """
+    ray_m = out.xyz_m - people.range_from_m[which, None]
+    along_m2 = ray_m[..., :, None] * ray_m[..., None, :]
+    out.cov_m2[:] += people.range_sigma[which, None, None, None] ** 2 * along_m2
+    out.velocity_cov_m2ps2[:] += people.range_rate_sigma[which, None, None, None] ** 2 * along_m2
 
 
 def velocity(

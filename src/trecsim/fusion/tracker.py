@@ -12,6 +12,7 @@ from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association
 from trecsim.fusion.duplicates import Duplicates, is_duplicate
 from trecsim.fusion.fitting import Step, Update
+from trecsim.fusion.ground_prior import KnownGround
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.kernels import Now
@@ -25,6 +26,7 @@ from trecsim.fusion.reidentification import (
     nearest_unseen,
 )
 from trecsim.fusion.settings import FusionSettings
+from trecsim.fusion.single_views import NOBODY, Company, SingleViews
 from trecsim.fusion.snapshots import snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.fusion.tuning import CHECK_S, SAME_S
@@ -129,8 +131,10 @@ class Tracker:
         self._times = lifecycle.look_back(self._clocks.usual_s())
         elapsed_s = max(0.0, self._t_s - before_s) if math.isfinite(before_s) else 0.0
         images = prepare(views, self._model)
-        update = self._update(images, min(elapsed_s, JUMP_S))
-        replaced = self._start_tracks(images, update)
+        step, update = self._update(images, min(elapsed_s, JUMP_S))
+        claim = self._single.take(images, update, step)
+        replaced, left = self._start_tracks(images, update, claim)
+        self._follow_single_views(images, update.association, step, left)
         self._end_tracks(update.association, replaced)
         return self._snapshot(self._t_s)
 
@@ -157,6 +161,7 @@ class Tracker:
         m = self._model
         n_joint = len(m.skeleton.joints)
         self._people = Population.empty(n_joint, self._live, len(m.rig), len(m.body.joints))
+        self._single, self._ground = SingleViews(m, self._live), KnownGround()
         self._unassigned = Detections.nothing(n_joint)
         self._checked_s = -math.inf
         self._grid: KnotGrid | None = None
@@ -179,7 +184,7 @@ class Tracker:
             view for view, t, good in zip(views, t_s, use, strict=True) if good and t >= start_s
         ]
 
-    def _update(self, images: Images, elapsed_s: float) -> Update:
+    def _update(self, images: Images, elapsed_s: float) -> tuple[Step, Update]:
         """Move the knot grid on, and take the images into the existing tracks."""
         people, m, t_s = self._people, self._model, self._t_s
         if self._grid is None:
@@ -198,30 +203,27 @@ class Tracker:
         if update.is_mirrored:
             evidence.unmirror(people, m)
         self._clocks.note(cam, taken_s)
-        return update
+        return step, update
 
-    def _start_tracks(self, images: Images, update: Update) -> set[int]:
+    def _start_tracks(
+        self, images: Images, update: Update, claim: Int64[np.ndarray, " person"]
+    ) -> tuple[set[int], Detections]:
         """Start tracks where unassigned detections of two or more cameras meet.
 
-        Return the existing tracks that new ones replace. A track that only one camera supports may
-        have drifted, and the detections of one may be of two people: such detections count as
-        unassigned, too.
+        Return the existing tracks that new ones replace, and the detections of this frame set that
+        are left. A track that only one camera supports may have drifted, and the detections of one
+        may be of two people: such detections count as unassigned, too.
         """
         replaced: set[int] = set()
         if not update.n_open and not len(self._unassigned):
-            return replaced
-        pool, owner = self._open_detections(images, update)
-        if not len(pool):
-            self._unassigned = pool
-            return replaced
+            return replaced, self._unassigned
+        n_old, pool, owner = self._open_detections(images, update, claim)
         free = owner == kernels.FREE
         candidates = list(birth.candidates(self._model, pool))
-        if not candidates:
-            self._unassigned = pool.take(free)
-            return replaced
         births: list[Birth] = []
         named: set[int] = set()
-        for candidate, xyz_m in zip(candidates, completed(candidates, self._model), strict=True):
+        places_m = completed(candidates, self._model) if candidates else ()
+        for candidate, xyz_m in zip(candidates, places_m, strict=True):
             owners = {o for o in owner[candidate.member].tolist() if o >= 0}
             unnamed = [o for o in sorted(owners) if int(self._people.id[o]) not in named]
             if owners and not unnamed:  # each identity is given only once
@@ -242,30 +244,34 @@ class Tracker:
                 owners = set(np.flatnonzero(self._people.id == lost.id).tolist())
                 unnamed = sorted(owners)
                 velocity_mps = lost.velocity_to(torso_m, self._t_s)
-            identity, known = self._identify(xyz_m, unnamed)
+            claims = self._single.rows(pool.claim[candidate.member])
+            identity, known = self._identify(xyz_m, unnamed, claims)
+            self._keep_for_lag(self._single.replace(claims), provisional=True)
             confirmed = known or candidate.sure
             births.append(Birth(candidate, xyz_m, identity, confirmed, velocity_mps))
             named.add(identity)
             replaced |= owners
         self._add(births, pool)
         self._unassigned = pool.take(free)
-        return replaced
+        free[:n_old] = False
+        return replaced, pool.take(free)
 
     def _open_detections(
-        self, images: Images, update: Update
-    ) -> tuple[Detections, Int64[np.ndarray, " person"]]:
+        self, images: Images, update: Update, claim: Int64[np.ndarray, " person"]
+    ) -> tuple[int, Detections, Int64[np.ndarray, " person"]]:
         """Return the detections that may start a track, and the track that each would replace.
 
-        That is an index, or `FREE`. Unassigned detections of earlier frame sets come first.
+        That is an index, or `FREE`. Unassigned detections of earlier frame sets come first; how
+        many these are is returned before.
         """
         old = self._unassigned
         if len(old):
             old = old.still_open(images.cam, self._t_s - self._times.waiting_s)
         if not update.n_open:
-            return old, np.full(len(old), kernels.FREE)
+            return len(old), old, np.full(len(old), kernels.FREE)
         open_ = update.owner != kernels.TAKEN
         owner = np.concatenate([np.full(len(old), kernels.FREE), update.owner[open_]])
-        return old.joined(images.detections(open_)), owner
+        return len(old), old.joined(images.detections(open_, claim)), owner
 
     def _add(self, births: Sequence[Birth], pool: Detections) -> None:
         """Add new tracks, all in one fit to their detections in `pool`."""
@@ -307,17 +313,24 @@ class Tracker:
         return nearest_unseen(tracks, torso_m, self._t_s)
 
     def _identify(
-        self, xyz_m: Float64[np.ndarray, "joint 3"], owners: Sequence[int]
+        self, xyz_m: Float64[np.ndarray, "joint 3"], owners: Sequence[int], claims: Sequence[int]
     ) -> tuple[int, bool]:
-        """Return the identity of a new track, and whether it has been reported before.
+        """Return the identity of a new track, and whether it has been confirmed before.
 
         It is that of the oldest of the tracks `owners` that it replaces, or of a track that died
-        lately where this one begins, or else a new one.
+        lately where this one begins, or of the tracks of one camera `claims` that it replaces, or
+        else a new one.
         """
         if owners:
             oldest = min(owners, key=lambda o: int(self._people.id[o]))
             return int(self._people.id[oldest]), bool(self._people.confirmed[oldest])
-        return self._identities.identify(xyz_m[self._model.torso].mean(axis=0), self._t_s)
+        torso_m = xyz_m[self._model.torso].mean(axis=0)
+        back = self._identities.returning(torso_m, self._t_s)
+        if back is not None:
+            self._identities.dead.remove(back)
+            return back.id, True
+        mine = [identity for k in claims if (identity := int(self._single.people.id[k])) >= 0]
+        return (min(mine), False) if mine else (self._identities.new(), False)
 
     def _end_tracks(self, association: Association, replaced: set[int]) -> None:
         """Confirm tracks; delete those that are dead, duplicates or replaced."""
@@ -338,12 +351,31 @@ class Tracker:
         seen_s = np.where(died & people.confirmed, people.last_seen_s.max(axis=1), -np.inf)
         gone = lost_tracks(people, seen_s, self._knots, self._model, self._t_s)
         self._identities.note_dead(gone, self._t_s)
+        self._ground.note(people.keep(died))
         died[list(replaced)] = True
         self._keep_for_lag(people.keep(died & people.confirmed))
         self._people = people.keep(alive & stays)
 
-    def _keep_for_lag(self, people: Population) -> None:
-        """Keep dead tracks until the lag has reached their end."""
+    def _follow_single_views(
+        self, images: Images, association: Association, step: Step, left: Detections
+    ) -> None:
+        """Begin, report and end tracks of people whom one camera alone sees."""
+        if not len(left) and not len(self._single):
+            return
+        company = Company(
+            self._people.xyz_m, association.match, self._clocks.looking(), step.look_back_s,
+            self._ground.expected(self._people),
+        )  # fmt: skip
+        fresh = left.take(left.claim == NOBODY)
+        self._single.begin(fresh, images, company, step, self._knots)
+        self._keep_for_lag(self._single.end(company, self._t_s), provisional=True)
+        for k in self._single.due(company):
+            self._single.people.id[k] = self._identities.new()
+
+    def _keep_for_lag(self, people: Population, *, provisional: bool = False) -> None:
+        """Keep dead tracks until the lag has reached their end; provisional ones if reported."""
+        if provisional and not self._provisional:
+            return
         if self._lag_s > 0.0 and len(people) and self._grid is not None:
             self._ended.append((self._t_s, self._grid, people))
 
@@ -354,4 +386,6 @@ class Tracker:
         there = [(one[1], one[2]) for one in self._ended]
         if self._grid is not None:
             there.append((self._grid, self._people))
+            if self._provisional and len(self._single):
+                there.append((self._grid, self._single.reported))
         return snapshot_of(there, t_s, self._t_s, self._model, self._provisional)

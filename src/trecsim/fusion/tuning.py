@@ -168,6 +168,46 @@ SHORTEST_TRUNK_M: Final = 0.2
 # Spread of limb lengths over people, as a share of the usual length.
 LENGTH_SPREAD: Final = 0.15
 
+# ------------------------------------------------------------------------- people of one camera
+
+# Relative spread of the distance that the size of a body tells: of stature over adults, 6 %, with
+# other proportions of limbs and a lasting posture. Its noise, of gait, which lasts as long as a
+# step [s]; that of the height of the ankle that stands [m].
+SIZE_SPREAD: Final = 0.08
+SIZE_NOISE: Final = 0.04
+WALK_NOISE_S: Final = 0.5
+SOLE_NOISE_M: Final = 0.05
+# A limb that says more than this factor of the nearest distance is turned towards the camera or
+# away from it. Nobody begins whose distance is less well known than this share of it.
+FORESHORTENED: Final = 1.25
+MOST_RANGE_SIGMA: Final = 0.2
+# How people move towards a camera or away from it: standard deviation of the first speed [m/s],
+# density of their acceleration [m^2/s^3], and for how long they keep a speed unseen [s]. What is
+# off by more standard deviations is no distance: a foot in the air, or somebody who lies.
+RANGE_SPEED_MPS: Final = 1.2
+RANGE_ACCEL_M2PS3: Final = 0.5
+RANGE_MEMORY_S: Final = 2.0
+RANGE_GATE: Final = 3.0
+# What is assumed of the ground before anybody has been seen counts for so much of a person; the
+# ground under so many people is remembered, where it is known to 8 cm.
+UNKNOWN_LEVEL_WEIGHT: Final = 0.5
+LEVELS_REMEMBERED: Final = 50
+KNOWN_LEVEL_M2: Final = 0.08**2
+# A track of one camera is reported when the images that support it amount to this time: each counts
+# for the time since its camera's last one, up to `LONGEST_STEP_S`, times the share of good key
+# points in the detection. Good detections need 0.1 s, those as weak as false positives 0.4 s; each
+# further camera that should see the person, and does not, makes that so many times longer.
+SINGLE_VIEW_S: Final = 0.1
+MISSED_PATIENCE: Final = 1.5
+LONGEST_STEP_S: Final = 0.09
+# Such a track dies when no camera has supported it for as long as it had been supported, within
+# these limits; the upper one is `death_s` [s].
+SINGLE_VIEW_PATIENCE_S: Final = 0.25
+# A detection begins nobody if it lies this close, at the track's distance, to a track that no
+# detection of that image supports (its own, badly read), or to one that has another (a duplicate).
+VACANT_M: Final = 0.5
+OCCUPIED_M: Final = 0.12
+
 # ----------------------------------------------------------------------- checks of existing tracks
 
 # Time between two checks whether a track mixes two people or is redundant [s]: a detector's errors

@@ -1,0 +1,313 @@
+"""People whom one camera alone sees: provisional tracks beside those that two cameras began.
+
+They take only detections that no other track takes, and nothing of the other tracks depends on
+them but the identity of a new one: so nobody whom two cameras see is worse off for them.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from trecsim.fusion import evidence, fitting, kernels
+from trecsim.fusion.along_rays import log_range, move_along_rays, relative_sigma
+from trecsim.fusion.birth import Candidate
+from trecsim.fusion.fitting import Step, Update
+from trecsim.fusion.images import Detections, Images
+from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
+from trecsim.fusion.model import Model
+from trecsim.fusion.population import Population
+from trecsim.fusion.ranging import Ranges, above_ankle_m, sizes
+from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.tuning import (
+    CROWDED,
+    LONGEST_STEP_S,
+    MISSED_PATIENCE,
+    MOST_RANGE_SIGMA,
+    OCCUPIED_M,
+    SINGLE_VIEW_PATIENCE_S,
+    SINGLE_VIEW_S,
+    VACANT_M,
+)
+
+NOBODY = -1
+
+
+class Company(NamedTuple):
+    """The tracks that two cameras began, as far as those of a single camera heed them.
+
+    Attributes
+    ----------
+    xyz_m
+        Their joints [m].
+    match
+        The detection of each image that belongs to each, or -1; tracks that are newer than the
+        association are not in it.
+    looking
+        Which cameras deliver images.
+    look_back_s
+        For how long what each camera supported counts as supported now [s].
+    level
+        Height of the ground under somebody new, and its variance [m, m^2].
+    """
+
+    xyz_m: Float64[np.ndarray, "track joint 3"]
+    match: Int64[np.ndarray, "known view"]
+    looking: Bool[np.ndarray, " cam"]
+    look_back_s: Float64[np.ndarray, " cam"]
+    level: tuple[float, float]
+
+
+class SingleViews:
+    """The tracks of people whom one camera alone has seen so far.
+
+    Attributes
+    ----------
+    people
+        The tracks; the identity is `NOBODY` before they are reported.
+    support_s
+        For how long each has been supported, by the quality of its detections [s].
+    """
+
+    def __init__(self, model: Model, live: int) -> None:
+        self._model = model
+        self.people = Population.empty(
+            len(model.skeleton.joints), live, len(model.rig), len(model.body.joints)
+        )
+        self.support_s: Float64[np.ndarray, " track"] = np.empty(0)
+        self._ranges = Ranges.none()
+        self._key: Int64[np.ndarray, " track"] = np.empty(0, np.int64)
+        self._next_key = 0
+
+    def __len__(self) -> int:
+        """Return the number of tracks."""
+        return len(self.people)
+
+    @property
+    def reported(self) -> Population:
+        """The tracks that are reported, as provisional."""
+        return self.people.keep(self.people.id != NOBODY)
+
+    def take(self, images: Images, update: Update, step: Step) -> Int64[np.ndarray, " person"]:
+        """Take the detections that are nobody's into the tracks, in place.
+
+        Return which track each detection of `images` supports: its key, or `NOBODY`.
+        """
+        claim = np.full(len(images.xy_px), NOBODY)
+        if not len(self):
+            return claim
+        free = update.owner == kernels.FREE
+        found = fitting.update(self.people, images.only(free), step, self._model, check=False)
+        if found.is_mirrored:
+            evidence.unmirror(self.people, self._model)
+        match = found.association.match
+        track, view = np.nonzero(match >= 0)
+        row = np.flatnonzero(free)[match[track, view]]
+        claim[row] = self._key[track]
+        since_s = np.array(step.since_s)[view]
+        taken = images.detections(np.ones(len(claim), bool), claim).take(row)
+        np.add.at(self.support_s, track, _worth_s(taken, since_s))
+        self._ranges.predict(step.now.elapsed_s)
+        self._measure(taken, track, since_s)
+        self._place(taken, track, step)
+        return claim
+
+    def _measure(
+        self,
+        found: Detections,
+        track: Int64[np.ndarray, " person"],
+        since_s: Float64[np.ndarray, " person"],
+    ) -> None:
+        """Measure how far away people are whom `found` shows."""
+        told = sizes(self._model, found)
+        for d, k in enumerate(track.tolist()):
+            cam = int(found.cam[d])
+            if cam == self._ranges.cam[k]:
+                above_m = above_ankle_m(self._model, cam, self.people.ground_level[k, 0])
+                self._ranges.look(k, told, d, above_m, float(since_s[d]))
+
+    def _place(self, found: Detections, track: Int64[np.ndarray, " person"], step: Step) -> None:
+        """Put everybody at the distance that has been measured, in place.
+
+        Who moves from one camera's image into another one's is measured from there.
+        """
+        m, people, ranges = self._model, self.people, self._ranges
+        for k in range(len(self)):
+            seen_by = set(found.cam[track == k].tolist())
+            if seen_by and ranges.cam[k] not in seen_by:
+                ranges.cam[k] = min(seen_by)
+            origin_m = m.cameras.position_m[ranges.cam[k]]
+            if len(seen_by) > 1 or (seen_by and (people.range_from_m[k] != origin_m).any()):
+                log_m, rate = log_range(people, k, origin_m, step.now, m)
+                ranges.set(k, log_m, rate, relative_sigma(people, k, origin_m, m))
+            log_m, rate = ranges.mean[k, :2].tolist()
+            move_along_rays(people, k, origin_m, log_m, rate, step.now, m)
+            people.range_from_m[k] = origin_m
+        people.range_sigma[:] = ranges.sigma
+        people.range_rate_sigma[:] = ranges.rate_sigma
+
+    def rows(self, claim: Int64[np.ndarray, " some"]) -> list[int]:
+        """Return the tracks that detections support by their claims."""
+        return np.flatnonzero(np.isin(self._key, claim[claim != NOBODY])).tolist()
+
+    def begin(
+        self, found: Detections, images: Images, company: Company, step: Step, grid: KnotGrid
+    ) -> None:
+        """Begin tracks from detections that no track explains."""
+        if len(found):
+            found = found.take(~self._explained(found, images, company))
+        if not len(found):
+            return
+        ranges, at_one_m = self._first_ranges(found, company)
+        good = (ranges.sigma < MOST_RANGE_SIGMA) & ranges.agree
+        if not good.any():
+            return
+        found, ranges, at_one_m = found.take(good), ranges.keep(good), at_one_m[good]
+        new = self._first_states(found, ranges, at_one_m, step, grid)
+        new.ground_level[:] = company.level
+        since_s = dict(zip(images.cam.tolist(), step.since_s, strict=True))
+        worth_s = _worth_s(found, np.array([since_s[cam] for cam in found.cam.tolist()]))
+        self.people, self._ranges = self.people.joined(new), self._ranges.joined(ranges)
+        self.support_s = np.append(self.support_s, worth_s)
+        self._key = np.append(self._key, self._next_key + np.arange(len(new)))
+        self._next_key += len(new)
+
+    def _first_ranges(
+        self, found: Detections, company: Company
+    ) -> tuple[Ranges, Float64[np.ndarray, "person joint 3"]]:
+        """Return how far away new people are, and their joints at the distance of 1 m."""
+        told, (level_m, level_m2) = sizes(self._model, found), company.level
+        above_m = [above_ankle_m(self._model, cam, level_m) for cam in found.cam.tolist()]
+        spread = np.sqrt(level_m2) / np.maximum(above_m, 0.1)
+        ranges = Ranges.begun(found.cam, np.log(told.size_m), spread)
+        for d in range(len(found)):
+            ranges.look(d, told, d, above_m[d], np.inf)
+        return ranges, told.at_one_m
+
+    def _first_states(
+        self,
+        found: Detections,
+        ranges: Ranges,
+        at_one_m: Float64[np.ndarray, "person joint 3"],
+        step: Step,
+        grid: KnotGrid,
+    ) -> Population:
+        """Return tracks upright at their distances, fitted to their detections."""
+        m = self._model
+        origin_m = m.cameras.position_m[found.cam]
+        xyz_m = origin_m[:, None] + np.exp(ranges.mean[:, 0])[:, None, None] * at_one_m
+        none = np.zeros(1, np.int64)
+        alone = [Candidate(np.array([d]), none, xyz_m[d], sure=False) for d in range(len(found))]
+        births = [
+            Birth(candidate, place_m, NOBODY, confirmed=False, velocity_mps=np.zeros(3))
+            for candidate, place_m in zip(alone, completed(alone, m), strict=True)
+        ]
+        new = first_states(births, step.now.t_s, grid, m)
+        shown, association = own_detections(births, found)
+        # As if the last images were long ago: the first place is known across the rays only.
+        now = Step(step.now._replace(elapsed_s=0.0), [np.inf] * len(shown), step.look_back_s)
+        fitting.fit(new, shown, association, now, m)
+        new.range_from_m[:] = origin_m
+        new.range_sigma[:], new.range_rate_sigma[:] = ranges.sigma, ranges.rate_sigma
+        return new
+
+    def _explained(
+        self, found: Detections, images: Images, company: Company
+    ) -> Bool[np.ndarray, " person"]:
+        """Return which detections show somebody who is followed already.
+
+        Either a track near a detection has none of its own in that image, as it was badly read; or
+        it has another one, and the detector found the person twice.
+        """
+        match = np.full((len(company.xyz_m), len(images)), 0)
+        match[: len(company.match)] = company.match
+        out = np.zeros(len(found), bool)
+        for d in range(len(found)):
+            away_m = self._away_m(company.xyz_m, int(found.cam[d]), found.xy_px[d])
+            vacant = (match[:, images.cam == found.cam[d]] < 0).all(axis=1)
+            out[d] = (away_m < np.where(vacant, VACANT_M, OCCUPIED_M)).any()
+            mine_m = self._away_m(self.people.xyz_m, int(found.cam[d]), found.xy_px[d])
+            out[d] |= (mine_m < VACANT_M).any()
+        return out
+
+    def _away_m(
+        self,
+        xyz_m: Float64[np.ndarray, "track joint 3"],
+        cam: int,
+        xy_px: Float64[np.ndarray, "joint 2"],
+    ) -> Float64[np.ndarray, " track"]:
+        """Return how far key points lie from tracks on average, at their distance [m]."""
+        seen = np.isfinite(xy_px[:, 0])
+        P, focal_px = self._model.cameras.P[cam], self._model.cameras.focal_px[cam]
+        point = xyz_m[:, seen] @ P[:, :3].T + P[:, 3]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            off_px = np.linalg.norm(point[..., :2] / point[..., 2:] - xy_px[seen], axis=-1)
+        off_m = off_px * point[..., 2] / focal_px
+        return np.where((point[..., 2] > 0.0).all(axis=1), off_m.mean(axis=1), np.inf)
+
+    def end(self, company: Company, t_s: float) -> Population:
+        """Delete the tracks that are dead; return those of them that were reported."""
+        if not len(self):
+            return self.people
+        people, s = self.people, self._model.settings
+        unseen_s = t_s - people.last_seen_s.max(axis=1)
+        least_s = np.maximum(SINGLE_VIEW_PATIENCE_S, company.look_back_s[self._ranges.cam])
+        patience_s = np.maximum(np.minimum(self.support_s, s.death_s), least_s)
+        dead = (unseen_s > patience_s) | ~np.isfinite(people.xyz_m).all(axis=(1, 2))
+        return self._drop(dead)
+
+    def due(self, company: Company) -> list[int]:
+        """Return the tracks that have been supported for long enough to be reported from now on.
+
+        Each further camera that should see such a person, and does not, makes it longer.
+        """
+        new = np.flatnonzero((self.people.id == NOBODY) & (self.support_s >= SINGLE_VIEW_S))
+        if not len(new):
+            return []
+        missed_by = np.maximum(self._expected(company)[new] - 1, 0)
+        enough = self.support_s[new] >= SINGLE_VIEW_S * MISSED_PATIENCE**missed_by
+        due: list[int] = new[enough & (missed_by < CROWDED - 1)].tolist()
+        return due
+
+    def _expected(self, company: Company) -> Int64[np.ndarray, " track"]:
+        """Return how many cameras should detect each person, wherever on its rays it is.
+
+        The distance may be off by one standard deviation to either side.
+        """
+        m, mine = self._model, self.people
+        found = np.zeros((3, len(self) + len(company.xyz_m)), np.int64)
+        ray_m = mine.xyz_m - mine.range_from_m[:, None]
+        for expected, way in zip(found, (-1.0, 0.0, 1.0), strict=True):
+            there_m = mine.xyz_m + way * mine.range_sigma[:, None, None] * ray_m
+            xyz_m = np.concatenate([there_m, company.xyz_m])
+            asked = np.arange(len(xyz_m)) < len(self)
+            kernels.expect_all(
+                m.lenses, m.silhouette, company.looking, m.torso, xyz_m, asked, expected
+            )
+        return np.asarray(found.min(axis=0)[: len(self)])
+
+    def replace(self, rows: Sequence[int]) -> Population:
+        """Delete the tracks `rows`, which others replace; return those that were reported."""
+        which = np.zeros(len(self), bool)
+        which[list(rows)] = True
+        return self._drop(which)
+
+    def _drop(self, which: Bool[np.ndarray, " track"]) -> Population:
+        gone = self.people.keep(which & (self.people.id != NOBODY))
+        if which.any():
+            self.people, self._ranges = self.people.keep(~which), self._ranges.keep(~which)
+            self.support_s, self._key = self.support_s[~which], self._key[~which]
+        return gone
+
+
+def _worth_s(
+    found: Detections, since_s: Float64[np.ndarray, " person"]
+) -> Float64[np.ndarray, " person"]:
+    """Return for how long each detection supports somebody, by the quality of its key points [s].
+
+    `since_s` is the time since its camera's last image.
+    """
+    seen = np.isfinite(found.xy_px[..., 0])
+    quality = np.where(seen, 1.0 / found.sigma_scale, 0.0).sum(axis=1) / seen.sum(axis=1)
+    return np.asarray(np.minimum(since_s, LONGEST_STEP_S) * quality**2)
