@@ -276,3 +276,18 @@ def test_the_summary_of_a_run_holds_what_does_not_fit(tmp_path: Path) -> None:
     facts = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert facts["remarks"] == list(summary.remarks)
     assert any("cam1" in text for text in summary.remarks)
+
+
+def test_starts_within_one_second_get_a_folder_each(
+    checked: CheckedSite, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from trecsim import site_run
+
+    class Frozen(site_run.datetime):
+        @classmethod
+        def now(cls, tz: object = None) -> "Frozen":
+            return cls(2026, 3, 1, 10, 15, 0)
+
+    monkeypatch.setattr(site_run, "datetime", Frozen)
+    names = [run(checked).out.name for _ in range(3)]
+    assert names == ["20260301T101500Z", "20260301T101500Z-2", "20260301T101500Z-3"]

@@ -22,6 +22,7 @@ from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sites.site_reading import SiteFile
 from trecsim.sources import prefetched, read_poses
+from trecsim.store.claiming import FolderClaim
 from trecsim.store.names import RIG
 from trecsim.store.recorder import Recorder
 from trecsim.store.recordings import (
@@ -37,6 +38,7 @@ from trecsim.warming import WarmUp, warm_up_in_background
 logger = logging.getLogger(__name__)
 
 _IMAGES_AHEAD = 64  # poses that wait: enough for the longest pause of fusion and disk
+_STARTS_A_SECOND = 100  # that get folders of their own
 _LOOK_EVERY_S = 0.2  # so often a run that waits for its kernels looks whether to stop
 
 
@@ -99,7 +101,7 @@ def run(
     """
     began_s = time.monotonic()
     watch = RunWatch(progress, stop, tell, _image_count(checked), seconds)
-    with claim_folder(_folder_for(out, checked), resume=resume) as claim:
+    with _claimed(out, checked, resume=resume) as claim:
         folder = watch.folder = claim.folder
         watch.stored = stored_before(folder, checked.rig) if resume else Stored()
         watch.gaps_s = gaps_before(folder) if resume else ()
@@ -247,11 +249,18 @@ def recordings_folder(file: SiteFile) -> Path:
     return file.site.output.directory or beside
 
 
-def _folder_for(out: Path | None, checked: CheckedSite) -> Path:
+def _claimed(out: Path | None, checked: CheckedSite, *, resume: bool) -> FolderClaim:
+    """Reserve the folder of this run: `out`, or a new one with the present time as its name."""
     if out is not None:
-        return out
+        return claim_folder(out, resume=resume)
     started = datetime.now(UTC).strftime("%Y%m%dT%H%M%SZ")
-    return recordings_folder(checked.file) / started
+    for name in (started, *(f"{started}-{number}" for number in range(2, _STARTS_A_SECOND))):
+        folder = recordings_folder(checked.file) / name
+        if folder.exists():
+            continue
+        with suppress(InputError):  # another start of the same second has just taken it
+            return claim_folder(folder)
+    return claim_folder(recordings_folder(checked.file) / started)
 
 
 def _interrupted(folder: Path, watch: RunWatch) -> str:

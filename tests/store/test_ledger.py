@@ -398,3 +398,36 @@ def test_a_folder_that_cannot_be_written_is_told_in_one_sentence(tmp_path: Path)
 
     with pytest.raises((InputError, SetupError), match="file"):
         Ledger(tmp_path / "file" / "data")
+
+
+def raised(severity: str, seq: int) -> dict[str, Any]:
+    made = event(seq, "update" if seq else "new")
+    return {**made, "data": {**made["data"], "event": "e0", "severity": severity}}
+
+
+def test_an_event_is_acknowledged_once_until_it_becomes_more_severe(tmp_path: Path) -> None:
+    with Ledger(tmp_path) as ledger:
+        ledger.append_event(raised("warning", 0))
+        ledger.act("e0", "ack", "kim")
+        ledger.append_event(raised("warning", 5))
+        with pytest.raises(InputError, match="was acknowledged before, by kim"):
+            ledger.act("e0", "ack", "lee")
+        ledger.append_event(raised("alarm", 6))
+        ledger.act("e0", "ack", "lee")
+        assert [entry.who for entry in ledger.audit()] == ["kim", "lee"]
+
+
+def test_only_what_is_shelved_is_unshelved(tmp_path: Path) -> None:
+    now_s = 1000.0
+    with Ledger(tmp_path, now=lambda: now_s) as ledger:
+        ledger.append_event(raised("warning", 0))
+        with pytest.raises(InputError, match="is not shelved"):
+            ledger.act("e0", "unshelve", "kim")
+        ledger.act("e0", "shelve", "kim", until_s=1100.0)
+        ledger.act("e0", "unshelve", "kim")
+        with pytest.raises(InputError, match="is not shelved"):
+            ledger.act("e0", "unshelve", "kim")
+        ledger.act("e0", "shelve", "kim", until_s=1200.0)
+        now_s = 1300.0  # its time is over
+        with pytest.raises(InputError, match="is not shelved"):
+            ledger.act("e0", "unshelve", "kim")

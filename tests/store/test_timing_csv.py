@@ -1,12 +1,14 @@
 """What each frame set cost, on the disk."""
 
+import errno
+import os
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from trecsim.errors import InputError
+from trecsim.errors import InputError, SetupError
 from trecsim.store.timing_csv import StepTiming, read_timing
 from trecsim.store.timing_writer import TimingWriter
 
@@ -64,3 +66,25 @@ def test_what_is_no_file_of_timings_is_told(tmp_path: Path, text: str, told: str
 def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cannot read"):
         read_timing(tmp_path / "timing.csv")
+
+
+def test_timings_go_on_after_the_disk_was_full_when_a_segment_ended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, full = tmp_path / "timing.csv", False
+    fsync = os.fsync
+
+    def failing(handle: int) -> None:
+        if full:
+            raise OSError(errno.ENOSPC, "full")
+        fsync(handle)
+
+    monkeypatch.setattr(os, "fsync", failing)
+    with TimingWriter(path, segment_s=1.0) as writer:
+        for number in range(40):
+            full = 9 <= number < 15
+            with suppress(SetupError):
+                writer.write(StepTiming(0.1 * number, 4, 2, 3.25))
+    times_s = read_timing(path).t_s
+    kept = [0.1 * n for n in range(40) if not 10 <= n < 15]
+    np.testing.assert_allclose(times_s, kept)

@@ -1,6 +1,7 @@
 """The seam behind the fusion: what takes snapshots, step timings or 2D poses."""
 
 import logging
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
@@ -10,6 +11,9 @@ from trecsim.store.timing_csv import StepTiming
 from trecsim.values import Poses2D, Snapshot
 
 logger = logging.getLogger(__name__)
+
+RETRY_S = 10.0
+"""A sink that failed is tried again this long afterwards [s]."""
 
 Item_contra = TypeVar("Item_contra", contravariant=True)
 
@@ -52,27 +56,38 @@ class Taken(Generic[Item]):
 
 
 class Forgiving(Generic[Item]):
-    """A sink that stops nobody: when it cannot take any more, that is logged, and it takes none.
+    """A sink that stops nobody: when it cannot take any more, that is logged, and tried again.
 
     Parameters
     ----------
     sink
         The sink.
+    clock
+        Returns the time [s].
     """
 
-    def __init__(self, sink: Sink[Item]) -> None:
+    def __init__(self, sink: Sink[Item], clock: Callable[[], float] = time.monotonic) -> None:
         self._sink = sink
-        self._failed = False
+        self._clock = clock
+        self._failed_s: float | None = None
 
     def write(self, item: Item, /) -> None:
-        """Take one more, if it can."""
-        if self._failed:
+        """Take one more, if it can; after a failure, one every `RETRY_S` until it can."""
+        if self._failed_s is not None and self._clock() - self._failed_s < RETRY_S:
             return
         try:
             self._sink.write(item)
         except Error as error:
-            self._failed = True
-            logger.error("%s; nothing more is written there", error)  # noqa: TRY400
+            if self._failed_s is None:
+                logger.error(  # noqa: TRY400
+                    "%s; it is tried again every %g s, and what comes in between is left out",
+                    error, RETRY_S,
+                )  # fmt: skip
+            self._failed_s = self._clock()
+            return
+        if self._failed_s is not None:
+            logger.warning("%s can write again", type(self._sink).__name__)
+            self._failed_s = None
 
 
 def _as_it_is(snapshot: Snapshot) -> Snapshot:

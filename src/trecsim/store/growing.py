@@ -127,6 +127,11 @@ class GrowingFile(KeepsPartial):
         return self._empty
 
     @property
+    def closed(self) -> bool:
+        """Whether it was completed or abandoned."""
+        return self._file.closed
+
+    @property
     def due(self) -> bool:
         """Whether the next write will flush."""
         return self._clock() - self._flushed_s >= self._flush_s

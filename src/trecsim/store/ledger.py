@@ -17,6 +17,7 @@ from trecsim.errors import InputError
 from trecsim.store.audit import FIRST_HASH, next_hash
 from trecsim.store.ledger_events import (
     act_event,
+    check_changes,
     checked_act,
     event_in,
     event_row,
@@ -126,7 +127,7 @@ class Ledger(LedgerReading):
         Raises
         ------
         InputError
-            When there is no such event, or the act is not complete.
+            When there is no such event, or the act is not complete or changes nothing.
         SetupError
             When it cannot be written.
         """
@@ -136,6 +137,7 @@ class Ledger(LedgerReading):
             earlier = _episode(connection, event)
             if not earlier:
                 raise InputError(f"there is no event {event!r}")
+            check_changes(earlier, phase, self._now())
             made = act_event(earlier, phase, said, self._now())
             number = _insert_event(connection, event_row(made))
             details = {"event": event, **{k: v for k, v in said.items() if k != "by"}}

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import time
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -14,6 +15,7 @@ LONGEST_SHELVED_S = 8.0 * 3600.0
 REASONS = ("true", "false", "test", "expected")
 """Reasons to close an event."""
 _SAID = ("by", "until_s", "reason", "note")
+_SEVERITIES = ("info", "warning", "alarm", "critical")
 
 
 def event_row(event: Mapping[str, Any]) -> tuple[Any, ...]:
@@ -93,6 +95,37 @@ def checked_act(phase: str, said: Mapping[str, Any], now_s: float) -> dict[str, 
             raise InputError("an event is shelved until a time to come; until_s has passed")
         said = {**said, "until_s": min(until_s, now_s + LONGEST_SHELVED_S)}
     return {key: value for key, value in said.items() if value is not None}
+
+
+def check_changes(earlier: Iterable[Mapping[str, Any]], phase: str, now_s: float) -> None:
+    """Refuse an act that changes nothing: to acknowledge twice, or unshelve what is not shelved.
+
+    An event of higher severity ends both an acknowledgement and shelving.
+
+    Raises
+    ------
+    InputError
+        When the event is acknowledged already, or is not shelved.
+    """
+    acked_by, shelved_until_s, severity = None, -math.inf, -1
+    for event in earlier:
+        data = event["data"]
+        rank = _rank(data.get("severity"))
+        if rank > severity >= 0:
+            acked_by, shelved_until_s = None, -math.inf
+        severity = max(severity, rank)
+        if data.get("phase") == "ack":
+            acked_by = str(data.get("by"))
+        elif data.get("phase") in ("shelve", "unshelve"):
+            shelved_until_s = float(data.get("until_s") or -math.inf)
+    if phase == "ack" and acked_by is not None:
+        raise InputError(f"the event was acknowledged before, by {acked_by}")
+    if phase == "unshelve" and not shelved_until_s > now_s:
+        raise InputError("the event is not shelved")
+
+
+def _rank(severity: object) -> int:
+    return _SEVERITIES.index(severity) if severity in _SEVERITIES else -1
 
 
 def act_event(

@@ -88,6 +88,8 @@ class TimingWriter(KeepsPartial):
         """Append one frame set."""
         if step.t_s <= self._after_s:  # never where it is NaN
             return
+        if self._file.closed:  # the disk was full when a segment ended: it goes on
+            self._file = self._begun(resume=True)
         if step.t_s - self._first_s >= self._segment_s:
             self._end_segment()
         if self._file.empty:
