@@ -1,9 +1,11 @@
 """What is erased is gone from every file, and the audit log says so."""
 
+import errno
 import json
 import os
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 import pytest
@@ -11,10 +13,12 @@ import pytest
 from made_live import assert_same_bits, live_moments
 from made_tracks import assert_same, walk
 from trecsim.cli import main
-from trecsim.errors import InputError
+from trecsim.errors import InputError, SetupError
+from trecsim.store import atomic
 from trecsim.store.compaction import CHANGING, changing
 from trecsim.store.erasing import erase
 from trecsim.store.growing import lock
+from trecsim.store.in_place import overwrite
 from trecsim.store.ledger import Ledger
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.playback import snapshots
@@ -91,6 +95,34 @@ def test_2d_poses_are_erased_with_everybody_and_told_of_with_one_person(tmp_path
     assert "poses.jsonl" in erase(run, 1.7e9, 1.7e9 + 2, person=0).remarks[0]
     assert erase(run, 1.7e9 + 1, 1.7e9 + 2).remarks == ()
     assert (run / "poses.jsonl").read_text().splitlines() == [lines[0], *lines[1:2], *lines[4:]]
+
+
+def no_room(path: Path, mode: str, private: bool = False) -> IO[bytes]:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_on_a_full_disk_files_are_changed_where_they_lie(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    moments = list(live_moments(60))
+    run = record(tmp_path / "run", moments)
+    lines = [json.dumps({"camera": "a", "t_s": one.t_s, "people": []}) for one in moments]
+    (run / "poses.jsonl").write_text("\n".join(lines) + "\n")
+    (first, *_) = sorted((run / "tracks.parquet").glob("0*.parquet"))
+    size = first.stat().st_size
+    monkeypatch.setattr(atomic, "_open", no_room)
+
+    assert erase(run, moments[10].t_s, moments[49].t_s).files == 1
+    assert_same_bits(list(snapshots(run)), moments[:10] + moments[50:])
+    assert (run / "poses.jsonl").read_text().splitlines() == lines[:10] + lines[50:]
+    assert first.stat().st_size < size
+
+
+def test_a_file_that_would_grow_in_its_place_stays_as_it_is(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"old")
+    with pytest.raises(SetupError):
+        overwrite(tmp_path / "file", b"longer")
+    assert (tmp_path / "file").read_bytes() == b"old"
 
 
 def test_the_act_is_in_the_audit_log_of_the_site(tmp_path: Path) -> None:

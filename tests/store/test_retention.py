@@ -152,14 +152,14 @@ def test_old_hours_go_from_a_full_disk_which_has_no_room_to_note_it(
     moments = hours(4)
     run = record(tmp_path / "run", moments)
 
-    def full(*_: object) -> int:
+    def full(*_: object, **__: object) -> int:
         raise SetupError("the disk is full")
 
     write = erasing.write_catalogue
     catalogues = iter([full, write])  # after the first deletion there is room
 
-    def written(*given: Any) -> None:
-        next(catalogues, write)(*given)
+    def written(*given: Any, **more: Any) -> None:
+        next(catalogues, write)(*given, **more)
 
     monkeypatch.setattr(erasing, "write_catalogue", written)
     with Ledger(tmp_path) as ledger:

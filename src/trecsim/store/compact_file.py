@@ -76,12 +76,15 @@ def compact_writer(
 
 def write_compact(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> None:
     """Write tables of one schema to one file, each as a row group."""
+    with atomic_write(path, "wb", private=True) as file:
+        write_compact_to(file, tables, info)
+
+
+def write_compact_to(file: IO[bytes], tables: Iterable[pa.Table], info: TracksInfo) -> None:
+    """Write tables of one schema, each as a row group, to an open file."""
     rest = iter(tables)
     first = next(rest, COMPACT_SCHEMA.empty_table())
-    with (
-        atomic_write(path, "wb", private=True) as file,
-        compact_writer(file, info, first.schema.remove_metadata()) as writer,
-    ):
+    with compact_writer(file, info, first.schema.remove_metadata()) as writer:
         for table in chain([first], rest):
             if len(table):
                 writer.write_table(table, row_group_size=len(table))

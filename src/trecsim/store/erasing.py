@@ -3,8 +3,9 @@
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -13,14 +14,15 @@ from jaxtyping import Bool
 
 from trecsim.errors import InputError, SetupError
 from trecsim.store.atomic import atomic_write, partial_path
-from trecsim.store.compact_file import write_compact
+from trecsim.store.compact_file import write_compact, write_compact_to
 from trecsim.store.compaction import changing
+from trecsim.store.in_place import keep_lines, overwrite
 from trecsim.store.ledger import Ledger
 from trecsim.store.ledger_file import NAME as LEDGER
 from trecsim.store.names import POSES, TRACKS
-from trecsim.store.parquet_file import TracksInfo, file_groups, read_file_info
+from trecsim.store.parquet_file import file_groups, read_file_info
 from trecsim.store.parquet_reading import parts_of, recording_segments
-from trecsim.store.parquet_writing import write_file
+from trecsim.store.parquet_writing import write_file, write_file_to
 from trecsim.store.playback import recording_folders
 from trecsim.store.segments import segments_in, write_catalogue
 
@@ -62,8 +64,9 @@ def erase(
 ) -> Erased:
     """Delete a period from recordings, for everybody or for one person.
 
-    A site may go on recording meanwhile. The act is entered in the audit log of the folder, if it
-    has one. Events are not deleted: they end with their own limit.
+    A site may go on recording meanwhile. On a full disk files are changed where they lie. The act
+    is entered in the audit log of the folder, if it has one. Events are not deleted: they end with
+    their own limit.
 
     Parameters
     ----------
@@ -143,13 +146,19 @@ def _erase_in(folder: Path, from_s: float, to_s: float, stays: Kept) -> Erased:
     """Delete rows of a recording; a file without any left is removed."""
     tracks = folder / TRACKS
     with changing_tracks(tracks):
-        catalogue_anew(tracks)  # remembers the highest identity
+        highest = max(
+            (one.contents.highest_person for one in recording_segments(tracks)), default=-1
+        )
+        with suppress(SetupError):  # a full disk has room again afterwards
+            catalogue_anew(tracks)  # remembers the highest identity, should this be killed
         rows = files = 0
         for segment in recording_segments(tracks):
             if segment.contents.overlaps(from_s, to_s):
                 gone = keep_rows(segment.file, stays)
                 rows, files = rows + gone, files + (gone > 0)
-        catalogue_anew(tracks)
+        if files:
+            with suppress(SetupError):  # the sizes of files tell that it is old
+                catalogue_anew(tracks, highest)
     return Erased(rows, files)
 
 
@@ -175,11 +184,11 @@ def _folder_of(tracks: Path) -> Path | None:
     return next((place for place in places if place.is_dir()), None)
 
 
-def catalogue_anew(tracks: Path) -> None:
+def catalogue_anew(tracks: Path, highest_person: int = -1) -> None:
     """Write the catalogue of a recording again after files have changed."""
     place = tracks if tracks.is_dir() else parts_of(tracks)
     if place.is_dir():
-        write_catalogue(place, segments_in(place))
+        write_catalogue(place, segments_in(place), highest_person=highest_person)
 
 
 def keep_rows(path: Path, stays: Kept) -> int:
@@ -190,7 +199,7 @@ def keep_rows(path: Path, stays: Kept) -> int:
     InputError
         When the file is damaged.
     SetupError
-        When the disk has no room; the file is as before.
+        When the disk does not work; the file is as before.
     """
     info = read_file_info(path)
     counts = [(len(group), int(stays(group).sum())) for group in file_groups(path, _EVERYTHING)]
@@ -200,7 +209,13 @@ def keep_rows(path: Path, stays: Kept) -> int:
     if after == 0:
         path.unlink()
         return before
-    _write(path, _filtered(path, stays), info)
+    try:
+        (write_compact if info.is_compact else write_file)(path, _filtered(path, stays), info)
+    except SetupError:  # no room for a second file
+        content = BytesIO()
+        write = write_compact_to if info.is_compact else write_file_to
+        write(content, _filtered(path, stays), info)
+        overwrite(path, content.getvalue())
     return before - after
 
 
@@ -209,10 +224,6 @@ def _filtered(path: Path, stays: Kept) -> Iterator[pa.Table]:
         mask = stays(group)
         if mask.any():
             yield group.filter(pa.array(mask))
-
-
-def _write(path: Path, tables: Iterator[pa.Table], info: TracksInfo) -> None:
-    (write_compact if info.is_compact else write_file)(path, tables, info)
 
 
 def _erase_poses(folder: Path, from_s: float, to_s: float, person: int | None) -> tuple[str, ...]:
@@ -224,8 +235,15 @@ def _erase_poses(folder: Path, from_s: float, to_s: float, person: int | None) -
         return ()
     if person is not None:
         return (f"{path}: 2D poses have no identities and stay; erase the time of everybody",)
-    with path.open("rb") as lines, atomic_write(path, "wb", private=True) as file:
-        file.writelines(line for line in lines if not _is_between(line, from_s, to_s))
+
+    def stays(line: bytes) -> bool:
+        return not _is_between(line, from_s, to_s)
+
+    try:
+        with path.open("rb") as lines, atomic_write(path, "wb", private=True) as file:
+            file.writelines(filter(stays, lines))
+    except SetupError:  # no room for a second file
+        keep_lines(path, stays)
     return ()
 
 

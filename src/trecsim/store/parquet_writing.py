@@ -35,10 +35,13 @@ def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
 
 def write_file(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> None:
     """Write tables to one file, one row group at a time."""
-    with (
-        atomic_write(path, "wb", private=True) as file,
-        parquet_file(file, info) as writer,
-    ):
+    with atomic_write(path, "wb", private=True) as file:
+        write_file_to(file, tables, info)
+
+
+def write_file_to(file: IO[bytes], tables: Iterable[pa.Table], info: TracksInfo) -> None:
+    """Write tables to an open file, one row group at a time."""
+    with parquet_file(file, info) as writer:
         for table in _regrouped(tables):
             write_group(writer, table)
 

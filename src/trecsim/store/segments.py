@@ -210,10 +210,11 @@ def _segment(file: Path, known: tuple[int, Contents] | None) -> Segment:
     return Segment(file, size_bytes, read_contents(file))
 
 
-def write_catalogue(folder: Path, segments: Iterable[Segment]) -> None:
+def write_catalogue(folder: Path, segments: Iterable[Segment], *, highest_person: int = -1) -> None:
     """Write the catalogue of the complete segments in a folder.
 
-    It remembers the highest identity of files that were deleted, so that none is used again.
+    It remembers the highest identity of files that were deleted, so that none is used again, and
+    at least `highest_person`.
 
     Raises
     ------
@@ -226,7 +227,8 @@ def write_catalogue(folder: Path, segments: Iterable[Segment]) -> None:
         {"file": one.file.name, "size_bytes": one.size_bytes, **_known(one.contents)}
         for one in complete
     ]
-    highest = max([highest_ever(folder), *(one.contents.highest_person for one in everything)])
+    known = [highest_person, highest_ever(folder)]
+    highest = max([*known, *(one.contents.highest_person for one in everything)])
     content = {"format": _FORMAT, "highest_person": highest, "segments": facts}
     with atomic_write(folder / CATALOGUE, private=True) as file:
         file.write(json.dumps(content, indent=1) + "\n")
