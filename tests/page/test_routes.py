@@ -1,9 +1,11 @@
 """What the page answers over HTTP, and what it refuses."""
 
 import socket
+from contextlib import ExitStack
 from pathlib import Path
 from time import time
 
+import httpx
 import pytest
 from prometheus_client.parser import text_string_to_metric_families
 from websockets.exceptions import InvalidStatus
@@ -12,6 +14,7 @@ from made_page import SITE, RunningPage, running_page, until, well
 from made_tracks import snapshot
 from trecsim.health import CameraHealth
 from trecsim.page.page_data import PageData
+from trecsim.page.serving import CONNECTIONS
 
 ALWAYS = {
     "x-content-type-options": "nosniff",
@@ -154,3 +157,12 @@ def test_a_long_address_a_large_body_and_large_headers_are_refused(page: Running
     assert page.client.get("/", params={"a": "b" * 2000}).status_code == 414
     assert page.client.post("/api/site", content=b"x" * 2_000_000).status_code in (405, 413)
     assert page.client.get("/", headers={"X-Large": "a" * 20_000}).status_code == 431
+
+
+def test_idle_connections_keep_nobody_out() -> None:
+    with running_page() as page, ExitStack() as idle:
+        page.process.health(well())
+        until(lambda: page.client.get("/api/health").status_code == 200)
+        for _ in range(CONNECTIONS + 20):
+            idle.enter_context(socket.create_connection(("127.0.0.1", page.port), timeout=20))
+        assert httpx.get(f"http://127.0.0.1:{page.port}/api/health", timeout=20).status_code == 200

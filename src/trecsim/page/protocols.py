@@ -53,17 +53,39 @@ class ImpatientWebSocket(WebSocketsSansIOProtocol):
 
 
 class ImpatientHttp(H11Protocol):
-    """An HTTP connection that is cut when a request or the reading of an answer takes too long."""
+    """An HTTP connection that is cut when a request or the reading of an answer takes too long.
+
+    Where there are as many connections as may be, the oldest on which nothing happens makes room
+    for a new one: idle connections keep nobody out.
+    """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
         self._request_timer: asyncio.TimerHandle | None = None
         self._answer_timer: asyncio.TimerHandle | None = None
+        self._since_s = self.loop.time()
+        self._leaves = False
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether no request is being answered."""
+        return not self._leaves and (self.cycle is None or self.cycle.response_complete)
+
+    def _make_room(self) -> None:
+        if self.limit_concurrency is None or len(self.connections) < self.limit_concurrency:
+            return
+        others = [one for one in self.connections if isinstance(one, ImpatientHttp)]
+        idle = [one for one in others if one is not self and one.is_idle]
+        if idle:
+            oldest = min(idle, key=lambda one: one._since_s)
+            oldest._leaves = True
+            oldest.transport.abort()
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for the first request; the type is that of uvicorn's method."""
         super().connection_made(transport)
         self._request_timer = self.loop.call_later(REQUEST_S, transport.abort)
+        self._make_room()
 
     def data_received(self, data: bytes) -> None:
         """Take a part of a request."""
