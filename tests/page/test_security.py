@@ -111,7 +111,7 @@ RANK = {"nobody": 0, "viewer": 1, "operator": 2, "token": 2, "admin": 3}
 def test_each_role_may_do_what_it_may_and_nothing_else(
     clients: dict[str, httpx.Client], who: str, method: str, path: str
 ) -> None:
-    body = {"events": [], "event": "opened", "phase": "ack"} if method == "POST" else None
+    body = {"events": [], "event": "opened", "phase": "reopen"} if method == "POST" else None
     status = clients[who].request(method, path, json=body).status_code
     if RANK[who] >= RANK[ALLOWED[method, path]]:
         assert status in (200, 503)
