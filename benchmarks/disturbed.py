@@ -1,6 +1,7 @@
 """Whether uncertainty holds, and the fault is named, where a calibration or clocks are wrong.
 
-Simulated rooms with people who walk, two and four cameras: one camera turned by 0.5 degrees since
+Simulated rooms with people who walk, two and four cameras, the detector's errors partly shared by
+all cameras (*clothed*): one camera turned by 0.5 degrees since
 it was calibrated, one clock 30 ms late, all clocks 30 ms late or early in turn, and nothing wrong.
 A fault is named where a remark on poses and rig names one of its cameras within 20 s; remarks on
 others are false alarms. With two cameras nobody can tell which is at fault. Seeds 1000 and up.
@@ -113,8 +114,9 @@ def scene(fault: str, cameras: int, people: int) -> "Scene":
     """Return a room in which something is wrong, or nothing."""
     from trecsim.lab.simulation.failures import Knock
     from trecsim.lab.simulation.scene import room_scene
+    from uncertainty import CLOTHED, seen_by
 
-    made = room_scene(people=people, cameras=cameras, seconds=SECONDS)
+    made = seen_by(CLOTHED, room_scene(people=people, cameras=cameras, seconds=SECONDS))
     if fault == "a camera turned":
         turned = Knock("cam2", 0.0, turn_deg=(0.0, TURN_DEG, 0.0))
         return replace(made, knocks=(turned,))

@@ -123,7 +123,7 @@ def beside_theirs(
     """Return errors in the cells for which all have an answer, those of all sets together."""
     if not theirs or len(sets[0]) == len(CAMERAS):
         return {}
-    by = {"trecsim": found, **theirs}
+    by = {"trecsim": found, **{f"Pose2Sim {kind}": one for kind, one in theirs.items()}}
     px = {
         name: np.concatenate(
             [left_out(scene, who, cameras, one[cameras][who]).px.ravel() for cameras in sets]
@@ -135,15 +135,15 @@ def beside_theirs(
     for share, text in ((0.5, "median"), (0.9, "p90")):
         at = {name: float(np.quantile(one[same], share)) for name, one in px.items()}
         out[f"trecsim, {text}"] = once(at["trecsim"], "px")
-        for kind in (RAW, FILTERED):
-            out[f"Pose2Sim {kind}, {text}"] = once(at[kind], "px", watched=False)
-            out[f"of Pose2Sim {kind}, {text}"] = once(at["trecsim"] / at[kind], "x", matters=0.01)
+        for name in (f"Pose2Sim {kind}" for kind in (RAW, FILTERED)):
+            out[f"{name}, {text}"] = once(at[name], "px", watched=False)
+            out[f"of {name}, {text}"] = once(at["trecsim"] / at[name], "x", matters=0.01)
     for name, one in px.items():
-        out[f"{name}, far off"] = once(100 * float((one[same] > OFF_PX).mean()), "%")
-        known = np.isfinite(one)
-        out[f"{name}, far off, all answers"] = once(
-            100 * float((one[known] > OFF_PX).mean()), "%", watched=name == "trecsim"
-        )
+        ours, known = name == "trecsim", np.isfinite(one)
+        far = 100 * float((one[same] > OFF_PX).mean())
+        out[f"{name}, far off"] = once(far, "%", watched=ours)
+        far_of_all = 100 * float((one[known] > OFF_PX).mean())
+        out[f"{name}, far off, all answers"] = once(far_of_all, "%", watched=ours)
         out[f"{name}, answers"] = once(int(known.sum()), "", "higher", watched=False)
     return {"same cells": out}
 

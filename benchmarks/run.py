@@ -18,7 +18,7 @@ _IN_ORDER = (
     "scenes",
     "movement",
     "close",
-    "coverage",
+    "uncertainty",
     "left_out",
     "staggered",
     "low_rates",

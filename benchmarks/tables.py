@@ -14,12 +14,14 @@ import figures as all_figures
 import movement_tables as moving
 import settings_table
 import speed_tables as fast
+import truth
 from harness import pages
 from harness.figures import Result, leaves
 from harness.machine import ROOT
 from harness.markdown import busy, listed, measured_on
 from recorded import AUTHORS_FIT_MS
 from targets import FUSION, OTHERS
+from truth_targets import TRUTH
 
 Results = Mapping[str, Result]
 ANY = "any of them"
@@ -42,6 +44,11 @@ def others(results: Results) -> str:
 def targets(results: Results) -> str:
     """Return what is asked of the fusion, and what was reached."""
     return all_figures.table_of(FUSION, dict(results))
+
+
+def truth_of_claims(results: Results) -> str:
+    """Return what is asked of the truth of the claims, what was reached before, and now."""
+    return truth.table_of(TRUTH, truth.before(), dict(results))
 
 
 def settings(_: Results) -> str:
@@ -87,6 +94,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "fusion-settings": (ANY, settings),
     "others": (ANY, others),
     "targets": (ANY, targets),
+    "truth": (ANY, truth_of_claims),
     "machine": (ANY, machine),
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))

@@ -31,7 +31,7 @@ def before() -> dict[str, Result]:
 def rows_of(
     targets: tuple[Target, ...], then: dict[str, Result], now: dict[str, Result]
 ) -> list[list[str]]:
-    """Return rows of a table: group, figure, asked, before, now, and whether it is met."""
+    """Return rows of a table: group, figure, asked, before, now, if it is met, others."""
     rows, group = [], ""
     for target in targets:
         old, new = target.reached(then), target.reached(now)
@@ -39,14 +39,16 @@ def rows_of(
         group = target.group
         rows.append(
             [shown, target.text, target.asked, markdown.plain(old), markdown.plain(new),
-             target.verdict(new)]
+             target.verdict(new), target.peers]
         )  # fmt: skip
     return rows
 
 
 def table_of(targets: tuple[Target, ...], then: dict[str, Result], now: dict[str, Result]) -> str:
     """Return the table as Markdown."""
-    return markdown.table(["", "figure", "asked", "before", "now", ""], rows_of(targets, then, now))
+    return markdown.table(
+        ["", "figure", "asked", "before", "now", "", "others"], rows_of(targets, then, now)
+    )
 
 
 def printed(rows: list[list[str]]) -> str:
@@ -56,9 +58,10 @@ def printed(rows: list[list[str]]) -> str:
     for row in rows:
         if row[0]:
             lines += ["", row[0]]
-        mark = {"met": " ", "not measured yet": "?"}.get(row[-1], "X")
+        mark = {"met": " ", "not measured yet": "?"}.get(row[5], "X")
         cells = [f"{row[1]:<{widths[1]}}", *(f"{row[n]:>{widths[n]}}" for n in (2, 3, 4))]
-        lines.append(f"{mark} " + "  ".join(cells) + f"  {row[5]}")
+        others = f"   ({row[6]})" if row[6] else ""
+        lines.append(f"{mark} " + "  ".join(cells) + f"  {row[5]}{others}")
     return "\n".join(lines)
 
 

@@ -6,7 +6,6 @@ without interpolation, gaps left empty. *Filtered*: gaps filled and everything s
 demo, which uses the whole future.
 """
 
-import json
 import subprocess
 import tempfile
 from pathlib import Path
@@ -19,10 +18,10 @@ from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
 RAW, FILTERED = "raw", "filtered"
-# Pose2Sim's names of the joints, in the order of COCO-17.
+# Pose2Sim's names of the joints, in the order of COCO-17; it leaves out eyes and ears.
 JOINTS = (
-    "Nose", "LEye", "REye", "LEar", "REar", "LShoulder", "RShoulder", "LElbow", "RElbow", "LWrist",
-    "RWrist", "LHip", "RHip", "LKnee", "RKnee", "LAnkle", "RAnkle",
+    "Nose", "", "", "", "", "LShoulder", "RShoulder", "LElbow", "RElbow", "LWrist", "RWrist",
+    "LHip", "RHip", "LKnee", "RKnee", "LAnkle", "RAnkle",
 )  # fmt: skip
 
 # Runs in Pose2Sim's interpreter, over all the projects that are named.
@@ -135,7 +134,8 @@ def _read(files: list[Path], frames: int) -> npt.NDArray[np.float64]:
     for person, file in enumerate(files):
         lines = file.read_text(encoding="utf-8").splitlines()
         names = lines[3].split("\t")[2::3]
-        columns = [names.index(name) for name in JOINTS]
+        known = [joint for joint, name in enumerate(JOINTS) if name]
+        columns = [names.index(JOINTS[joint]) for joint in known]
         for line in lines[5:]:
             cells = line.split("\t")
             if not cells[0].strip():
@@ -143,10 +143,5 @@ def _read(files: list[Path], frames: int) -> npt.NDArray[np.float64]:
             values = np.array([float(cell) if cell.strip() else np.nan for cell in cells[2:]])
             values = np.pad(values, (0, 3 * len(names)), constant_values=np.nan)
             yzx = values[: 3 * len(names)].reshape(-1, 3)[columns]
-            out[person, int(cells[0])] = yzx[:, [2, 0, 1]]
+            out[person, int(cells[0]), known] = yzx[:, [2, 0, 1]]
     return out
-
-
-def told(places: dict[tuple[str, ...], Places]) -> str:
-    """Return in short how many people there are, to look at."""
-    return json.dumps({" ".join(cameras): len(one[RAW]) for cameras, one in places.items()})

@@ -1,14 +1,16 @@
 """Whether stated uncertainties are true where the truth is known: Shelf and simulated rooms.
 
-Shelf: real detections of five cameras, all 301 frames. Simulated rooms: the errors of the simulated
-detector, seeds 1000 and up. Regions are those of the full covariances; wide is not honest, so the
-negative log-likelihood and the median sigma stand beside what they hold.
+Shelf: real detections of five cameras, all 301 frames. Simulated rooms, seeds 1000 and up: the
+simulated detector with errors that all cameras share (*clothed*), and without (*real*). Regions are
+those of the full covariances; wide is not honest, so the negative log-likelihood and the median
+sigma stand beside what they hold.
 
-Run: ``python benchmarks/coverage.py [--quick]``
+Run: ``python benchmarks/uncertainty.py [--quick]``
 """
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,12 +24,16 @@ from harness.scoring import LAGS_S
 from trecsim.skeleton import COCO17
 
 ROOMS = ((4, 4), (2, 3))  # cameras, people
+CLOTHED, REAL = "clothed", "real"
 SECONDS = 20.0
 SEEDS, QUICK_SEEDS = 20, 3
 FEWEST = 200  # errors, for a share of them to be worth stating
 KINDS = ("shoulder", "elbow", "wrist", "hip", "knee", "ankle")
 
-Task = tuple[int, int, int, float, Mapping[str, Any]]
+if TYPE_CHECKING:
+    from trecsim.lab.simulation.scene import Scene
+
+Task = tuple[int, int, str, int, float, Mapping[str, Any]]
 
 
 def measure(options: Options) -> Figures:
@@ -43,11 +49,12 @@ def measure(options: Options) -> Figures:
             lag: shelf(folder, lag_s, options.overrides) for lag, lag_s in LAGS_S.items()
         }
     seeds = options.seeds(SEEDS, QUICK_SEEDS)
-    for cameras, people in ROOMS:
-        name = f"{cameras} cameras, {people} people"
+    rooms = [(*size, detector) for detector in (CLOTHED, REAL) for size in ROOMS]
+    for cameras, people, detector in rooms[: len(ROOMS)] if options.quick else rooms:
+        name = f"{cameras} cameras, {people} people, {detector}"
         by_lag: dict[str, Figures] = {}
         for lag, lag_s in LAGS_S.items():
-            tasks = [(cameras, people, seed, lag_s, options.overrides) for seed in seeds]
+            tasks = [(cameras, people, detector, seed, lag_s, options.overrides) for seed in seeds]
             by_lag[lag] = parts(list(options.over(room, tasks, f"{name}, {lag}")))
         figures[name] = by_lag
     return figures
@@ -67,11 +74,19 @@ def room(task: Task) -> Beside:
     from trecsim.lab.simulation.scene import room_scene, simulate
     from trecsim.store.truth import Truth
 
-    cameras, people, seed, lag_s, overrides = task
+    cameras, people, detector, seed, lag_s, overrides = task
+    name = f"room-{cameras}-{people}" + (f"-{CLOTHED}" if detector == CLOTHED else "")
     scene = room_scene(people=people, cameras=cameras, seconds=SECONDS)
-    made = kept(f"room-{cameras}-{people}", seed, lambda: simulate(scene, seed))
+    made = kept(name, seed, lambda: simulate(seen_by(detector, scene), seed))
     snapshots = said(made.poses, made.rig, overrides, lag_s)
     return beside(snapshots, Truth(made.truth_t_s, made.truth_xyz_m))
+
+
+def seen_by(detector: str, scene: "Scene") -> "Scene":
+    """Return a scene as a detector with these errors sees it."""
+    from trecsim.lab.simulation.scene_tables import PRESETS
+
+    return replace(scene, detector=PRESETS[detector])
 
 
 def parts(some: list[Beside]) -> Figures:
