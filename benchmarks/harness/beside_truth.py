@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from trecsim.geometry import Rig
     from trecsim.values import Poses2D, Snapshot
 
+AWAY_S = 1.0  # who is out of all views for less did not leave
 LEAST_JOINTS = 5  # inside an image, for a person to be in view there
 LIMBS = np.array(COCO17.limbs)
 SUPPORTS = {"support 0": 0, "support 1": 1, "support 2": 2, "support 3+": 3}
@@ -194,23 +195,32 @@ def _ghosts(moments: Moments, row: Numbers) -> Ghosts:
     return Ghosts(moments.t_s[moments.moment[nobody]], moments.id[nobody], owner[nobody])
 
 
-def left_s(one: Beside, rig: "Rig") -> list[float]:
-    """Return how long tracks live on after their people left all views, for each who left [s].
+class Left(NamedTuple):
+    """How long a track lives on after its person left all views [s], and whether by walking out.
 
-    Somebody is in view where at least `LEAST_JOINTS` joints are inside the image of some camera,
-    and is out of all views when no longer there, too.
+    Simulated people may also end in the middle of a view, where no real person can.
+    """
+
+    after_s: float
+    walked_out: bool
+
+
+def left(one: Beside, rig: "Rig") -> list[Left]:
+    """Return what became of the tracks of all who left all views for a second or more.
+
+    Somebody is in view where at least `LEAST_JOINTS` joints are inside the image of some camera.
     """
     seen = in_view(one, rig)
     out = []
     for person, identity in enumerate(one.identity):
         for moment in np.flatnonzero(seen[person, :-1] & ~seen[person, 1:]):
-            if identity[moment] >= 0:
-                again = np.flatnonzero(seen[person, moment + 1 :])
-                until = moment + 1 + again[0] if len(again) else len(one.t_s)
-                after = one.t_s[moment + 1 : until]
+            again = np.flatnonzero(seen[person, moment + 1 :])
+            until = moment + 1 + again[0] if len(again) else len(one.t_s)
+            after = one.t_s[moment + 1 : until]
+            if identity[moment] >= 0 and after[-1] - after[0] > AWAY_S:
                 lived = _lived(one, person, int(identity[moment]), after)
-                if len(after) and after[-1] - after[0] > 1.0:
-                    out.append(float(lived - one.t_s[moment]) if lived else 0.0)
+                after_s = float(lived - one.t_s[moment]) if lived else 0.0
+                out.append(Left(after_s, bool(one.there[person, moment + 1])))
     return out
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness import regions
-from harness.beside_truth import Beside, left_s
+from harness.beside_truth import Beside, Left, in_view, left
 from harness.figures import Figure, Figures, once
 
 if TYPE_CHECKING:
@@ -32,12 +32,14 @@ class Counted:
         Limbs found, and those longer than `TOO_LONG` times the true one.
     people, missed, missed_by_all
         Person-moments; those without a confirmed track, and without any track.
+    seen, missed_seen
+        Person-moments in the view of a camera; those without any track.
     ghosts, leavers
         Confirmed tracks at moments at which they are nobody's; those of people no longer there.
     switches
         How often somebody bears another identity than before.
-    left_s
-        How long tracks live on after their people left all views [s].
+    left
+        What became of the tracks of people who left all views.
     low
         Joints that are said to be below the floor.
     """
@@ -51,10 +53,12 @@ class Counted:
     people: int
     missed: int
     missed_by_all: int
+    seen: int
+    missed_seen: int
     ghosts: int
     leavers: int
     switches: int
-    left_s: tuple[float, ...]
+    left: tuple[Left, ...]
     low: int
 
 
@@ -73,6 +77,7 @@ def counted(confirmed: Beside, everybody: Beside, rig: "Rig") -> Counted:
     squared = confirmed.errors(far).squared
     long, limbs = confirmed.limbs_too_long(TOO_LONG)
     known = np.isfinite(error_m)
+    seen = in_view(confirmed, rig)
     return Counted(
         joints=int(known.sum()),
         far=int(far.sum()),
@@ -83,10 +88,12 @@ def counted(confirmed: Beside, everybody: Beside, rig: "Rig") -> Counted:
         people=int(confirmed.there.sum()),
         missed=confirmed.missed,
         missed_by_all=everybody.missed,
+        seen=int(seen.sum()),
+        missed_seen=int((seen & (everybody.identity < 0)).sum()),
         ghosts=len(confirmed.ghosts.t_s),
         leavers=confirmed.leavers,
         switches=confirmed.switches,
-        left_s=tuple(left_s(confirmed, rig)),
+        left=tuple(left(confirmed, rig)),
         low=int((confirmed.found_m[..., 2] < LOWEST_M).sum()),
     )
 
@@ -102,8 +109,8 @@ def summed(some: Iterable[Counted]) -> Counted:
         *(total(name) for name in ("joints", "far", "far_inside")),
         max(one.worst_m for one in each),
         *(total(name) for name in ("limbs", "long", "people", "missed", "missed_by_all",
-                                   "ghosts", "leavers", "switches")),
-        tuple(after_s for one in each for after_s in one.left_s),
+                                   "seen", "missed_seen", "ghosts", "leavers", "switches")),
+        tuple(gone for one in each for gone in one.left),
         total("low"),
     )  # fmt: skip
 
@@ -121,6 +128,9 @@ def figures_of(one: Counted) -> Figures:
         "missed, provisional people counted": once(
             _percent(one.missed_by_all, one.people), "%", matters=0.2
         ),
+        "missed in view, provisional people counted": once(
+            _percent(one.missed_seen, one.seen), "%", matters=0.2
+        ),
         "ghosts": once(_percent(one.ghosts, one.people), "%", matters=0.1),
         "ghosts, not of who left": once(
             _percent(one.ghosts - one.leavers, one.people), "%", matters=0.1
@@ -129,11 +139,15 @@ def figures_of(one: Counted) -> Figures:
         "joints below the floor": once(one.low, "", matters=0.0),
         "person-moments": once(one.people, "", watched=False),
     }
-    if one.left_s:
-        after_s = np.array(one.left_s)
-        out["who left, gone after, median"] = once(float(np.median(after_s)), "s", matters=0.05)
-        out["who left, gone after, latest"] = once(float(after_s.max()), "s", matters=0.05)
-        out["people who left"] = once(len(after_s), "", watched=False)
+    for who, some in (
+        ("who left", one.left),
+        ("who walked out of all views", [gone for gone in one.left if gone.walked_out]),
+    ):
+        if some:
+            after_s = np.array([gone.after_s for gone in some])
+            out[f"{who}, gone after, median"] = once(float(np.median(after_s)), "s", matters=0.05)
+            out[f"{who}, gone after, latest"] = once(float(after_s.max()), "s", matters=0.05)
+            out[f"{who}, number"] = once(len(after_s), "", watched=False)
     return out
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from harness.beside_truth import Beside, beside, left_s
+from harness.beside_truth import Beside, beside, left
 from harness.counted import counted, figures_of, summed
 from harness.markdown import value_of
 from trecsim.geometry import Camera, Rig
@@ -70,7 +70,17 @@ def test_a_track_that_outlives_its_person_is_a_ghost_of_that_person() -> None:
 
 @pytest.mark.parametrize("lives_s", [0.0, 0.3, 0.8])
 def test_who_left_is_gone_after_as_long_as_the_track_lives(lives_s: float, rig: Rig) -> None:
-    assert left_s(_beside(lives_s), rig) == pytest.approx([lives_s])
+    (gone,) = left(_beside(lives_s), rig)
+    assert gone.after_s == pytest.approx(lives_s)
+    assert not gone.walked_out  # the truth ends in the middle of the view
+
+
+def test_who_walks_out_of_the_image_has_left_though_still_somewhere(rig: Rig) -> None:
+    truth = _truth()
+    truth.xyz_m[1, T_S > LEAVES_S + 0.01] = BODY_M + np.array([0.0, 50.0, 0.0])
+    (gone,) = left(beside(_snapshots(0.2), truth), rig)
+    assert gone.after_s == pytest.approx(0.2)
+    assert gone.walked_out
 
 
 def test_another_identity_is_a_switch() -> None:
