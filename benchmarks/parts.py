@@ -16,7 +16,7 @@ from harness.switching import replaced
 from trecsim.fusion import FusionSettings
 from trecsim.fusion import model as fusion_model
 from trecsim.fusion.images import Images, prepare
-from trecsim.fusion.kernels import Bones
+from trecsim.fusion.kernels import Bones, Views
 from trecsim.fusion.model import Model
 
 FULL = "the full model"
@@ -98,7 +98,8 @@ def _all(*_: Any) -> float:
 
 
 def _two_cameras(people: Any, *_: Any) -> Any:
-    return np.full(len(people), 2, np.int64)
+    n, n_cam = people.last_seen_s.shape
+    return Views(np.full(n, 2, np.int64), np.zeros(n, bool), np.zeros((n, n_cam), bool))
 
 
 def _all_trusted(two_view_s: Any, _swap_evidence: Any) -> Any:

@@ -413,18 +413,24 @@ def exchange_gains(match, view_of, score, clear):
 
 
 def needless(P, focal_px, xyz_m, xy_px, match, confirmed):
-    """Whose detections, if exactly two, all fit somebody confirmed without one in the image."""
+    """Whose detections, if exactly two, all fit somebody confirmed without one in the image.
+
+    Another one fits if it is within 12 cm, and not 5 cm worse than the track itself.
+    """
+
+    def away_m(v, i, d):
+        return np.nanmean(
+            [
+                np.linalg.norm(project(P[v], x) - m) * depth(P[v], x) / focal_px[v]
+                for x, m in zip(xyz_m[v, i], xy_px[d], strict=True)
+            ]
+        )
+
     out = []
-    for row in match:
+    for k, row in enumerate(match):
         fits = [
             [
-                np.nanmean(
-                    [
-                        np.linalg.norm(project(P[v], x) - m) * depth(P[v], x) / focal_px[v]
-                        for x, m in zip(xyz_m[v, i], xy_px[row[v]], strict=True)
-                    ]
-                )
-                < 0.12
+                away_m(v, i, row[v]) < min(0.12, away_m(v, k, row[v]) + 0.05)
                 for i in range(len(match))
                 if match[i, v] < 0 and confirmed[i]
             ]

@@ -122,9 +122,9 @@ def test_who_is_needless_is_as_the_twin_says(seed):
     rng = np.random.default_rng(seed)
     *_, match = drawn(rng)
     standing = made([path((0, 0, 0), (1, 0, 0))], detector=PERFECT, seconds=1.0).truth_xyz_m[0, 0]
-    people = standing + np.c_[rng.uniform(-0.3, 0.3, (3, 2)), np.zeros(3)][:, None]
+    people = standing + np.c_[rng.uniform(-0.1, 0.1, (3, 2)), np.zeros(3)][:, None]
     xy_px = np.concatenate([eye.project(people) for eye in MODEL.rig.cameras[:2]])
-    xy_px += rng.normal(0, 15, (6, 1, 2))
+    xy_px += rng.normal(0, rng.choice([3, 15]), (6, 1, 2))
     xyz_m = np.stack([people, people])
     confirmed, looks = rng.random(3) < 0.8, np.array([0.0, 1.0, 2.0])
     before = looks.copy()
@@ -148,6 +148,21 @@ def test_a_body_made_of_two_others_who_fit_its_detections_is_needless():
             np.array(confirmed), looks,
         )  # fmt: skip
         assert looks.tolist() == expected
+
+
+def test_a_track_that_one_image_shows_clearly_better_than_others_is_needed():
+    people = np.array([[-0.5, 0.0, 1.0], [0.5, 0.0, 1.0], [-0.43, 0.0, 1.0]])[:, None]
+    people = np.ascontiguousarray(np.broadcast_to(people, (3, 17, 3)))
+    first, second = (eye.project(people) for eye in MODEL.rig.cameras[:2])
+    # The third stands 7 cm beside the first, whom neither image shows.
+    match, looks = np.array([[-1, -1], [1, 4], [2, 5]]), np.array([0.0, 0.0, 1.0])
+    for shown, expected in ((people[2], 0.0), (people[0], 1.0)):
+        first[2], second[2] = (eye.project(shown) for eye in MODEL.rig.cameras[:2])
+        kernels.note_redundant(
+            MODEL.cameras, two_images(np.concatenate([first, second]), np.ones((6, 17))),
+            np.stack([people, people]), match, np.ones(3, bool), looks,
+        )  # fmt: skip
+        assert looks[2] == expected
 
 
 @given(SEEDS)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels.presence import count_supported, second_newest, supporting
-from trecsim.fusion.lifecycle import look_back
+from trecsim.fusion.lifecycle import ON_TRIAL, look_back
 
 
 def sightings(camera_s, two_view_s, joint_s=None, duration_s=None, mirrored_s=None):
@@ -35,6 +35,34 @@ def believed(n=1):
 
 
 SEEDS = st.integers(0, 2**32 - 1)
+
+
+@pytest.mark.parametrize(
+    ("sees", "missing", "duration_s", "confirmed"),
+    [
+        (2, 0, 0.15, True),
+        (2, 0, 0.1, False),
+        (2, 1, 0.15, False),  # a third camera looks at the place and sees nobody
+        (2, 1, 0.25, True),
+        (2, 2, 0.25, False),
+        (2, 2, 0.45, True),
+        (2, 3, 3.0, False),  # three against two
+        (3, 0, 0.0, True),
+        (3, 1, 0.0, True),
+        (3, 2, 0.0, False),
+        (3, 2, 0.2, True),
+        (2, ON_TRIAL, 9.0, False),
+    ],
+)
+def test_cameras_that_look_and_see_nobody_count_against_a_new_track(
+    sees, missing, duration_s, confirmed
+):
+    camera_s = np.where(np.arange(3) < sees, 10.0, -np.inf)[None]
+    out = np.zeros(1, bool)
+    kernels.confirm_all(
+        camera_s, np.array([duration_s]), np.array([missing]), 10.0, LOOK_BACK_S, 0.15, out
+    )
+    assert out[0] == confirmed
 
 
 def test_a_camera_supports_whom_it_sees_with_three_joints_and_never_backwards_in_time():
@@ -112,8 +140,11 @@ def test_people_are_close_when_the_mean_distance_of_their_torsos_is(seed, distan
     [
         (9.6, 9.6, True, 2, True),  # seen within half a second
         (9.4, 9.4, True, 2, False),  # not seen for longer
+        (9.6, 9.6, True, 1, True),
         (9.7, 9.7, True, 3, True),
         (9.6, 9.6, True, 3, False),  # that three cameras all miss somebody is rare
+        (9.7, 9.7, True, 4, False),  # as many images as two cameras take in half a second
+        (9.8, 9.8, True, 9, True),
         (9.6, 9.6, True, -1, True),  # others hide the person from all cameras
         (9.7, 9.7, True, 0, False),  # out of everybody's view for a quarter of a second
         (10.0, 8.0, True, 3, False),  # one camera against two that do not see the person
@@ -123,12 +154,42 @@ def test_people_are_close_when_the_mean_distance_of_their_torsos_is(seed, distan
     ],
 )
 def test_who_lives_on(last_s, two_s, confirmed, expected, lives):
+    seen = sightings(np.array([[last_s, -np.inf]]), np.array([two_s]))
+    assert survives(seen, who(confirmed), expected) == lives
+
+
+def who(confirmed=True, born_s=5.0, n=1):
+    return kernels.Who(np.arange(n), np.full(n, born_s), np.full(n, confirmed))
+
+
+def survives(seen, tracks, expected=2, leaving=False, look_back_s=LOOK_BACK_S, x_m=0.0):
     alive = np.empty(1, bool)
-    kernels.survive_all(
-        sightings(np.array([[last_s, -np.inf]]), np.array([two_s])), np.array([confirmed]),
-        believed(), np.array([expected]), np.zeros((1, 17, 3)), 10.0, LIMITS, alive,
+    all_alive = kernels.survive_all(
+        seen, tracks, believed(), (np.array([expected]), np.array([leaving])),
+        np.full((1, 17, 3), x_m), 10.0, look_back_s, LIMITS, alive,
     )  # fmt: skip
-    assert alive[0] == lives
+    assert alive[0] == all_alive
+    return alive[0]
+
+
+@pytest.mark.parametrize(("last_s", "lives"), [(9.76, True), (9.74, False)])
+def test_whoever_was_leaving_is_given_up_within_a_quarter_of_a_second(last_s, lives):
+    seen = sightings(np.array([[last_s, -np.inf]]), np.array([last_s]))
+    assert survives(seen, who(), expected=2, leaving=True) == lives
+    assert survives(seen, who(), expected=2)  # hidden where many look: as before
+
+
+@pytest.mark.parametrize(("age_s", "lives"), [(0.35, True), (0.25, False), (0.0, False)])
+def test_a_track_is_not_kept_for_longer_than_it_has_existed(age_s, lives):
+    seen = sightings(np.array([[9.7, -np.inf]]), np.array([9.7]))
+    assert survives(seen, who(born_s=9.7 - age_s)) == lives
+
+
+def test_cameras_with_few_images_may_miss_one_before_a_track_is_given_up():
+    seen = sightings(np.array([[9.72, -np.inf]]), np.array([9.72]))
+    assert not survives(seen, who(), expected=4)
+    assert survives(seen, who(), expected=4, look_back_s=np.full(3, 0.3))
+    assert survives(seen, who(born_s=9.72), look_back_s=np.full(3, 0.3))
 
 
 @pytest.mark.parametrize(
@@ -146,36 +207,30 @@ def test_where_somebody_should_be_seen_is_asked_only_of_those_whose_life_hangs_o
 
 
 def test_a_body_that_is_not_finite_dies():
-    x = np.zeros((1, 17, 3))
-    x[0, 4, 1] = np.inf
-    alive = np.empty(1, bool)
-    kernels.survive_all(
-        sightings(np.full((1, 2), 10.0), np.array([10.0])), np.array([True]), believed(),
-        np.array([2]), x, 10.0, LIMITS, alive,
-    )  # fmt: skip
-    assert not alive[0]
+    seen = sightings(np.full((1, 2), 10.0), np.array([10.0]))
+    assert survives(seen, who())
+    assert not survives(seen, who(), x_m=np.inf)
 
 
 def judged(camera_s, redundant_count, confirmed, n_compared):
     n = len(camera_s)
     x = np.zeros((n, 17, 3))
     x[:, :, 0] = 0.1 * np.arange(n)[:, None]
-    expected, asked, alive = np.empty(n, np.int64), np.empty(n, bool), np.empty(n, bool)
+    asked, alive = np.empty(n, bool), np.empty(n, bool)
     told = kernels.judge_all(
-        sightings(camera_s, np.full(n, 10.0)), confirmed,
-        kernels.Doubts(np.zeros(n), redundant_count), x, MODEL.torso, n_compared, 10.0,
-        LOOK_BACK_S[: camera_s.shape[1]], LIMITS, expected, asked, alive,
+        sightings(camera_s, np.full(n, 10.0)), who(n=n)._replace(confirmed=confirmed),
+        kernels.Doubts(np.zeros(n), redundant_count), np.zeros(n, np.int64), x, MODEL.torso,
+        n_compared, 10.0, LOOK_BACK_S[: camera_s.shape[1]], LIMITS, asked, alive,
     )  # fmt: skip
-    return told, expected.tolist(), asked.tolist(), alive.tolist()
+    return told, asked.tolist(), alive.tolist()
 
 
 def test_tracks_are_judged_at_once_and_the_new_ones_are_no_duplicates():
     camera_s = np.array([[10.0, 10.0, 10.0], [10.0, 10.0, 9.0]])
     confirmed = np.zeros(2, bool)
-    told, expected, asked, alive = judged(camera_s, np.array([0.0, 3.0]), confirmed, 1)
+    told, asked, alive = judged(camera_s, np.array([0.0, 3.0]), confirmed, 1)
     assert told == (False, False, False)
     assert confirmed.tolist() == [True, False]  # three cameras see the first
-    assert expected == [2, 2]
     assert asked == [False, False]
     assert alive == [True, False]  # others explain the second
     told, *_ = judged(camera_s, np.zeros(2), confirmed, 2)
@@ -183,7 +238,7 @@ def test_tracks_are_judged_at_once_and_the_new_ones_are_no_duplicates():
 
 
 def test_whose_last_image_is_old_is_asked_for():
-    told, _, asked, alive = judged(np.array([[9.7], [10.0]]), np.zeros(2), np.ones(2, bool), 0)
+    told, asked, alive = judged(np.array([[9.7], [10.0]]), np.zeros(2), np.ones(2, bool), 0)
     assert told == (False, True, True)
     assert asked == [True, False]
     assert alive == [True, True]

@@ -55,13 +55,19 @@ def looking_from(*positions_m, at_m=(0.0, 0.0, 1.0)):
 def expected(rig, *people, looking=None):
     """Return in how many cameras each of the people should be found."""
     x_m = np.stack(people)
-    count = np.full(len(x_m), 99, np.int64)
-    looking = np.ones(len(rig), bool) if looking is None else looking
+    return views_of(rig, x_m, np.zeros((len(x_m), 3)), looking).expected.tolist()
+
+
+def views_of(rig, x_m, step_m, looking=None, asked=None):
+    """Return who should see people who move by `step_m` within a step."""
+    n = len(x_m)
+    views = kernels.Views(np.full(n, 99), np.zeros(n, bool), np.zeros((n, len(rig)), bool))
     kernels.expect_all(
-        visibility.lenses(rig), visibility.silhouette(COCO17), looking, MODEL.torso, x_m,
-        np.ones(len(x_m), bool), count,
+        visibility.lenses(rig), visibility.silhouette(COCO17),
+        np.ones(len(rig), bool) if looking is None else looking, MODEL.torso, x_m, step_m,
+        np.ones(n, bool) if asked is None else asked, views,
     )  # fmt: skip
-    return count.tolist()
+    return views
 
 
 @pytest.mark.parametrize("name", LENSES)
@@ -151,12 +157,43 @@ def test_whoever_hides_half_a_body_hides_about_half_of_its_joints():
 
 
 def test_only_those_who_are_asked_for_are_worked_out():
-    count = np.array([7, 7], np.int64)
-    kernels.expect_all(
-        MODEL.lenses, MODEL.silhouette, np.ones(4, bool), MODEL.torso,
-        np.stack([standing(0, 0), standing(1, 1)]), np.array([False, True]), count,
-    )  # fmt: skip
-    assert count.tolist() == [7, 4]
+    x_m = np.stack([standing(0, 0), standing(1, 1)])
+    views = views_of(MODEL.rig, x_m, np.zeros((2, 3)), asked=np.array([False, True]))
+    assert views.expected.tolist() == [99, 4]
+    assert views.should.tolist() == [[False] * 4, [True] * 4]
+
+
+def test_the_cameras_that_should_find_somebody_are_named():
+    rig = looking_from((-4, 0, 1.5), (0, -4, 1.5), (-4, 0, 1.5))
+    x_m = np.stack([standing(-1.0, 0.0), standing(0.2, 0.02)])
+    looking = np.array([True, True, False])
+    views = views_of(rig, x_m, np.zeros((2, 3)), looking)
+    assert views.should.tolist() == [[True, True, False], [False, True, False]]
+
+
+@pytest.mark.parametrize(
+    ("x_m", "y_m", "step_m", "leaving"),
+    [
+        (0.0, 0.0, (0.6, 0.0), False),  # through the middle, which all four have in view
+        (3.1, 0.0, (0.6, 0.0), True),  # out where two look, across the room
+        (3.1, 0.0, (-0.6, 0.0), False),  # in from there
+        (3.1, 0.0, (0.1, 0.0), False),  # standing there
+    ],
+)
+def test_whoever_walks_out_where_few_cameras_look_is_leaving(x_m, y_m, step_m, leaving):
+    views = views_of(MODEL.rig, standing(x_m, y_m)[None], np.array([[*step_m, 0.0]]))
+    assert views.expected[0] == (4 if x_m == 0.0 else 2)
+    assert views.leaving[0] == leaving
+
+
+def test_whoever_is_a_step_from_leaving_every_view_that_has_them_is_leaving():
+    rig = looking_from((-4, 0, 1.5), (-4, 0.2, 1.5))
+    at_border = next(y for y in np.arange(0, 9, 0.1) if expected(rig, standing(0, y + 0.5)) == [0])
+    x_m = standing(0.0, at_border)[None]
+    assert expected(rig, x_m[0]) == [2]
+    out, along = (views_of(rig, x_m, np.array([step])) for step in ((0, 0.6, 0), (0.3, 0, 0)))
+    assert out.leaving[0]
+    assert not along.leaving[0]
 
 
 def test_nobody_hides_anybody_in_a_skeleton_without_shoulders_and_hips():

@@ -39,8 +39,8 @@ class Candidate:
     xyz_m
         Joints, triangulated from the first two members; NaN where their rays miss each other.
     sure
-        Whether the track can be confirmed at once: the first two members agree very well, and
-        neither has another possible partner.
+        Whether the track can be confirmed at once unless other cameras look there and see nobody:
+        the first two members agree very well, and neither has another possible partner.
     """
 
     member: Int64[np.ndarray, " member"]

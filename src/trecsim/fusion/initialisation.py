@@ -19,6 +19,7 @@ from trecsim.fusion.tuning import (
     FIRST_SPEED_MPS,
     GUESSED_SIGMA_M,
     SHORTEST_TRUNK_M,
+    SURE_BIRTH_WORTH,
 )
 
 # Rank of a joint along the body: missing joints of higher rank are placed below their neighbours of
@@ -39,7 +40,7 @@ class Birth:
     id
         Its identity.
     confirmed
-        Whether it is reported at once.
+        Whether it is reported at once, as its person has been before.
     velocity_mps
         What is known of its velocity: zero, or the way from where the person was seen last.
     """
@@ -133,7 +134,8 @@ def first_states(births: Sequence[Birth], t_s: float, grid: KnotGrid, model: Mod
         id=np.array([birth.id for birth in births], np.int64),
         born_s=np.full(n, t_s),
         confirmed=np.array([birth.confirmed for birth in births], bool),
-        two_view_duration_s=np.zeros(n),
+        two_view_duration_s=np.array([birth.candidate.sure for birth in births], np.float64)
+        * (SURE_BIRTH_WORTH * model.settings.confirm_s),
         last_two_view_s=np.full(n, t_s),
         last_seen_s=np.full((n, n_cam), -np.inf),
         joint_last_seen_s=np.full((n, n_joint, n_cam), -np.inf),

@@ -7,9 +7,20 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import kernels
+from trecsim.fusion.kernels import Views
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.tuning import LONGEST_SUPPORT_S, LOOK_BACK, SUPPORT_S, UNASSIGNED_S
+from trecsim.fusion.tuning import (
+    BESIDE_M,
+    LONGEST_SUPPORT_S,
+    LOOK_BACK,
+    STEP_S,
+    SUPPORT_S,
+    UNASSIGNED_S,
+)
+
+# Number of missing cameras that no support makes up for.
+ON_TRIAL = 1000
 
 
 class Judgement(NamedTuple):
@@ -45,7 +56,7 @@ def judge(
     n_compared
         Only so many tracks, the first, may be duplicates of each other.
     looking
-        Returns which cameras deliver images; called only if a track may die.
+        Returns which cameras deliver images; called only if it matters.
     t_s
         Time of the frame set [s].
     look_back_s
@@ -53,29 +64,71 @@ def judge(
 
     Notes
     -----
-    A track is confirmed that two cameras have supported long enough, or that three do now.
+    A track is confirmed that two cameras have supported long enough, or that three do now; cameras
+    that look and see nobody there make it longer. A track beside a confirmed one that its cameras
+    should see, and do not, is on trial: it may be that person, with a pose read badly.
 
     A provisional track dies unless two cameras support it again within a quarter of a second. A
     confirmed one dies
 
-    - when no camera supports it for `death_s`; for half of that if no camera has it in view, for
-      0.7 of it if three or more should detect it;
+    - when no camera supports it for `death_s`; sooner if more than two cameras should detect it, if
+      none has it in view or if it was leaving, and if it has not existed for as long;
     - when for `single_view_death_s` only one of three or more cameras that should detect it does;
     - when other tracks explain all of its detections in `REDUNDANT_CHECKS` checks.
     """
     n = len(people)
-    expected, asked, alive = np.empty(n, np.int64), np.empty(n, bool), np.empty(n, bool)
+    asked, alive, missing = np.empty(n, bool), np.empty(n, bool), np.zeros(n, np.int64)
+    if not people.confirmed.all():
+        missing = missing_cameras(people, model, looking(), t_s - look_back_s)
     close, some_asked, all_alive = kernels.judge_all(
-        people.sightings, people.confirmed, people.doubts, people.xyz_m, model.torso, n_compared,
-        t_s, look_back_s, model.limits, expected, asked, alive,
+        people.sightings, people.who, people.doubts, missing, people.xyz_m, model.torso,
+        n_compared, t_s, look_back_s, model.limits, asked, alive,
     )  # fmt: skip
     if some_asked:
-        expected = expected_cameras(people, model, looking(), asked)
+        views = expected_cameras(people, model, looking(), asked)
         all_alive = kernels.survive_all(
-            people.sightings, people.confirmed, people.doubts, expected, people.xyz_m, t_s,
-            model.limits, alive,
+            people.sightings, people.who, people.doubts, (views.expected, views.leaving),
+            people.xyz_m, t_s, look_back_s, model.limits, alive,
         )  # fmt: skip
     return Judgement(alive, all_alive, close)
+
+
+def missing_cameras(
+    people: Population,
+    model: Model,
+    looking: Bool[np.ndarray, " cam"],
+    since_s: Float64[np.ndarray, " cam"],
+) -> Int64[np.ndarray, " track"]:
+    """Return how many cameras look at the place of each provisional track and see nobody there.
+
+    Parameters
+    ----------
+    people, model
+        Tracks, and constants of the run.
+    looking
+        Which cameras deliver images.
+    since_s
+        Since when the support of each camera counts as now [s].
+
+    Notes
+    -----
+    The place is not empty for a camera that supports a track beside the new one. The result is
+    `ON_TRIAL`, more than there are cameras, for a track beside a confirmed one that all of its
+    cameras should see, and that only other cameras do.
+    """
+    new = ~people.confirmed
+    torso_m = people.xyz_m[:, model.torso]
+    apart_m = np.linalg.norm(torso_m[:, None] - torso_m[None], axis=-1).mean(axis=-1)
+    beside = (apart_m < BESIDE_M) & new[:, None] & ~np.eye(len(people), dtype=bool)
+    views = expected_cameras(people, model, looking, new | beside.any(axis=0))
+    sees = people.last_seen_s > since_s
+    missed = views.should & ~sees
+    occupied = beside @ sees
+    missing: Int64[np.ndarray, " track"] = (missed & ~occupied).sum(axis=1)
+    for k, other in zip(*np.nonzero(beside & people.confirmed), strict=True):
+        if sees[k].any() and sees[other].any() and missed[other, sees[k]].all():
+            missing[k] = ON_TRIAL
+    return missing
 
 
 class LookBack(NamedTuple):
@@ -111,8 +164,8 @@ def expected_cameras(
     model: Model,
     looking: Bool[np.ndarray, " cam"],
     asked: Bool[np.ndarray, " track"],
-) -> Int64[np.ndarray, " track"]:
-    """Return how many of the cameras that deliver images should detect each person.
+) -> Views:
+    """Return which of the cameras that deliver images should detect each person.
 
     Parameters
     ----------
@@ -121,16 +174,18 @@ def expected_cameras(
     looking
         Which cameras deliver images.
     asked
-        For which tracks it matters.
+        For which tracks it matters; for others, two cameras are expected, and no camera is named.
 
     Notes
     -----
     A camera should detect a person whose torso is in its raw image and whom no nearer person hides
-    for the most part. This is worked out only for tracks that may die of it; for others it is two.
-    It is -1 where nearer people hide the person from every camera that has it in view.
+    for the most part.
     """
-    expected = np.full(len(people), 2, np.int64)
+    n = len(people)
+    out = Views(np.full(n, 2, np.int64), np.zeros(n, bool), np.zeros((n, len(model.rig)), bool))
+    step_m = people.c[:, model.torso, -3:] - people.c[:, model.torso, -6:-3]
+    step_m = step_m.mean(axis=1) * (STEP_S / model.settings.knot_s)
     kernels.expect_all(
-        model.lenses, model.silhouette, looking, model.torso, people.xyz_m, asked, expected
+        model.lenses, model.silhouette, looking, model.torso, people.xyz_m, step_m, asked, out
     )
-    return expected
+    return out

@@ -83,12 +83,14 @@ class FusionSettings:
         key points).
     confirm_s
         A track is confirmed, and reported, after two cameras have supported it for this time; at
-        once if three cameras do, or if two agree very well [s] (in the thesis: none; the most
+        once if three cameras do, or if two agree very well; later if other cameras look there and
+        see nobody [s] (in the thesis: none; the most
         detections of one camera tell how many people there are).
     death_s
         A track is deleted after no camera has supported it for this time; after half of it if no
-        camera has the person in view, after 0.7 of it if three or more do [s] (in the thesis: the
-        threshold of support, and the look-back over which it is counted).
+        camera has the person in view or the person was leaving, after two thirds of it if three
+        cameras do, after half of it if more do [s] (in the thesis: the threshold of support, and
+        the look-back over which it is counted).
     single_view_death_s
         A track that one camera supports, though three or more have the person in view, is deleted
         after this time [s].

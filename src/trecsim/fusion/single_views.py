@@ -276,15 +276,18 @@ class SingleViews:
         The distance may be off by one standard deviation to either side.
         """
         m, mine = self._model, self.people
-        found = np.zeros((3, len(self) + len(company.xyz_m)), np.int64)
+        n = len(self) + len(company.xyz_m)
+        found = np.zeros((3, n), np.int64)
+        leaving, should = np.zeros(n, bool), np.zeros((n, len(m.rig)), bool)
         ray_m = mine.xyz_m - mine.range_from_m[:, None]
         for expected, way in zip(found, (-1.0, 0.0, 1.0), strict=True):
             there_m = mine.xyz_m + way * mine.range_sigma[:, None, None] * ray_m
             xyz_m = np.concatenate([there_m, company.xyz_m])
             asked = np.arange(len(xyz_m)) < len(self)
             kernels.expect_all(
-                m.lenses, m.silhouette, company.looking, m.torso, xyz_m, asked, expected
-            )
+                m.lenses, m.silhouette, company.looking, m.torso, xyz_m, np.zeros((n, 3)), asked,
+                kernels.Views(expected, leaving, should),
+            )  # fmt: skip
         return np.asarray(found.min(axis=0)[: len(self)])
 
     def replace(self, rows: Sequence[int]) -> Population:

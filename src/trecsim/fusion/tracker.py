@@ -247,8 +247,7 @@ class Tracker:
             claims = self._single.rows(pool.claim[candidate.member])
             identity, known = self._identify(xyz_m, unnamed, claims)
             self._keep_for_lag(self._single.replace(claims), provisional=True)
-            confirmed = known or candidate.sure
-            births.append(Birth(candidate, xyz_m, identity, confirmed, velocity_mps))
+            births.append(Birth(candidate, xyz_m, identity, known, velocity_mps))
             named.add(identity)
             replaced |= owners
         self._add(births, pool)

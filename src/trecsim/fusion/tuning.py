@@ -57,8 +57,10 @@ LARGEST_INFLATION: Final = 50.0
 # have weight 1.
 UNSEEN_WEIGHT: Final = 0.05
 # Where fewer than two cameras support the body, depth is unobserved: the velocity of the body is
-# multiplied by this for each knot.
+# multiplied by this for each knot; where none does, by the other: people who are not seen have
+# turned, stopped or left.
 KEPT: Final = 0.8
+KEPT_UNSEEN: Final = 0.6
 
 # --------------------------------------------------------------------------------- limbs and ground
 
@@ -222,8 +224,10 @@ CLEAR_PAIR: Final = 25.0
 # Number of checks in which other tracks explain all detections of a track, until it is deleted.
 # People who cross are in line for one camera as long, but not for two at a time.
 REDUNDANT_CHECKS: Final = 3.0
-# A detection whose key points lie this near on average shows the person, at its distance [m].
+# A detection whose key points lie this near on average shows the person, at its distance [m], but
+# another one rather if it fits that one better by so much.
 FITS_M: Final = 0.12
+FITS_BETTER_M: Final = 0.05
 # Time for which most cameras read a track with left and right exchanged, until it is mirrored [s]:
 # longer than a detector errs at a stretch.
 MIRROR_S: Final = 0.2
@@ -242,11 +246,30 @@ INLIER: Final = 0.5
 FEWEST_INLIERS: Final = 3
 # So many cameras that support a track at a time confirm it at once.
 SURE_CAMERAS: Final = 3
-# A track dies after a share of `death_s` if no camera has the person in view (the person has left),
-# or if `CROWDED` or more cameras do: that all of them miss a real person is unlikely.
-UNSEEN_PATIENCE: Final = 0.5
-CROWDED_PATIENCE: Final = 0.7
+# A track dies after this share of `death_s` if no camera has the person in view, or if the person
+# was leaving. Of cameras that should see the person, `USUAL_CAMERAS` may miss it for `death_s`, and
+# more of them for as many images in all: that all of them miss a real person is unlikely.
+LEAST_PATIENCE: Final = 0.5
+USUAL_CAMERAS: Final = 2.0
+# One of so many cameras does not keep a track alive for long.
 CROWDED: Final = 3
+# Whoever walks is about to leave if no camera that should see the person now has the place in view
+# where the person is after this time [s]; or if at most half of the cameras have the person in
+# view, no more will then, and the person walks at least so fast [m/s]: doors are where few cameras
+# look.
+STEP_S: Final = 0.5
+WALKS_MPS: Final = 0.3
+# Log likelihood ratio of a new track to a phantom, for each camera that shows a person there, and
+# against it for each that looks and shows nobody: detectors find 85 % of people, and 5 % of places
+# are hidden from a camera or have a false detection. A pair beyond doubt is worth this many times
+# `confirm_s` of support.
+LOOK_SEES: Final = 2.83
+LOOK_MISSES: Final = 1.85
+SURE_BIRTH_WORTH: Final = 1.5
+# Two tracks are beside each other within this mean distance of their torsos [m]: then a camera's
+# detection of the one may show the other, as of people in a group, or of somebody who lies and
+# whose pose is read badly.
+BESIDE_M: Final = 1.0
 # A provisional track needs two cameras again within this time [s].
 TENTATIVE_S: Final = 0.25
 # A point nearer than this to a camera's plane is not expected in the image [m].

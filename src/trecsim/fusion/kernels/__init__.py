@@ -63,7 +63,7 @@ from trecsim.fusion.kernels.snapshot_kernels import snapshot_all
 from trecsim.fusion.kernels.undistortion_kernels import Undistortion, undistort
 from trecsim.fusion.kernels.updating import update_all
 from trecsim.fusion.kernels.velocity import velocity_all
-from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, expect_all
+from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, Views, expect_all
 
 __all__ = [
     "FREE",
@@ -89,6 +89,7 @@ __all__ = [
     "Taken",
     "Trajectories",
     "Undistortion",
+    "Views",
     "Who",
     "age",
     "any_close",

@@ -6,7 +6,7 @@ from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import BLOCK
 from trecsim.fusion.kernels.information import REACH, control_points, fold_row
 from trecsim.fusion.kernels.small_matrices import clear_row
-from trecsim.fusion.tuning import KEPT, UNSEEN_WEIGHT
+from trecsim.fusion.tuning import KEPT, KEPT_UNSEEN, UNSEEN_WEIGHT
 
 
 @inner
@@ -120,8 +120,9 @@ def body_step(c, seen, torso, step_m):
         most = max(most, seen[j])
         for a in range(BLOCK):
             step_m[a] += weight * (c[j, n - 3 + a] - c[j, n - 6 + a])
+    kept = 1.0 if most >= 2 else KEPT if most else KEPT_UNSEEN
     for a in range(BLOCK):
-        step_m[a] *= KEPT / total if most < 2 else 1.0 / total
+        step_m[a] *= kept / total
 
 
 @kernel(allocates=True)

@@ -7,7 +7,14 @@ import numpy as np
 from trecsim.compiler import inner
 from trecsim.fusion.kernels.mixture import project
 from trecsim.fusion.kernels.pairing import limb_score, meeting_score
-from trecsim.fusion.tuning import CLEAR_PAIR, FITS_M, MOST_SWAP_EVIDENCE, NEAR_M, PAIR_JOINTS
+from trecsim.fusion.tuning import (
+    CLEAR_PAIR,
+    FITS_BETTER_M,
+    FITS_M,
+    MOST_SWAP_EVIDENCE,
+    NEAR_M,
+    PAIR_JOINTS,
+)
 
 
 @inner(allocates=True)
@@ -142,8 +149,8 @@ def note_redundant(cameras, measured, xyz_m, match, confirmed, looks):
         Who is known for sure, (track,).
     looks
         Per track, changed in place: one more where exactly two images show the person, and in
-        each of them somebody known, whom nothing shows there, fits the detection too; else one
-        less, at least 0.
+        each of them somebody known, whom nothing shows there, fits the detection about as well;
+        else one less, at least 0.
 
     Notes
     -----
@@ -164,10 +171,14 @@ def note_redundant(cameras, measured, xyz_m, match, confirmed, looks):
 
 @inner
 def fits_another(P, focal_px, c, xyz_m, xy_px, match, confirmed, k):
-    """Return whether a detection of track `k` fits somebody whom nothing in the image shows."""
+    """Return whether a detection of track `k` fits somebody whom nothing in the image shows.
+
+    Track `k` itself must not fit clearly better: then the image shows its person.
+    """
+    most_m = min(FITS_M, away_m(P, focal_px[c], c, xyz_m[k], xy_px) + FITS_BETTER_M)
     for i in range(match.shape[0]):
         vacant = i != k and match[i] < 0 and confirmed[i]
-        if vacant and away_m(P, focal_px[c], c, xyz_m[i], xy_px) < FITS_M:
+        if vacant and away_m(P, focal_px[c], c, xyz_m[i], xy_px) < most_m:
             return True
     return False
 

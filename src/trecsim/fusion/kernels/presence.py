@@ -8,13 +8,15 @@ from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import (
     CROWDED,
-    CROWDED_PATIENCE,
     FEWEST_INLIERS,
     INLIER,
+    LEAST_PATIENCE,
+    LOOK_MISSES,
+    LOOK_SEES,
     REDUNDANT_CHECKS,
     SURE_CAMERAS,
     TENTATIVE_S,
-    UNSEEN_PATIENCE,
+    USUAL_CAMERAS,
 )
 
 
@@ -149,12 +151,30 @@ def supporting(last_s, now_s, look_back_s):
 
 
 @inner
-def confirm_all(last_seen_in_s, two_view_duration_s, now_s, look_back_s, confirm_s, confirmed):
-    """Confirm, in place, whom two cameras have supported long enough or three support now."""
-    for k in range(last_seen_in_s.shape[0]):
-        if (
-            two_view_duration_s[k] >= confirm_s - 1e-9
-            or supporting(last_seen_in_s[k], now_s, look_back_s) >= SURE_CAMERAS
+def confirm_all(camera_s, two_view_duration_s, missing, now_s, look_back_s, confirm_s, confirmed):
+    """Confirm, in place, whom two cameras have supported long enough or three support now.
+
+    Parameters
+    ----------
+    camera_s, two_view_duration_s
+        As in `Sightings`.
+    missing
+        How many cameras look at each track's place and see nobody, (track,).
+    now_s, look_back_s
+        The time, and for how long each camera's support counts as now, (cam,) [s].
+    confirm_s, confirmed
+        See `FusionSettings`; who is confirmed, (track,).
+
+    Notes
+    -----
+    `confirm_s` is long enough for two cameras that support a track while no other one looks. For
+    others it is longer by the ratio of the log likelihood ratios to a phantom.
+    """
+    for k in range(camera_s.shape[0]):
+        n = supporting(camera_s[k], now_s, look_back_s)
+        worth = (n * LOOK_SEES - missing[k] * LOOK_MISSES) / (2.0 * LOOK_SEES)
+        if two_view_duration_s[k] * min(worth, 1.0) >= confirm_s - 1e-9 or (
+            worth >= 1.0 and n >= SURE_CAMERAS
         ):
             confirmed[k] = True
 
@@ -176,17 +196,18 @@ def any_close(x_m, torso, distance_m):
     return False
 
 
-@kernel
+@kernel(allocates=True)
 def judge_all(
-    sightings, confirmed, doubts, x_m, torso, n_compared, now_s, look_back_s, limits, expected,
-    asked, alive,
+    sightings, who, doubts, missing, x_m, torso, n_compared, now_s, look_back_s, limits, asked,
+    alive,
 ):  # fmt: skip
     """Confirm tracks, in place, and tell which live on, for which it matters who should see them.
 
     Parameters
     ----------
-    sightings, confirmed, doubts, x_m
-        The tracks: `Sightings`, which are reported, (track,), `Doubts`, and joints.
+    sightings, who, doubts, missing, x_m
+        The tracks: `Sightings`, `Who`, `Doubts`, how many cameras look at each and see nobody
+        (track,), and joints.
     torso
         The joints that stand for a person.
     n_compared
@@ -194,46 +215,53 @@ def judge_all(
     now_s, look_back_s, limits
         Time of the frame set, for how long each camera's support counts as now, (cam,) [s], and
         `Limits`.
-    expected, asked, alive
-        Results, (track,): how many cameras should detect each person, which is taken as two where
-        nothing is known; whether that decides over the track; whether it lives on.
+    asked, alive
+        Results, (track,): whether it decides over the track how many cameras should detect the
+        person; whether it lives on if two should.
 
     Returns
     -------
     Whether any two tracks are close, any track is asked for, and all live on.
     """
     camera_s, duration_s = sightings.camera_s, sightings.two_view_duration_s
-    confirm_all(camera_s, duration_s, now_s, look_back_s, limits.confirm_s, confirmed)
+    confirm_all(camera_s, duration_s, missing, now_s, look_back_s, limits.confirm_s, who.confirmed)
     close = any_close(x_m[:n_compared], torso, limits.duplicate_m)
     some_asked = ask_all(sightings, now_s, limits, asked)
-    for k in range(expected.shape[0]):
-        expected[k] = 2
-    all_alive = survive_all(sightings, confirmed, doubts, expected, x_m, now_s, limits, alive)
+    n_track = camera_s.shape[0]
+    expected, leaving = np.empty(n_track, np.int64), np.empty(n_track, np.bool_)
+    for k in range(n_track):
+        expected[k], leaving[k] = 2, False
+    all_alive = survive_all(
+        sightings, who, doubts, (expected, leaving), x_m, now_s, look_back_s, limits, alive
+    )
     return close, some_asked, all_alive
 
 
 @kernel
-def survive_all(sightings, confirmed, doubts, expected, x_m, now_s, limits, alive):
-    """Write who lives on to `alive` (track,), return whether all do; see `lifecycle.survivors`.
+def survive_all(sightings, who, doubts, views, x_m, now_s, look_back_s, limits, alive):
+    """Write who lives on to `alive` (track,), return whether all do; see `lifecycle.judge`.
 
     Parameters
     ----------
-    sightings, doubts
-        `Sightings` and `Doubts`.
-    confirmed, expected, x_m
-        Who is confirmed, by how many cameras everybody is expected, (track,), and joints.
-    now_s, limits
-        Time of the frame set [s], and `Limits`.
+    sightings, who, doubts
+        `Sightings`, `Who` and `Doubts`.
+    views, x_m
+        By how many cameras everybody is expected and who is about to leave, (track,), and joints.
+    now_s, look_back_s, limits
+        Time of the frame set, for how long each camera's support counts as now, (cam,) [s], and
+        `Limits`.
     alive
         Result, (track,).
     """
     camera_s, two_view_s = sightings.camera_s, sightings.two_view_s
     death_s, single_view_death_s = limits.death_s, limits.single_view_death_s
-    all_alive = True
+    (expected, leaving), confirmed, all_alive = views, who.confirmed, True
+    least_s = smallest(look_back_s)
     for k in range(camera_s.shape[0]):
-        alone_s = now_s - two_view_s[k]
+        alone_s, seen_s = now_s - two_view_s[k], largest(camera_s[k])
+        waits_s = min(death_s * patience(expected[k], leaving[k]), seen_s - who.born_s[k])
         alive[k] = (
-            now_s - largest(camera_s[k]) <= death_s * patience(expected[k])
+            now_s - seen_s <= max(waits_s, least_s)
             and not (alone_s > single_view_death_s and expected[k] >= CROWDED)
             and (confirmed[k] or alone_s <= TENTATIVE_S)
             and finite(x_m[k])
@@ -244,11 +272,20 @@ def survive_all(sightings, confirmed, doubts, expected, x_m, now_s, limits, aliv
 
 
 @inner
-def patience(expected):
+def patience(expected, leaving):
     """Return the share of `death_s` to wait for somebody whom so many cameras should find."""
-    if expected == 0:
-        return UNSEEN_PATIENCE
-    return CROWDED_PATIENCE if expected >= CROWDED else 1.0
+    if expected == 0 or leaving:
+        return LEAST_PATIENCE
+    return min(max(USUAL_CAMERAS / expected, LEAST_PATIENCE), 1.0) if expected > 0 else 1.0
+
+
+@inner
+def smallest(values):
+    """Return the smallest of some values; infinite if there are none."""
+    least = math.inf
+    for i in range(values.shape[0]):
+        least = min(least, values[i])
+    return least
 
 
 @inner
@@ -262,7 +299,7 @@ def ask_all(sightings, now_s, limits, asked):
     any_ = False
     for k in range(camera_s.shape[0]):
         asked[k] = (
-            now_s - largest(camera_s[k]) > min(UNSEEN_PATIENCE, CROWDED_PATIENCE) * death_s
+            now_s - largest(camera_s[k]) > LEAST_PATIENCE * death_s
             or now_s - two_view_s[k] > single_view_death_s
         )
         any_ |= asked[k]

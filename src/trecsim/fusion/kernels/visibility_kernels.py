@@ -4,10 +4,18 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.compiler import inner, kernel
-from trecsim.fusion.tuning import AHEAD_M, ASIDE_M, BEFORE_M, HIDDEN_SHARE, IN_VIEW
+from trecsim.fusion.tuning import (
+    AHEAD_M,
+    ASIDE_M,
+    BEFORE_M,
+    HIDDEN_SHARE,
+    IN_VIEW,
+    STEP_S,
+    WALKS_MPS,
+)
 
 # What `Lenses.kind` says.
 PINHOLE, BROWN, FISHEYE = 0, 1, 2
@@ -58,9 +66,28 @@ class Silhouette(NamedTuple):
     radius_m: Float64[np.ndarray, " part"]
 
 
+class Views(NamedTuple):
+    """Who should see whom.
+
+    Attributes
+    ----------
+    expected
+        In how many cameras each person should be found; -1 for somebody whom cameras have in view,
+        and others hide from all of them.
+    leaving
+        Whether the person is walking out of the views, or where few cameras look.
+    should
+        Which cameras should find the person.
+    """
+
+    expected: Int64[np.ndarray, " track"]
+    leaving: Bool[np.ndarray, " track"]
+    should: Bool[np.ndarray, "track cam"]
+
+
 @kernel
-def expect_all(lenses, silhouette, looking, torso, x_m, asked, expected):
-    """Write in how many of the cameras that are looking people should be found to `expected`.
+def expect_all(lenses, silhouette, looking, torso, x_m, step_m, asked, views):
+    """Write which of the cameras that are looking should find people, and who is about to leave.
 
     Parameters
     ----------
@@ -72,31 +99,48 @@ def expect_all(lenses, silhouette, looking, torso, x_m, asked, expected):
         The joints that stand for a person.
     x_m
         Everybody's joints, (track, joint, 3).
+    step_m
+        How far everybody moves within a step, (track, 3).
     asked
-        For whom it matters, (track,); the others' `expected` is left as it is.
-    expected
-        Result, (track,); -1 for somebody whom cameras have in view, and others hide from all of
-        them.
+        For whom it matters, (track,); what is told of the others is left as it is.
+    views
+        Result: `Views`.
     """
+    expected, leaving, should = views
+    nowhere = (0.0, 0.0, 0.0)
     for k in range(x_m.shape[0]):
         if not asked[k]:
             continue
-        before = visible = 0
+        before = visible = ahead = stay = n_looking = 0
         for c in range(looking.shape[0]):
-            if looking[c] and has_in_view(lenses, c, x_m[k], torso):
+            should[k, c] = False
+            if not looking[c]:
+                continue
+            n_looking += 1
+            later = has_in_view(lenses, c, x_m[k], step_m[k], torso)
+            ahead += later
+            if has_in_view(lenses, c, x_m[k], nowhere, torso):
                 before += 1
-                visible += hidden_share(lenses.position_m[c], silhouette, torso, x_m, k) < (
-                    HIDDEN_SHARE
-                )
+                free = hidden_share(lenses.position_m[c], silhouette, torso, x_m, k) < HIDDEN_SHARE
+                should[k, c] = free
+                visible += free
+                stay += free and later
         expected[k] = visible if visible or not before else -1
+        walks = math.sqrt(step_m[k, 0] ** 2 + step_m[k, 1] ** 2) > WALKS_MPS * STEP_S
+        outwards = 2 * before <= n_looking and ahead <= before
+        leaving[k] = walks and visible > 0 and (stay == 0 or outwards)
 
 
 @inner
-def has_in_view(lenses, c, x_m, torso):
-    """Return whether enough of a person's torso is in a camera's image, were nobody before it."""
-    inside = 0
+def has_in_view(lenses, c, x_m, step_m, torso):
+    """Return whether enough of a person's torso is in a camera's image, were nobody before it.
+
+    The person is where it is, `x_m`, after a step of `step_m`.
+    """
+    inside, x = 0, (0.0, 0.0, 0.0)
     for j in torso:
-        inside += in_image(lenses, c, x_m[j])
+        x = (x_m[j, 0] + step_m[0], x_m[j, 1] + step_m[1], x_m[j, 2] + step_m[2])
+        inside += in_image(lenses, c, x)
     return inside >= IN_VIEW * torso.shape[0]
 
 
