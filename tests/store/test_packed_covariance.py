@@ -35,13 +35,13 @@ def test_the_result_is_positive_definite(cov_m2: np.ndarray) -> None:
 
 
 @given(covariances())
-def test_no_direction_changes_by_more_than_a_fifth(cov_m2: np.ndarray) -> None:
+def test_no_direction_changes_by_more_than_a_quarter(cov_m2: np.ndarray) -> None:
     """In standard deviations, where the largest is at most 300 times the smallest."""
     values = np.linalg.eigvalsh(cov_m2)
     usual = cov_m2[values[:, 0] > 1e-5 * values[:, 2]]
     to_sphere = np.linalg.inv(np.linalg.cholesky(usual))
     ratio = np.linalg.eigvalsh(to_sphere @ unpacked(packed(usual)) @ to_sphere.swapaxes(-1, -2))
-    assert (np.abs(np.sqrt(ratio) - 1.0) < 0.2).all()
+    assert (np.abs(np.sqrt(ratio) - 1.0) < 0.25).all()
 
 
 @given(covariances())

@@ -343,12 +343,12 @@ def test_files_and_folders_are_for_their_owner_alone(path: Path) -> None:
 def test_the_memory_of_a_writer_does_not_grow_with_the_recording(path: Path) -> None:
     """What waits for a row group is bounded, whatever the length of a segment."""
     writer = ParquetTracksWriter(path, part_s=0.0)
-    many = [snapshot(0.04 * number, list(range(100))) for number in range(200)]
+    many = [snapshot(0.04 * number, list(range(400))) for number in range(90)]
     waiting = []
     for one in many:
         writer.write(one)
         assert writer._open is not None
         waiting.append(sum(map(len, writer._open._waiting)))
     writer.close()
-    assert max(waiting) < parquet_file.ROWS_OF_A_GROUP < 200 * 1700
+    assert max(waiting) < parquet_file.ROWS_OF_A_GROUP < 90 * 400 * 17
     assert np.diff(waiting).min() < 0

@@ -1,20 +1,20 @@
 """Round covariances to few bits, relative to their own size; the result is positive definite.
 
 Each covariance has its own step ``s``, the largest power of two up to 3.9 % of its mean variance
-and up to an eighth of its smallest eigenvalue. The variances are rounded to multiples of ``s``, the
-other three numbers to multiples of ``2 s``. So
+and up to a twelfth of its smallest eigenvalue. The variances are rounded to multiples of ``s``, the
+other three numbers to multiples of ``4 s``. So
 
 - the standard deviation (root of the mean variance) changes by less than 1 %, as the mean variance
   changes by at most ``s / 2``;
-- the matrix stays positive definite: rounding changes it by at most ``2.5 s`` in norm, which is
-  less than a third of the smallest eigenvalue;
+- the matrix stays positive definite: rounding changes it by at most ``4.5 s`` in norm, which is
+  at most 3/8 of the smallest eigenvalue;
 - every number fits into a float32 whose last bits are zero, which compresses well.
 
 A matrix whose numbers are multiples of half its step was rounded before and stays as it is, as
 rounding makes a step at most twice as large. So rounding again changes nothing.
 
-Where the largest and the smallest standard deviation differ by more than a factor of about 1000,
-the variances are raised by 2e-6 of their sum, so that a float32 still holds all multiples.
+Where the largest and the smallest standard deviation differ by more than a factor of about 700,
+the variances are raised by 4e-6 of their sum, so that a float32 still holds all multiples.
 """
 
 import numpy as np
@@ -26,9 +26,9 @@ VARIANCES, COVARIANCES = [0, 3, 5], [1, 2, 4]
 """Where among the six numbers the variances and the others are."""
 
 _SHARE_OF_MEAN = 0.039
-_SHARE_OF_SMALLEST = 0.125
-_COARSER = np.array([1.0, 2.0, 2.0, 1.0, 2.0, 1.0])
-_LEAST, _RAISED = 2.0**-20, 2.0**-19  # smallest eigenvalue, as a share of the trace
+_SHARE_OF_SMALLEST = 1.0 / 12.0
+_COARSER = np.array([1.0, 4.0, 4.0, 1.0, 4.0, 1.0])
+_LEAST, _RAISED = 2.0**-19, 2.0**-18  # smallest eigenvalue, as a share of the trace
 _SMALLEST_M2, _LARGEST_M2 = 1e-30, 1e30  # of the trace, far inside the range of float32
 
 Upper = Float64[np.ndarray, "*n 6"]
@@ -46,10 +46,14 @@ def packed(cov_m2: Float64[np.ndarray, "*n 3 3"]) -> Upper:
            0.99182129])
     """
     upper = _usable(cov_m2[..., *UPPER].reshape(-1, 6))
-    firm = _raised(upper)
-    step = _step(firm)
-    rounded = np.rint(firm / step) * step
-    kept = np.where(_is_packed(upper), upper, rounded) + 0.0  # no minus before a zero
+    smallest = _smallest_eigenvalue(upper)
+    step = _step(upper, smallest)
+    before = _is_packed(upper, step, smallest)
+    kept = np.where(before[:, None], upper, _multiple(upper, step))
+    weak = ~before & (smallest < _LEAST * _trace(upper))
+    if weak.any():
+        kept[weak] = _raised(upper[weak], smallest[weak])
+    kept += 0.0  # no minus before a zero
     return kept.reshape(*cov_m2.shape[:-2], 6)
 
 
@@ -79,34 +83,38 @@ def _usable(upper: Upper) -> Upper:
     return np.where(fits & (trace >= 0), kept, np.nan)
 
 
-def _raised(upper: Upper) -> Upper:
-    """Raise the variances of nearly singular matrices, so that a float32 holds all multiples."""
-    trace = upper[..., VARIANCES].sum(axis=-1)
-    smallest = _smallest_eigenvalue(upper)
-    more = np.where(smallest < _LEAST * trace, _RAISED * trace - smallest, 0.0)
+def _raised(upper: Upper, smallest: Float64[np.ndarray, " n"]) -> Upper:
+    """Return nearly singular matrices with larger variances, rounded."""
     raised = upper.copy()
-    raised[..., VARIANCES] += more[..., None]
-    return raised
+    raised[:, VARIANCES] += (_RAISED * _trace(upper) - smallest)[:, None]
+    return _multiple(raised, _step(raised, _RAISED * _trace(upper)))
 
 
-def _step(upper: Upper) -> Upper:
+def _trace(upper: Upper) -> Float64[np.ndarray, " n"]:
+    trace: Float64[np.ndarray, " n"] = upper[:, 0] + upper[:, 3] + upper[:, 5]
+    return trace
+
+
+def _step(upper: Upper, smallest: Float64[np.ndarray, " n"]) -> Upper:
     """Return the steps of the six numbers of each matrix, powers of two."""
-    trace = upper[..., VARIANCES].sum(axis=-1)
-    limit = np.minimum(
-        _SHARE_OF_MEAN / 3.0 * trace, _SHARE_OF_SMALLEST * _smallest_eigenvalue(upper)
-    )
+    limit = np.minimum(_SHARE_OF_MEAN / 3.0 * _trace(upper), _SHARE_OF_SMALLEST * smallest)
     _, exponent = np.frexp(np.where(limit > 0, limit, 1.0))  # 2^(exponent - 1) <= limit
-    step: Upper = np.ldexp(1.0, exponent - 1)[..., None] * _COARSER
+    step: Upper = np.ldexp(1.0, exponent - 1)[:, None] * _COARSER
     return step
 
 
-def _is_packed(upper: Upper) -> Bool[np.ndarray, "*n 1"]:
+def _multiple(upper: Upper, step: Upper) -> Upper:
+    nearest: Upper = np.rint(upper / step) * step
+    return nearest
+
+
+def _is_packed(
+    upper: Upper, step: Upper, smallest: Float64[np.ndarray, " n"]
+) -> Bool[np.ndarray, " n"]:
     """Return which matrices have been rounded before."""
-    half = 0.5 * _step(upper)
-    short = (np.rint(upper / half) * half == upper) & (upper.astype(np.float32) == upper)
-    definite = _smallest_eigenvalue(upper) > 0
-    packed_before: Bool[np.ndarray, "*n 1"] = (short.all(axis=-1) & definite)[..., None]
-    return packed_before
+    short = (_multiple(upper, 0.5 * step) == upper) & (upper.astype(np.float32) == upper)
+    before: Bool[np.ndarray, " n"] = short.all(axis=-1) & (smallest > 0)
+    return before
 
 
 def _smallest_eigenvalue(upper: Upper) -> Float64[np.ndarray, "*n"]:

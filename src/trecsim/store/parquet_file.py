@@ -29,7 +29,7 @@ FORMAT = "trecsim.tracks/1"
 SIX_COVARIANCES_FORMAT = "trecsim.tracks/2"
 COMPACT_FORMAT = "trecsim.tracks/3"
 FORMATS = (FORMAT, SIX_COVARIANCES_FORMAT, COMPACT_FORMAT)
-ROWS_OF_A_GROUP = 1 << 17
+ROWS_OF_A_GROUP = 1 << 19
 
 _FORMAT_NAME = "trecsim.tracks/"
 
