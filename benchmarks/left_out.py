@@ -13,6 +13,9 @@ Where Pose2Sim is installed (``POSE2SIM_PYTHON``), or what it made before is kep
 same cells stand beside: cells are key points of left-out cameras, and the same are those for which
 it has an answer, raw and filtered (see `harness/pose2sim_runs.py`).
 
+Beside it stands what ``trecsim evaluate --left-out`` says of the same recording, which has no
+labels: one camera is left out at a time, and detections are matched with people by distance.
+
 People are labelled in 2D, in each camera alone. The 2D poses are estimated once and kept
 (``TRECSIM_BENCHMARK_CACHE``, or the user's cache folder).
 
@@ -82,6 +85,7 @@ def of_scene(folder: Path, name: str, options: Options) -> dict[str, Figures]:
             f"person-moments, {size} cameras": once(n, "") for size, n in ghosts.items()
         }
         options.tell(f"{name}, {lag}")
+    out[f"{name}, everybody"] = {"as the command says": as_the_command_says(scene, options)}
     for who in scene.actors:
         out[f"{name}, {who}"]["noise"] = {"of key points": once(noise[who], "px", watched=False)}
     return dict(out)
@@ -183,6 +187,34 @@ def of_sets(scene: Recorded, who: str, sets: list[Set], found: Found, noise: flo
         ),
     }
     return figures
+
+
+def as_the_command_says(scene: Recorded, options: Options) -> Figures:
+    """Return what `trecsim evaluate --left-out` says, which knows no labels; older ones do not."""
+    try:
+        from trecsim.lab.evaluation.left_out import left_out as judged
+    except ImportError:  # this measures older versions, too
+        return {}
+    from trecsim.lab.evaluation.moments import gather, interval_s
+    from trecsim.lab.evaluation.person_tracks import people_of
+
+    rig, images = scene.of(CAMERAS)
+    moments = gather(follow(images, rig, options.settings()))
+    said = judged(
+        lambda: images, rig, people_of(moments), interval_s(moments), settings=options.settings()
+    )
+    row = said.overall
+    shares = {"50": row.within_50, "90": row.within_90, "99": row.within_99}
+    return {
+        **{
+            f"in {share} % regions": once(100 * found, "%", "higher", matters=1.0, watched=False)
+            for share, found in shares.items()
+        },
+        "key points": once(row.key_points, "", watched=False),
+        "median error": once(row.median_px, "px"),
+        "noise of the detector": once(1e3 * said.noise.median_m, "mm", watched=False),
+        "its share of the variance": once(100 * row.noise_share, "%", watched=False),
+    }
 
 
 def disjoint(found: Found, who: str) -> regions.Errors:
