@@ -47,8 +47,8 @@ def widened(S_px2, m_per_px, leeway=12.0, leeway_m=0.06):
 
 
 def score_pair(
-    P, focal_px, xyz_m, cov_m2, xy_px, trust, noise, outlier_share, outlier_area_m2, flipped,
-    slack=1.0,
+    P, focal_px, xyz_m, cov_m2, xy_px, trust, noise, error_px2, outlier_share, outlier_area_m2,
+    flipped, slack=1.0,
 ):  # fmt: skip
     """Sum the log ratios of all joints of one detection under one person."""
     total = noise.log_flip if flipped else 0.0
@@ -60,7 +60,7 @@ def score_pair(
         J = jacobian(P, xyz_m[j])
         sigma = noise.sigma_m[j] * focal_px / w * trust[m]
         C = widened(J @ cov_m2[j] @ J.T, w / focal_px, 12.0 * slack**2, 0.06 * slack)
-        C += (sigma**2 + noise.floor_px**2) * np.eye(2)
+        C += (sigma**2 + noise.floor_px**2 + error_px2) * np.eye(2)
         e = xy_px[m] - project(P, xyz_m[j])
         total += log_ratio(e, C, w / focal_px, outlier_share, outlier_area_m2)[0]
     return total
@@ -171,26 +171,29 @@ def midpoint(p, u, q, v):
 
 
 def bias_information(model, j, x, last_s, now_s):
-    """Information on a joint whose cameras' key points all err for good."""
-    info = np.zeros((3, 3))
+    """Information on a joint whose key points all err for good, and what calibrations add."""
+    info, of_cameras = np.zeros((3, 3)), np.zeros((3, 3))
     for c in np.flatnonzero(last_s > now_s - 0.12):
         sigma_px = model.noise.sigma_m[j] * model.cameras.focal_px[c] / depth(model.cameras.P[c], x)
         J = exact_jacobian(model.cameras.P[c], x)
-        info += J.T @ J / (model.noise.bias_share * (sigma_px**2 + model.noise.floor_px**2))
-    return info
+        var = model.noise.bias_share * (sigma_px**2 + model.noise.floor_px**2)
+        info += J.T @ J / var
+        of_cameras += J.T @ J * model.cameras.error_px2[c] / var**2
+    return info, of_cameras
 
 
 def lasting_m2(model, j, x, last_s, now_s):
     """Covariance of the lasting error of a joint's position."""
     two_s = np.sort(last_s)[-2]
     off_m = 0.1 + 0.1 * np.clip(now_s - 0.12 - two_s, 0.0, 5.0)
-    info = bias_information(model, j, x, last_s, now_s)
-    return np.linalg.inv(info + np.eye(3) / off_m**2)
+    info, of_cameras = bias_information(model, j, x, last_s, now_s)
+    own_m2 = np.linalg.inv(info + np.eye(3) / off_m**2)
+    return own_m2 + own_m2 @ of_cameras @ own_m2
 
 
 def wandering_m2ps2(model, j, x, last_s, now_s):
     """Covariance of the error of a joint's velocity that lasting errors cause as they wander."""
-    info = bias_information(model, j, x, last_s, now_s)
+    info, _ = bias_information(model, j, x, last_s, now_s)
     return np.linalg.inv(info / 5.0**2 + np.eye(3) / 0.2**2)
 
 

@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 import reference_fusion as reference
 from fusion.made import frame_sets, made, outcome, path, truth_at
-from fusion.somebody import MODEL
+from fusion.somebody import MODEL, limbs_of
 from trecsim.fusion import FusionSettings, Tracker, kernels, tuning
 from trecsim.fusion.body import stiffness, usual_body
 from trecsim.fusion.kernels import anatomy, body_equations, cholesky, lengths
@@ -108,7 +108,7 @@ def test_weak_joints_land_where_least_squares_puts_them():
     place = np.array([-1, 0, 3, 6])
     A, b = np.empty((9, 9)), np.empty(9)
     d = np.zeros((4, 3))
-    limbs = kernels.Limbs(pairs, np.full(4, 0.01**2), np.zeros(4))
+    limbs = limbs_of(pairs, 0.01**2)
     for _ in range(60):
         shifts = body_equations.Shifts(x, d, cov, known, place)
         body_equations.gather(A, b, shifts, limbs, body_of(length, var))
@@ -165,7 +165,7 @@ def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
     """Two joints, one ten times as sure as the other, 10 cm too far apart."""
     x = np.array([[0.0, 0, 0], [0.5, 0, 0]])
     cov = np.stack([np.eye(3) * 1e-4, np.eye(3) * 1e-2])
-    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
+    limbs = limbs_of([[0, 1]])
     lengths.tighten(x, cov, limbs, body_of(np.array([0.4]), np.zeros(1)))
     first = 1e-4 + 1e-2 + tuning.TIE_M2
     after = cov[:, 0, 0].sum()  # the covariances shrink in the first of four sweeps only
@@ -319,7 +319,7 @@ def arm_seen_by_one_camera(rng):
 
 def test_limbs_across_the_line_of_sight_do_not_throw_their_joint_away():
     rng = np.random.default_rng(0)
-    limbs = kernels.Limbs(np.array([[0, 1], [1, 2]]), np.full(2, 0.01**2), np.zeros(3))
+    limbs = limbs_of([[0, 1], [1, 2]], 0.01**2)
     for _ in range(200):
         R, z, c, x, ray = arm_seen_by_one_camera(rng)
         cov_m2, after = np.empty((1, 3, 3, 3)), x[None].copy()
@@ -335,12 +335,18 @@ def test_limbs_across_the_line_of_sight_do_not_throw_their_joint_away():
         assert np.sqrt(ray @ cov_m2[0, 1] @ ray) > 0.1  # the depth is still said to be uncertain
 
 
-def test_a_limb_that_is_far_off_has_no_say():
+@pytest.mark.parametrize("worse", [0, 1])
+def test_a_limb_that_is_far_off_brings_its_less_certain_end_back_and_says_so(worse):
     x = np.array([[0.0, 0, 0], [1.5, 0, 0]])
     cov = np.tile(np.eye(3) * 1e-4, (2, 1, 1))
-    limbs = kernels.Limbs(np.array([[0, 1]]), np.zeros(1), np.zeros(2))
-    lengths.tighten(x, cov, limbs, body_of(np.array([0.4]), np.zeros(1)))
-    np.testing.assert_array_equal(x, [[0.0, 0, 0], [1.5, 0, 0]])
+    cov[worse] *= 4.0
+    before = x.copy()
+    lengths.tighten(x, cov, limbs_of([[0, 1]]), body_of(np.array([0.4]), np.zeros(1)))
+    assert np.linalg.norm(x[1] - x[0]) == pytest.approx(0.4, abs=0.01)
+    assert np.linalg.norm((x - before)[1 - worse]) < 0.02
+    sigma_m = np.sqrt(np.trace(cov, axis1=1, axis2=2) / 3)
+    assert sigma_m[worse] > (1.5 - 0.4) / tuning.LIMB_GATE - 0.02
+    assert sigma_m[1 - worse] < 0.02
 
 
 def test_the_limbs_of_somebody_whom_four_cameras_see_keep_their_lengths():

@@ -6,13 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference_fusion as reference
-from fusion.somebody import MODEL
+from fusion.somebody import MODEL, fitted
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels.fitting_kernels import nis_ratio
 from trecsim.fusion.kernels.locating import begin_em, locate_joint, moments
 from trecsim.fusion.tuning import EM_STEPS
 
-CAMERAS = MODEL.cameras
+# Cameras whose calibration leaves a pixel.
+CAMERAS = MODEL.cameras._replace(error_px2=np.ones(4))
+NOTHING_LASTS = np.zeros((1, 4, 2)), np.zeros(3, bool)
 OFF_M = np.array([0.03, -0.02, 0.04])
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -131,13 +133,14 @@ def test_a_jump_of_the_body_is_followed_and_one_of_a_joint_is_not(jumps):
     xy = np.array([[reference.project(CAMERAS.P[k], x) for x in there] for k in cam])
     if jumps == "a joint":
         xy[2, 0] = reference.project(CAMERAS.P[2], rest[0] + [0.25, 0.0, 0.0])
-    x, after, inlier = np.empty((1, 17, 3)), np.empty((1, 17, 3, 3)), np.empty((1, 3, 17))
+    x, after, fits = np.empty((1, 17, 3)), np.empty((1, 17, 3, 3)), fitted(1, 3, 17)
+    inlier = fits.inlier
     before = R.copy()
     kernels.fit_all(
-        MODEL.cameras, MODEL.noise, images(cam, xy),
+        CAMERAS, MODEL.noise, images(cam, xy),
         kernels.Prediction(np.full(3, place), place, np.tile(rest, (3, 1, 1, 1)), prior,
             np.ones((3, 1))),
-        one_each(3), kernels.Trajectories(R, z, c, x, after), inlier,
+        one_each(3), kernels.Trajectories(R, z, c, x, after), NOTHING_LASTS, fits,
     )  # fmt: skip
     off = np.linalg.norm(x[0] - there, axis=1)
     assert off.max() < 0.03
@@ -179,14 +182,14 @@ def test_what_is_folded_is_what_was_located(seed):
         np.full(3, MODEL.noise.sigma_m[0]), np.full(3, 0.7), np.ones(3),
     )  # fmt: skip
     shift, cov, inlier = located(seen, prior[0, 0], 3)
-    x, after, got = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.empty((1, 3, 1))
+    x, after, got = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), fitted(1, 3, 1)
     kernels.fit_all(
-        MODEL.cameras, MODEL.noise._replace(mirror=np.zeros(1, np.int64)), images(cam, xy[:, None]),
+        CAMERAS, MODEL.noise._replace(mirror=np.zeros(1, np.int64)), images(cam, xy[:, None]),
         kernels.Prediction(np.full(3, place), place, np.tile(joint + OFF_M, (3, 1, 1, 1)), prior,
             np.ones((3, 1))),
-        one_each(3, 0.7), kernels.Trajectories(R, z, c, x, after), got,
+        one_each(3, 0.7), kernels.Trajectories(R, z, c, x, after), NOTHING_LASTS, got,
     )  # fmt: skip
-    np.testing.assert_allclose(got[0, :, 0], inlier, rtol=1e-9)
+    np.testing.assert_allclose(got.inlier[0, :, 0], inlier, rtol=1e-9)
     np.testing.assert_allclose(x[0, 0], joint + OFF_M + shift, atol=1e-9)
     np.testing.assert_allclose(after[0, 0], cov, rtol=1e-6, atol=1e-12)
     assert live * 3 == len(c[0, 0])
@@ -198,17 +201,18 @@ def test_somebody_whom_nobody_sees_stays_as_predicted():
     R, z, c = np.zeros((1, 1, 24, 24)), np.zeros((1, 1, 24)), np.zeros((1, 1, 24))
     kernels.start_all(R[0], z[0], c[0], np.ones((1, 3)), np.array([0.1]), 0.05, np.array([15.0]))
     before = R.copy()
-    x, cov, inlier = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), np.ones((1, 1, 1))
+    x, cov, fits = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), fitted(1, 1, 1)
+    fits.inlier[:] = 1.0
     kernels.fit_all(
-        MODEL.cameras, MODEL.noise,
+        CAMERAS, MODEL.noise,
         kernels.Measurements(
             np.array([0]), np.array([0, 0]), np.empty((0, 1, 2)), np.empty((0, 1))
         ),
         kernels.Prediction(np.array([2.0]), 2.0, np.ones((1, 1, 1, 3)), np.eye(3)[None, None],
             np.ones((1, 1))),
         kernels.Matches(np.full((1, 1), -1), np.zeros((1, 1), np.int64), np.ones((1, 1))),
-        kernels.Trajectories(R, z, c, x, cov), inlier,
+        kernels.Trajectories(R, z, c, x, cov), (np.zeros((1, 4, 2)), np.zeros(1, bool)), fits,
     )  # fmt: skip
     np.testing.assert_array_equal(R, before)
     np.testing.assert_allclose(x[0, 0], 1.0)
-    assert inlier[0, 0, 0] == 0.0
+    assert fits.inlier[0, 0, 0] == 0.0

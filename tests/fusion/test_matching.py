@@ -34,7 +34,8 @@ def test_scores_of_a_view_equal_the_sum_over_joints(seed):
             both = [
                 reference.score_pair(
                     P, focal, xyz[k], cov[k], xy[d], factor[d], MODEL.noise,
-                    SETTINGS.outlier_share, SETTINGS.outlier_area_m2, f, slack[k],
+                    MODEL.cameras.error_px2[1], SETTINGS.outlier_share, SETTINGS.outlier_area_m2, f,
+                    slack[k],
                 )
                 for f in range(2)
             ]  # fmt: skip

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fusion.somebody import MODEL
+from fusion.somebody import MODEL, fitted
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels.presence import count_supported, second_newest, supporting
 from trecsim.fusion.lifecycle import ON_TRIAL, look_back
@@ -17,7 +17,10 @@ def sightings(camera_s, two_view_s, joint_s=None, duration_s=None, mirrored_s=No
     joint_s = np.full((n, 4, camera_s.shape[1]), -np.inf) if joint_s is None else joint_s
     duration_s = np.zeros(n) if duration_s is None else duration_s
     mirrored_s = np.zeros(n) if mirrored_s is None else mirrored_s
-    return kernels.Sightings(camera_s, joint_s, two_view_s, duration_s, mirrored_s)
+    off, view_off = np.zeros(joint_s.shape), np.zeros((*camera_s.shape, 2))
+    return kernels.Sightings(
+        camera_s, joint_s, two_view_s, duration_s, mirrored_s, off, off.copy(), view_off
+    )
 
 
 def matched(match, flip=None):
@@ -67,16 +70,31 @@ def test_cameras_that_look_and_see_nobody_count_against_a_new_track(
 
 def test_a_camera_supports_whom_it_sees_with_three_joints_and_never_backwards_in_time():
     camera_s, joint_s = np.full((2, 3), -np.inf), np.full((2, 4, 3), -np.inf)
-    inlier = np.zeros((2, 2, 4))
+    fits = fitted(2, 2, 4)
+    inlier = fits.inlier
     inlier[0, 0, :3], inlier[1, 0, :2] = 0.9, 0.9
     inlier[0, 1] = 0.4
     match = np.array([[0, 1], [1, -1]])
     matches, seen = matched(match), sightings(camera_s, np.zeros(2), joint_s)
-    kernels.note_support(np.array([2, 0]), np.array([5.0, 6.0]), matches, inlier, seen)
+    found = kernels.Measurements(
+        np.array([2, 0]), np.array([0, 2, 2]), np.zeros((2, 4, 2)), np.ones((2, 4))
+    )
+
+    def note(first_s):
+        taken = kernels.Taken(
+            np.array([first_s, 6.0]),
+            np.full(2, 0.04),
+            np.full(3, 0.12),
+            np.zeros(2),
+            np.zeros(2, bool),
+        )
+        kernels.note_support(found, np.arange(4), taken, matches, fits, seen)
+
+    note(5.0)
     assert camera_s[0].tolist() == [-np.inf, -np.inf, 5.0]
     assert joint_s[0, :, 2].tolist() == [5.0, 5.0, 5.0, -np.inf]
     assert (camera_s[1] == -np.inf).all()
-    kernels.note_support(np.array([2, 0]), np.array([4.0, 6.0]), matches, inlier, seen)
+    note(4.0)
     assert camera_s[0, 2] == 5.0
     assert joint_s[0, 0, 2] == 5.0
 

@@ -33,6 +33,7 @@ _USUAL_M = {
 _HEAD = ("nose", "eye", "ear")
 _ARM = ("elbow", "wrist")
 _LEG = ("knee", "ankle")
+_CHAIN = (("shoulder", "elbow"), ("hip", "knee"), ("elbow", "wrist"), ("knee", "ankle"))
 
 # How far people who mark the same image put a joint from each other, as a share of the person's
 # size: the constants of COCO's key-point evaluation (https://cocodataset.org/#keypoints-eval),
@@ -123,13 +124,34 @@ def key_point_sigma_m(
     skeleton: Skeleton, settings: FusionSettings
 ) -> Float64[np.ndarray, " joint"]:
     """Return the measurement noise of each joint, as a length at the person's distance [m]."""
+    return settings.joint_sigma_m * _relative_sigma(skeleton)
+
+
+def common_sigma_m(skeleton: Skeleton, settings: FusionSettings) -> Float64[np.ndarray, " joint"]:
+    """Return per joint and axis the error that all cameras share [m].
+
+    An estimator puts a joint where people mark it, and clothes and flesh hide where it is: no
+    number of cameras averages that away. It is in the same proportions as the noise.
+    """
+    return settings.common_sigma_m * _relative_sigma(skeleton)
+
+
+def _relative_sigma(skeleton: Skeleton) -> Float64[np.ndarray, " joint"]:
+    """Return the standard deviation of each joint relative to the mean of arms and legs."""
     mean = sum(_MARKED_APART.values()) / len(_MARKED_APART)
-    return np.array(
-        [
-            settings.joint_sigma_m * _MARKED_APART.get(_part(joint), mean) / mean
-            for joint in skeleton.joints
-        ]
-    )
+    return np.array([_MARKED_APART.get(_part(joint), mean) / mean for joint in skeleton.joints])
+
+
+def chain(skeleton: Skeleton) -> Int64[np.ndarray, "bone 2"]:
+    """Return the limbs of arms and legs, the joint nearer to the trunk first, from there on."""
+    names = skeleton.joints
+    pairs = [
+        (names.index(f"{side}_{near}"), names.index(f"{side}_{far}"))
+        for near, far in _CHAIN
+        for side in ("left", "right")
+        if f"{side}_{near}" in names and f"{side}_{far}" in names
+    ]
+    return np.array(pairs, np.int64).reshape(-1, 2)
 
 
 def stiffness(skeleton: Skeleton, settings: FusionSettings) -> Float64[np.ndarray, " joint"]:

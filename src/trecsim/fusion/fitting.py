@@ -25,6 +25,8 @@ class Step(NamedTuple):
         How long before each image its camera took the last one [s].
     look_back_s
         For how long what each camera supported counts as supported now [s].
+    is_apart
+        Whether images of other cameras have been used since then.
     appended
         By how many control points the grid has moved on for this frame set.
     """
@@ -32,6 +34,7 @@ class Step(NamedTuple):
     now: Now
     since_s: Sequence[float]
     look_back_s: Float64[np.ndarray, " cam"]
+    is_apart: Sequence[bool]
     appended: int = 0
 
 
@@ -56,7 +59,14 @@ class Update(NamedTuple):
     is_mirrored: bool
 
 
-def update(people: Population, images: Images, step: Step, model: Model, *, check: bool) -> Update:
+def update(
+    people: Population,
+    images: Images,
+    step: Step,
+    model: Model,
+    *,
+    check: bool,
+) -> Update:
     """Take a frame set into `people`, in place.
 
     Their trajectories are extended, the detections associated with them and fitted, and joints
@@ -78,7 +88,11 @@ def update(people: Population, images: Images, step: Step, model: Model, *, chec
 
 
 def fit(
-    people: Population, images: Images, association: Association, step: Step, model: Model
+    people: Population,
+    images: Images,
+    association: Association,
+    step: Step,
+    model: Model,
 ) -> None:
     """Fit new tracks, in place, to the detections that are theirs."""
     owner = np.empty(len(images.xy_px), np.int64)
@@ -94,11 +108,14 @@ def _run(
     owner: Int64[np.ndarray, " person"],
     only_fit_and_check: tuple[bool, bool],
 ) -> tuple[int, bool]:
+    taken = Taken(
+        images.t_s, np.array(step.since_s, np.float64), step.look_back_s,
+        model.errors.applied[images.cam, 3], np.array(step.is_apart, np.bool_),
+    )  # fmt: skip
     found: tuple[int, bool] = kernels.update_all(
         model.cameras, model.noise, model.bones, model.limbs, model.motion, people.trajectories,
-        people.bodies, people.sightings, people.confirmed, people.doubts, images.measurements,
-        Taken(images.t_s, np.array(step.since_s, np.float64), step.look_back_s), step.now, matches,
-        owner,
+        people.bodies, people.sightings, people.held, people.confirmed, people.doubts, model.errors,
+        images.measurements, taken, step.now, matches, owner,
         (step.appended, *only_fit_and_check),
     )  # fmt: skip
     return found

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int64
 
-from trecsim.fusion import body, undistortion, visibility
+from trecsim.fusion import body, camera_errors, undistortion, visibility
 from trecsim.fusion.body import UsualBody
 from trecsim.fusion.kernels import (
     Bones,
+    CameraErrors,
     Cameras,
     Lenses,
     Limbs,
@@ -39,6 +40,8 @@ class Model:
         Parameters that undistort key points, per camera.
     cameras
         Projections of the cameras, and their viewing rays.
+    errors
+        What residuals tell of the cameras so far; the kernels write to it.
     lenses, silhouette
         Parameters that decide which camera has whom in view, and who hides whom.
     noise
@@ -63,6 +66,7 @@ class Model:
     cam_of: Mapping[str, int]
     undistortion: Undistortion
     cameras: Cameras
+    errors: CameraErrors
     lenses: Lenses
     silhouette: Silhouette
     noise: Noise
@@ -74,8 +78,10 @@ class Model:
     torso: Int64[np.ndarray, " joint_of_torso"]
 
 
-def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
-    """Derive the constants of a run."""
+def build(
+    rig: Rig, skeleton: Skeleton, settings: FusionSettings, errors: CameraErrors | None = None
+) -> Model:
+    """Derive the constants of a run; `errors` is what residuals will tell of the cameras."""
     usual = body.usual_body(skeleton)
     torso = _torso(skeleton)
     return Model(
@@ -84,12 +90,8 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         settings=settings,
         cam_of={name: i for i, name in enumerate(rig.names)},
         undistortion=undistortion.undistortion(rig),
-        cameras=Cameras(
-            P=np.array(rig.P, np.float64, order="C"),
-            focal_px=np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig]),
-            ray_of=np.array(np.linalg.inv(rig.P[:, :, :3]), order="C"),
-            position_m=np.stack([camera.position_m for camera in rig]),
-        ),
+        cameras=camera_errors.uncorrected(rig),
+        errors=camera_errors.CameraErrors(rig).known if errors is None else errors,
         lenses=visibility.lenses(rig),
         silhouette=visibility.silhouette(skeleton),
         noise=_noise(skeleton, settings),
@@ -99,7 +101,9 @@ def build(rig: Rig, skeleton: Skeleton, settings: FusionSettings) -> Model:
         ),
         bones=Bones(np.ascontiguousarray(usual.joints[usual.bone]), usual.length_m[usual.bone]),
         body=usual,
-        limbs=Limbs(usual.joints, usual.slack_m**2, body.contact_height_m(skeleton)),
+        limbs=Limbs(
+            usual.joints, usual.slack_m**2, body.contact_height_m(skeleton), body.chain(skeleton)
+        ),
         torso=torso,
     )
 
@@ -125,6 +129,7 @@ def _noise(skeleton: Skeleton, s: FusionSettings) -> Noise:
     return Noise(
         sigma_m=body.key_point_sigma_m(skeleton, s),
         mirror=np.array(skeleton.mirror, np.int64),
+        common_m2=body.common_sigma_m(skeleton, s) ** 2,
         floor_px=float(s.floor_px),
         odds_m2=(1.0 - s.outlier_share) * s.outlier_area_m2 / (2.0 * math.pi * s.outlier_share),
         outlier_share=float(s.outlier_share),

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.fusion.kernels import Bodies, Doubts, Sightings, Trajectories, Who
+from trecsim.fusion.kernels import Bodies, Doubts, Held, Sightings, Trajectories, Who
 
 
 @dataclass(eq=False)
@@ -39,6 +39,12 @@ class Population:
         When each camera last supported each joint [s].
     mirrored_duration_s
         For how long most cameras have read it with left and right exchanged [s].
+    joint_off_m2, joint_quality
+        How far each camera's newest key point lies from each joint [m^2], and how good it is.
+    view_off_px
+        Mean innovation in each camera, averaged over time.
+    held_s, held_is_new, held_px, held_weight
+        Key points that wait for the trajectory to be smoothed; see `Held`.
     swap_evidence
         Evidence that its detections of two cameras are of two people [log likelihood ratio].
     redundant_count
@@ -66,6 +72,13 @@ class Population:
     last_seen_s: Float64[np.ndarray, "track cam"]
     joint_last_seen_s: Float64[np.ndarray, "track joint cam"]
     mirrored_duration_s: Float64[np.ndarray, " track"]
+    joint_off_m2: Float64[np.ndarray, "track joint cam"]
+    joint_quality: Float64[np.ndarray, "track joint cam"]
+    view_off_px: Float64[np.ndarray, "track cam 2"]
+    held_s: Float64[np.ndarray, "track cam"]
+    held_is_new: Bool[np.ndarray, "track cam"]
+    held_px: Float64[np.ndarray, "track joint cam 2"]
+    held_weight: Float64[np.ndarray, "track joint cam"]
     swap_evidence: Float64[np.ndarray, " track"]
     redundant_count: Float64[np.ndarray, " track"]
     limb_m: Float64[np.ndarray, "track limb"]
@@ -90,8 +103,14 @@ class Population:
         """When cameras supported the tracks."""
         return Sightings(
             self.last_seen_s, self.joint_last_seen_s, self.last_two_view_s,
-            self.two_view_duration_s, self.mirrored_duration_s,
+            self.two_view_duration_s, self.mirrored_duration_s, self.joint_off_m2,
+            self.joint_quality, self.view_off_px,
         )  # fmt: skip
+
+    @cached_property
+    def held(self) -> Held:
+        """Key points that wait for the trajectory to be smoothed."""
+        return Held(self.held_s, self.held_is_new, self.held_px, self.held_weight)
 
     @cached_property
     def doubts(self) -> Doubts:
@@ -121,6 +140,13 @@ class Population:
             last_seen_s=np.empty((0, n_cam)),
             joint_last_seen_s=np.empty((0, n_joint, n_cam)),
             mirrored_duration_s=np.empty(0),
+            joint_off_m2=np.empty((0, n_joint, n_cam)),
+            joint_quality=np.empty((0, n_joint, n_cam)),
+            view_off_px=np.empty((0, n_cam, 2)),
+            held_s=np.empty((0, n_cam)),
+            held_is_new=np.empty((0, n_cam), bool),
+            held_px=np.empty((0, n_joint, n_cam, 2)),
+            held_weight=np.empty((0, n_joint, n_cam)),
             swap_evidence=np.empty(0),
             redundant_count=np.empty(0),
             limb_m=np.empty((0, n_limb)),
@@ -152,5 +178,8 @@ class Population:
 
     def mirror(self, k: int, mirror: Int64[np.ndarray, " joint"]) -> None:
         """Exchange left and right of track `k`, in place."""
-        for values in (self.R, self.z, self.c, self.xyz_m, self.cov_m2, self.joint_last_seen_s):
+        for values in (
+            self.R, self.z, self.c, self.xyz_m, self.cov_m2, self.joint_last_seen_s,
+            self.joint_off_m2, self.joint_quality, self.held_px, self.held_weight,
+        ):  # fmt: skip
             values[k] = values[k][mirror]

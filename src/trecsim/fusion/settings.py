@@ -71,6 +71,10 @@ class FusionSettings:
     bias_share
         Bias share of the measurement variance: errors that last for seconds. No smoothing removes
         them; they are added to the reported covariance.
+    common_sigma_m
+        Standard deviation, per axis, of the error that all cameras share [m]: where the estimator
+        puts a joint in this posture and these clothes. No number of cameras averages it away; it
+        is added to the reported covariance.
     outlier_share
         Prior probability that a key point is an outlier (in the thesis: weights pi of the people
         in its place).
@@ -155,6 +159,12 @@ class FusionSettings:
         1.0,
         (0.3, 2.0),
         "with the estimator, if `trecsim evaluate` finds the uncertainty too small or too large",
+    )
+    common_sigma_m: float = _setting(
+        0.03,
+        (0.01, 0.06),
+        "with clothes and estimator: lower for tight clothes, or if the estimator's own joints are "
+        "what counts; higher for coats and gowns",
     )
     outlier_share: float = _setting(
         0.1, (0.02, 0.3), "with the estimator: higher if it often confuses limbs"

@@ -66,12 +66,14 @@ class SingleViews:
     ----------
     people
         The tracks; the identity is `NOBODY` before they are reported.
+    model
+        Constants of the run.
     support_s
         For how long each has been supported, by the quality of its detections [s].
     """
 
     def __init__(self, model: Model, live: int) -> None:
-        self._model = model
+        self.model = model
         self.people = Population.empty(
             len(model.skeleton.joints), live, len(model.rig), len(model.body.joints)
         )
@@ -98,9 +100,9 @@ class SingleViews:
         if not len(self):
             return claim
         free = update.owner == kernels.FREE
-        found = fitting.update(self.people, images.only(free), step, self._model, check=False)
+        found = fitting.update(self.people, images.only(free), step, self.model, check=False)
         if found.is_mirrored:
-            evidence.unmirror(self.people, self._model)
+            evidence.unmirror(self.people, self.model)
         match = found.association.match
         track, view = np.nonzero(match >= 0)
         row = np.flatnonzero(free)[match[track, view]]
@@ -120,11 +122,11 @@ class SingleViews:
         since_s: Float64[np.ndarray, " person"],
     ) -> None:
         """Measure how far away people are whom `found` shows."""
-        told = sizes(self._model, found)
+        told = sizes(self.model, found)
         for d, k in enumerate(track.tolist()):
             cam = int(found.cam[d])
             if cam == self._ranges.cam[k]:
-                above_m = above_ankle_m(self._model, cam, self.people.ground_level[k, 0])
+                above_m = above_ankle_m(self.model, cam, self.people.ground_level[k, 0])
                 self._ranges.look(k, told, d, above_m, float(since_s[d]))
 
     def _place(self, found: Detections, track: Int64[np.ndarray, " person"], step: Step) -> None:
@@ -132,7 +134,7 @@ class SingleViews:
 
         Who moves from one camera's image into another one's is measured from there.
         """
-        m, people, ranges = self._model, self.people, self._ranges
+        m, people, ranges = self.model, self.people, self._ranges
         for k in range(len(self)):
             seen_by = set(found.cam[track == k].tolist())
             if seen_by and ranges.cam[k] not in seen_by:
@@ -177,8 +179,8 @@ class SingleViews:
         self, found: Detections, company: Company
     ) -> tuple[Ranges, Float64[np.ndarray, "person joint 3"]]:
         """Return how far away new people are, and their joints at the distance of 1 m."""
-        told, (level_m, level_m2) = sizes(self._model, found), company.level
-        above_m = [above_ankle_m(self._model, cam, level_m) for cam in found.cam.tolist()]
+        told, (level_m, level_m2) = sizes(self.model, found), company.level
+        above_m = [above_ankle_m(self.model, cam, level_m) for cam in found.cam.tolist()]
         spread = np.sqrt(level_m2) / np.maximum(above_m, 0.1)
         ranges = Ranges.begun(found.cam, np.log(told.size_m), spread)
         for d in range(len(found)):
@@ -194,7 +196,7 @@ class SingleViews:
         grid: KnotGrid,
     ) -> Population:
         """Return tracks upright at their distances, fitted to their detections."""
-        m = self._model
+        m = self.model
         origin_m = m.cameras.position_m[found.cam]
         xyz_m = origin_m[:, None] + np.exp(ranges.mean[:, 0])[:, None, None] * at_one_m
         none = np.zeros(1, np.int64)
@@ -206,7 +208,12 @@ class SingleViews:
         new = first_states(births, step.now.t_s, grid, m)
         shown, association = own_detections(births, found)
         # As if the last images were long ago: the first place is known across the rays only.
-        now = Step(step.now._replace(elapsed_s=0.0), [np.inf] * len(shown), step.look_back_s)
+        now = Step(
+            step.now._replace(elapsed_s=0.0),
+            [np.inf] * len(shown),
+            step.look_back_s,
+            [False] * len(shown),
+        )
         fitting.fit(new, shown, association, now, m)
         new.range_from_m[:] = origin_m
         new.range_sigma[:], new.range_rate_sigma[:] = ranges.sigma, ranges.rate_sigma
@@ -239,7 +246,7 @@ class SingleViews:
     ) -> Float64[np.ndarray, " track"]:
         """Return how far key points lie from tracks on average, at their distance [m]."""
         seen = np.isfinite(xy_px[:, 0])
-        P, focal_px = self._model.cameras.P[cam], self._model.cameras.focal_px[cam]
+        P, focal_px = self.model.cameras.P[cam], self.model.cameras.focal_px[cam]
         point = xyz_m[:, seen] @ P[:, :3].T + P[:, 3]
         with np.errstate(divide="ignore", invalid="ignore"):
             off_px = np.linalg.norm(point[..., :2] / point[..., 2:] - xy_px[seen], axis=-1)
@@ -250,7 +257,7 @@ class SingleViews:
         """Delete the tracks that are dead; return those of them that were reported."""
         if not len(self):
             return self.people
-        people, s = self.people, self._model.settings
+        people, s = self.people, self.model.settings
         unseen_s = t_s - people.last_seen_s.max(axis=1)
         least_s = np.maximum(SINGLE_VIEW_PATIENCE_S, company.look_back_s[self._ranges.cam])
         patience_s = np.maximum(np.minimum(self.support_s, s.death_s), least_s)
@@ -275,7 +282,7 @@ class SingleViews:
 
         The distance may be off by one standard deviation to either side.
         """
-        m, mine = self._model, self.people
+        m, mine = self.model, self.people
         n = len(self) + len(company.xyz_m)
         found = np.zeros((3, n), np.int64)
         leaving, should = np.zeros(n, bool), np.zeros((n, len(m.rig)), bool)

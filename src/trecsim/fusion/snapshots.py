@@ -1,12 +1,13 @@
 """Snapshots: evaluate the trajectories at one time."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels import Now, Reported
+from trecsim.fusion.kernels import Now, Reported, Sights
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
@@ -14,10 +15,26 @@ from trecsim.fusion.tuning import SAME_S
 from trecsim.values import PROVISIONAL, STATES, Snapshot
 
 
+class Looks(NamedTuple):
+    """When the cameras looked.
+
+    Attributes
+    ----------
+    newest_s
+        Time of each camera's newest image [s].
+    look_back_s
+        For how long what each camera supported counts as supported now [s].
+    """
+
+    newest_s: Float64[np.ndarray, " cam"]
+    look_back_s: Float64[np.ndarray, " cam"]
+
+
 def snapshot_of(
     there: Sequence[tuple[KnotGrid, Population]],
     t_s: float,
     now_s: float,
+    looks: Looks,
     model: Model,
     provisional: bool = False,
 ) -> Snapshot:
@@ -31,12 +48,14 @@ def snapshot_of(
         The time, within those grids [s].
     now_s
         Time of the last frame set, at which positions and covariances are known already [s].
+    looks
+        Newest images of the cameras.
     model
         Constants of the run.
     provisional
         Whether provisional tracks are reported.
     """
-    parts = [_part(people, grid, t_s, now_s, model, provisional) for grid, people in there]
+    parts = [_part(people, grid, t_s, now_s, looks, model, provisional) for grid, people in there]
     if not parts:
         return nobody_at(t_s, len(model.skeleton.joints))
     return parts[0] if len(parts) == 1 else _joined(parts)
@@ -57,7 +76,13 @@ def _joined(parts: Sequence[Snapshot]) -> Snapshot:
 
 
 def _part(
-    people: Population, grid: KnotGrid, t_s: float, now_s: float, model: Model, provisional: bool
+    people: Population,
+    grid: KnotGrid,
+    t_s: float,
+    now_s: float,
+    looks: Looks,
+    model: Model,
+    provisional: bool,
 ) -> Snapshot:
     n, n_joint = people.xyz_m.shape[:2]
     out = Reported(
@@ -65,9 +90,10 @@ def _part(
         np.empty((n, n_joint, 3)), np.empty((n, n_joint, 3, 3)), np.empty((n, n_joint), np.int64),
         np.empty(n, np.int64),
     )  # fmt: skip
+    sights = Sights(*looks, people.joint_last_seen_s, people.joint_off_m2, people.joint_quality)
     n_reported = kernels.snapshot_all(
         model.cameras, model.noise, model.limbs, people.who, people.trajectories, people.bodies,
-        people.joint_last_seen_s, Now(t_s, 0.0, *grid.place), (provisional, t_s == now_s), out,
+        sights, Now(t_s, 0.0, *grid.place), (provisional, t_s == now_s), out,
     )  # fmt: skip
     if n_reported < n:
         out = Reported(*(values[:n_reported] for values in out))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +11,13 @@ from jaxtyping import Float64, Int64
 from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.association import Association
+from trecsim.fusion.camera_errors import CameraErrors
 from trecsim.fusion.duplicates import Duplicates, is_duplicate
 from trecsim.fusion.fitting import Step, Update
 from trecsim.fusion.ground_prior import KnownGround
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
-from trecsim.fusion.kernels import Now
+from trecsim.fusion.kernels import Cameras, Now
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import (
@@ -27,8 +29,9 @@ from trecsim.fusion.reidentification import (
 )
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.single_views import NOBODY, Company, SingleViews
-from trecsim.fusion.snapshots import snapshot_of
+from trecsim.fusion.snapshots import Looks, snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
+from trecsim.fusion.support_history import SupportHistory
 from trecsim.fusion.tuning import CHECK_S, SAME_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
@@ -105,7 +108,8 @@ class Tracker:
         provisional: bool = False,
     ) -> None:
         check_arguments(rig, settings, skeleton, lag_s)
-        self._model = build(rig, skeleton, settings or FusionSettings())
+        self._errors = CameraErrors(rig)
+        self._model = build(rig, skeleton, settings or FusionSettings(), self._errors.known)
         s = self._model.settings
         self._lag_s = lag_s
         self._provisional = provisional
@@ -136,6 +140,8 @@ class Tracker:
         replaced, left = self._start_tracks(images, update, claim)
         self._follow_single_views(images, update.association, step, left)
         self._end_tracks(update.association, replaced)
+        if self._lag_s > 0.0:
+            self._supports.note(self._t_s, self._people, self._looks)
         return self._snapshot(self._t_s)
 
     @property
@@ -147,6 +153,16 @@ class Tracker:
         )  # fmt: skip
 
     @property
+    def camera_errors(self) -> CameraErrors:
+        """What residuals tell of the cameras: turns, and delays of their clocks."""
+        return self._errors
+
+    @property
+    def cameras(self) -> Cameras:
+        """The projections in use: the rig's, with those errors taken out."""
+        return self._model.cameras
+
+    @property
     def _t_s(self) -> float:
         """Time of the newest image used [s]."""
         return self._clocks.now_s
@@ -155,6 +171,10 @@ class Tracker:
     def _knots(self) -> KnotGrid:
         assert self._grid is not None, "the first frame set sets the grid"
         return self._grid
+
+    @property
+    def _looks(self) -> Looks:
+        return Looks(self._clocks.newest_s, self._times.look_back_s)
 
     def _restart(self) -> None:
         """Delete all tracks, as none can be followed over a jump in time; identities go on."""
@@ -168,6 +188,7 @@ class Tracker:
         self._identities.dead = []
         self._ended: list[tuple[float, KnotGrid, Population]] = []
         self._duplicates = Duplicates()
+        self._supports = SupportHistory()
 
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
         """Return the views that are new, not too late and plausible in time."""
@@ -190,7 +211,10 @@ class Tracker:
         if self._grid is None:
             knot_s = m.settings.knot_s
             self._grid = KnotGrid(t_s - (self._live - ORDER) * knot_s, knot_s, self._live)
-        appended = self._grid.steps_to(t_s)
+        reach_s = max(
+            t_s, float((images.t_s - self._errors.applied[images.cam, 3]).max(initial=t_s))
+        )
+        appended = self._grid.steps_to(reach_s)
         self._grid = self._grid.moved_on(appended)
         cam, taken_s = images.cam.tolist(), images.t_s.tolist()
         since_s = self._clocks.since_s(cam, taken_s)
@@ -198,12 +222,22 @@ class Tracker:
         if check:
             self._checked_s = t_s
         now = Now(t_s, elapsed_s, *self._grid.place)
-        step = Step(now, since_s, self._times.look_back_s, appended)
+        step = Step(now, since_s, self._times.look_back_s, self._clocks.apart(cam), appended)
         update = fitting.update(people, images, step, m, check=check)
+        if check:
+            self._learn_cameras()
         if update.is_mirrored:
             evidence.unmirror(people, m)
         self._clocks.note(cam, taken_s)
         return step, update
+
+    def _learn_cameras(self) -> None:
+        """Take the cameras' errors out of the projections, as far as residuals tell them."""
+        people = self._people
+        known = people.xyz_m[people.confirmed & (people.last_two_view_s == self._t_s)]
+        torso_m = known[:, self._model.torso].mean(axis=1)
+        self._model = replace(self._model, cameras=self._errors.corrected(torso_m))
+        self._single.model = self._model
 
     def _start_tracks(
         self, images: Images, update: Update, claim: Int64[np.ndarray, " person"]
@@ -282,7 +316,7 @@ class Tracker:
         # already, and the next frame set counts in full.
         since_s = self._clocks.since_s(images.cam.tolist(), images.t_s.tolist())
         now = Now(self._t_s, 0.0, *self._knots.place)
-        step = Step(now, since_s, self._times.look_back_s)
+        step = Step(now, since_s, self._times.look_back_s, [False] * len(images))
         fitting.fit(people, images, association, step, self._model)
         self._people = self._people.joined(people)
 
@@ -387,4 +421,5 @@ class Tracker:
             there.append((self._grid, self._people))
             if self._provisional and len(self._single):
                 there.append((self._grid, self._single.reported))
-        return snapshot_of(there, t_s, self._t_s, self._model, self._provisional)
+        snapshot = snapshot_of(there, t_s, self._t_s, self._looks, self._model, self._provisional)
+        return self._supports.at_its_time(snapshot) if self._lag_s > 0.0 else snapshot

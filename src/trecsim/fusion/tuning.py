@@ -50,6 +50,10 @@ TOGETHER: Final = 0.5
 NIS_GATE: Final = 2.5
 USUAL_NIS: Final = 1.25
 LARGEST_INFLATION: Final = 50.0
+# What all key points of a body in one camera have been off by for this time is no turn [s]; after a
+# longer one without an image, what it was off by says nothing [s].
+VIEW_OFFSET_S: Final = 0.5
+LONGEST_OFFSET_S: Final = 5.0
 
 # ----------------------------------------------------------------------------------------- motion
 
@@ -61,6 +65,29 @@ UNSEEN_WEIGHT: Final = 0.05
 # turned, stopped or left.
 KEPT: Final = 0.8
 KEPT_UNSEEN: Final = 0.6
+
+# -------------------------------------------------------------------------------- camera errors
+
+# Standard deviations, before anything is known, of a camera's turn about each axis [rad] and of its
+# clock [s]: what calibrations with a board and clocks of a network leave. What is left of the turn
+# of a camera that has been watched for long [rad].
+TURN_SIGMA_RAD: Final = 0.005
+CLOCK_SIGMA_S: Final = 0.005
+LEAST_TURN_RAD: Final = 0.001
+# Where cameras disagree, those that are turned by more than this count less in what is taken for
+# right: that one of them was pushed is likelier than that all the others were [rad].
+PUSHED_RAD: Final = 0.002
+# Residuals count anew after this time, as those of one camera last [s]; they are taken that often
+# [s], and so long after the image [s]; what was learnt is forgotten over this time, as cameras are
+# moved [s].
+CAMERA_MEASURE_S: Final = 0.5
+CAMERA_CHECK_S: Final = 0.1
+CAMERA_LAG_S: Final = 0.15
+CAMERA_ERROR_S: Final = 20.0
+# Weight of the usual variance of turns against that of one camera's angle; cameras whose image
+# directions a point in space takes up.
+PRIOR_WEIGHT: Final = 3.0
+EYES_OF_A_POINT: Final = 1.5
 
 # --------------------------------------------------------------------------------- limbs and ground
 
@@ -101,6 +128,9 @@ GROUND_GATE: Final = 3.0
 UNSEEN_SIGMA_M: Final = 0.1
 UNSEEN_DRIFT_MPS: Final = 0.1
 UNSEEN_DRIFT_S: Final = 5.0
+# Time after which nothing is left of a second camera's say about which of the two places on the ray
+# of one camera a limb's end is in [s].
+TWO_PLACES_S: Final = 0.5
 # A bias wanders by about one standard deviation in 0.2 s [1/s]. In a direction that no camera
 # observes, the error of the velocity that this makes is at most so large [m/s].
 BIAS_WANDER_PER_S: Final = 5.0

@@ -35,6 +35,7 @@ class Clocks:
         self.now_s = -math.inf
         self._last_s = [-math.inf] * n_cam
         self._jumped = [False] * n_cam
+        self._count, self._last_count = 0, [-1] * n_cam
         self._time: StreamTime[int] = StreamTime()
 
     def since_s(self, cam: Sequence[int], t_s: Sequence[float]) -> list[float]:
@@ -43,8 +44,20 @@ class Clocks:
 
     def note(self, cam: Sequence[int], t_s: Sequence[float]) -> None:
         """Record which images have been used."""
+        if cam:
+            self._count += 1
         for c, t in zip(cam, t_s, strict=True):
             self._last_s[c] = max(self._last_s[c], t)
+            self._last_count[c] = self._count
+
+    def apart(self, cam: Sequence[int]) -> list[bool]:
+        """Return of which cameras other images have been used since their own last ones."""
+        return [self._last_count[c] != self._count for c in cam]
+
+    @property
+    def newest_s(self) -> Float64[np.ndarray, " cam"]:
+        """Time of the newest image of each camera that was used [s]."""
+        return np.array(self._last_s)
 
     def looking(self) -> Bool[np.ndarray, " cam"]:
         """Return which cameras are not silent."""

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
+from trecsim.fusion.kernels.lengths import along_m2
 from trecsim.fusion.kernels.small_matrices import clear_row
 from trecsim.fusion.tuning import REACH_M2, TIE_M2
 
@@ -27,16 +28,6 @@ def stretch(j, k, x, d, length_m, u):
         u[p] /= length
         residual += u[p] * (d[k, p] - d[j, p])
     return residual
-
-
-@inner
-def along_m2(u, cov_m2):
-    """Return the variance of a joint in the direction `u`."""
-    var = 0.0
-    for p in range(3):
-        for q in range(3):
-            var += u[p] * cov_m2[p, q] * u[q]
-    return var
 
 
 @inner

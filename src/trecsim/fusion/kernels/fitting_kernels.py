@@ -4,10 +4,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.compiler import inner
 from trecsim.fusion.kernels.curve import locate, point
+from trecsim.fusion.kernels.groups import Fitted
 from trecsim.fusion.kernels.information import control_points, curve_covariance, fold_gaussian
 from trecsim.fusion.kernels.locating import (
     begin_em,
@@ -18,7 +19,8 @@ from trecsim.fusion.kernels.locating import (
     observed,
     scratch,
 )
-from trecsim.fusion.kernels.small_matrices import invert3, scale
+from trecsim.fusion.kernels.mixture import project
+from trecsim.fusion.kernels.small_matrices import invert3, sandwich3, scale
 from trecsim.fusion.tuning import LARGEST_INFLATION, NIS_GATE, USUAL_NIS
 
 
@@ -52,15 +54,18 @@ class Person(NamedTuple):
         Predicted joints at each image's time, and their covariance at the frame set's time.
     match, flip
         Detection in each image or -1; 1 where it is read with left and right exchanged.
-    inlier
-        Result: responsibility of each joint for its key point.
+    fitted
+        Result: `Fitted`, of this person.
+    lasting
+        Mean innovation in each camera so far, and see `Taken.is_apart`.
     """
 
     xyz_m: Float64[np.ndarray, "view joint 3"]
     prior_m2: Float64[np.ndarray, "joint 3 3"]
     match: Int64[np.ndarray, " view"]
     flip: Int64[np.ndarray, " view"]
-    inlier: Float64[np.ndarray, "view joint"]
+    fitted: Fitted
+    lasting: tuple[Float64[np.ndarray, "cam 2"], Bool[np.ndarray, " view"]]
 
 
 @inner
@@ -129,7 +134,7 @@ def seek_body(cameras, noise, measured, person, inflation, seen, n, located, tmp
             locate_joint(cameras, noise, seen, n, located, j, tmp)
         else:
             clear(located.info[j], located.rhs[j], located.knot_time[j], located.weight[j])
-        spread(person.match, located.inlier, is_known[j], person.inlier, j)
+        spread(person.match, located, person.fitted, j)
 
 
 @inner(allocates=True)
@@ -164,6 +169,83 @@ def nis_ratio(located, prior_m2):
     return found_nis / expected_nis if expected_nis > 0.0 else 0.0
 
 
+@inner(allocates=True)
+def nis_ratio_of_cameras(cameras, noise, measured, person, located):
+    """Return the same ratio, without what lasting errors of the cameras explain.
+
+    Parameters
+    ----------
+    cameras, noise, measured, person, located
+        `Cameras`, `Noise`, `Measurements`, `Person` and `Located`.
+
+    Notes
+    -----
+    An image whose error has the variance ``B`` shifts the fit by ``Q J' W e``, with the weight
+    ``W``. So ``d P^-1 d`` grows by ``tr(P^-1 Q M Q)``, ``M = sum J' W B W J`` (a consider
+    covariance). And what all key points of a camera have been off by lately is no news: the shift
+    that it explains, ``Q J' W`` times that, is taken off.
+    """
+    shift_m, cov_m2, is_known = located.shift_m, located.cov_m2, located.is_known
+    prior_m2 = person.prior_m2
+    info, M, wide = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    pull, rest = np.empty(3), np.empty(3)
+    found_nis = expected_nis = 0.0
+    for j in range(is_known.shape[0]):
+        if not is_known[j]:
+            continue
+        lasting_errors(cameras, noise, measured, person, shift_m[j], j, M, pull)
+        sandwich3(cov_m2[j], M, wide)
+        for p in range(3):
+            rest[p] = shift_m[j, p]
+            for q in range(3):
+                rest[p] -= cov_m2[j, p, q] * pull[q]
+        invert3(prior_m2[j], info)
+        for p in range(3):
+            expected_nis += 1.0
+            for q in range(3):
+                found_nis += rest[p] * info[p, q] * rest[q]
+                expected_nis += info[p, q] * (wide[q, p] - cov_m2[j, q, p])
+    return found_nis / expected_nis if expected_nis > 0.0 else 0.0
+
+
+@inner
+def lasting_errors(cameras, noise, measured, person, shift_m, j, M, pull):
+    """Write what lasting errors may do to the fit of joint `j`, and what they are known to do.
+
+    Parameters
+    ----------
+    cameras, noise, measured, person
+        `Cameras`, `Noise`, `Measurements` and `Person`.
+    shift_m, j
+        How far the joint lies from its prediction, (3,), and its index.
+    M, pull
+        Results: ``sum J' W B W J`` (3, 3) and ``sum J' W e`` (3,), with ``B`` and ``e`` of the
+        calibration, and, where other cameras have come in between, ``B`` of the key points.
+    """
+    match, fitted, (off_px, is_apart) = person.match, person.fitted, person.lasting
+    for p in range(3):
+        pull[p] = 0.0
+        for q in range(3):
+            M[p, q] = 0.0
+    for v in range(match.shape[0]):
+        weight = fitted.weight[v, j]
+        if match[v] < 0 or not weight > 0.0:
+            continue
+        c, x = measured.cam[v], person.xyz_m[v, j]
+        _, _, _, du, dv = project(
+            cameras.P, c, x[0] + shift_m[0], x[1] + shift_m[1], x[2] + shift_m[2]
+        )
+        var = cameras.error_px2[c]
+        if is_apart[v]:
+            scale_ = measured.sigma_scale[match[v], noise.mirror[j] if person.flip[v] else j]
+            sigma_px = noise.sigma_m[j] * scale_ / fitted.m_per_px[v, j]
+            var += noise.bias_share * (sigma_px * sigma_px + noise.floor_px * noise.floor_px)
+        for p in range(3):
+            pull[p] += weight * (off_px[c, 0] * du[p] + off_px[c, 1] * dv[p])
+            for q in range(3):
+                M[p, q] += weight * weight * var * (du[p] * du[q] + dv[p] * dv[q])
+
+
 @inner
 def inflate_covariance(R, z, inflation):
     """Multiply the covariance of one person's trajectories by `inflation`, in place."""
@@ -172,7 +254,7 @@ def inflate_covariance(R, z, inflation):
 
 
 @inner(allocates=True)
-def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
+def fit_all(cameras, noise, measured, prediction, matches, tracks, lasting, fitted):
     """Fit every track to the detections assigned to it in one frame set, in place.
 
     Parameters
@@ -181,17 +263,21 @@ def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
         `Cameras`, `Noise`, `Measurements`, `Prediction` and `Matches`.
     tracks
         `Trajectories`, changed in place.
-    inlier
-        Result, (track, view, joint): responsibility of the joint for its key point.
+    lasting
+        See `Sightings.view_off_px` and `Taken.is_apart`.
+    fitted
+        Result: `Fitted`.
 
     Notes
     -----
     The process noise is low, which suits steady motion. A sharp turn shows in the innovations of
     all joints together; then the covariance of the whole body is inflated by the ratio of the
     innovations to their usual size (as in the strong tracking filter of Zhou and Frank 1996), and
-    the joints are located again.
+    the joints are located again. What the calibration's error may do to the innovations is expected
+    of them: it is no turn.
     """
     R, z, c, x_m, cov_m2 = tracks
+    view_off_px, is_apart = lasting
     n_view, n_joint = measured.cam.shape[0], R.shape[1]
     seen = observed(n_view)
     moment = np.empty(n_view, np.int64)
@@ -202,13 +288,19 @@ def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
     for k in range(R.shape[0]):
         person = Person(
             prediction.xyz_m[:, k], prediction.cov_m2[k], matches.match[k], matches.flip[k],
-            inlier[k],
+            Fitted(
+                fitted.inlier[k], fitted.innovation_px[k], fitted.off_px[k], fitted.weight[k],
+                fitted.m_per_px[k],
+            ),
+            (view_off_px[k], is_apart),
         )  # fmt: skip
         n = gather_views(seen, measured, prediction, moment, k, matches)
         inflation = 1.0
         for again in range(2):
             seek_body(cameras, noise, measured, person, inflation, seen, n, found, tmp)
             ratio = 0.0 if again else nis_ratio(found, person.prior_m2)
+            if ratio > NIS_GATE:
+                ratio = nis_ratio_of_cameras(cameras, noise, measured, person, found)
             if ratio <= NIS_GATE:
                 break
             inflation = min(ratio / USUAL_NIS, LARGEST_INFLATION)
@@ -221,11 +313,19 @@ def fit_all(cameras, noise, measured, prediction, matches, tracks, inlier):
 
 
 @inner
-def spread(match, r, found, inlier, j):
-    """Write the responsibilities `r` of the matched images, if found, to `inlier` (view, joint)."""
+def spread(match, located, fitted, j):
+    """Write how the key points of joint `j` fit, as it was `located`, to `fitted`."""
+    inlier, innovation_px, off_px, weight, m_per_px = fitted
     n = 0
     for v in range(match.shape[0]):
-        inlier[v, j] = 0.0
+        inlier[v, j] = weight[v, j] = m_per_px[v, j] = 0.0
+        for a in range(2):
+            innovation_px[v, j, a] = off_px[v, j, a] = 0.0
         if match[v] >= 0:
-            inlier[v, j] = r[n] if found else 0.0
+            if located.is_known[j] and located.m_per_px[n] > 0.0:
+                inlier[v, j], weight[v, j] = located.inlier[n], located.weight_px[n]
+                m_per_px[v, j] = located.m_per_px[n]
+                for a in range(2):
+                    innovation_px[v, j, a] = located.innovation_px[n, a]
+                    off_px[v, j, a] = located.off_px[n, a]
             n += 1

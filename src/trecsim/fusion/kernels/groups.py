@@ -19,12 +19,16 @@ class Cameras(NamedTuple):
         Projections for undistorted pixels, and mean focal lengths [px].
     ray_of, position_m
         Matrix that turns a pixel into the direction of its viewing ray, and where the ray starts.
+    error_px2
+        Variance of the calibration's error in the image, per axis [px^2]: it lasts, and it is
+        common to all that the camera sees.
     """
 
     P: Float64[np.ndarray, "cam 3 4"]
     focal_px: Float64[np.ndarray, " cam"]
     ray_of: Float64[np.ndarray, "cam 3 3"]
     position_m: Float64[np.ndarray, "cam 3"]
+    error_px2: Float64[np.ndarray, " cam"]
 
 
 class Measurements(NamedTuple):
@@ -88,6 +92,50 @@ class Matches(NamedTuple):
     weight: Float64[np.ndarray, "track view"]
 
 
+class Fitted(NamedTuple):
+    """How the key points of a frame set fit the joints.
+
+    Attributes
+    ----------
+    inlier
+        Responsibility of each joint for its key point.
+    innovation_px, off_px
+        Key point minus joint, before and after the fit.
+    weight
+        Weight of the key point in the fit [1/px^2].
+    m_per_px
+        Length of a pixel at the joint's distance [m].
+    """
+
+    inlier: Float64[np.ndarray, "track view joint"]
+    innovation_px: Float64[np.ndarray, "track view joint 2"]
+    off_px: Float64[np.ndarray, "track view joint 2"]
+    weight: Float64[np.ndarray, "track view joint"]
+    m_per_px: Float64[np.ndarray, "track view joint"]
+
+
+class CameraErrors(NamedTuple):
+    """What residuals tell of each camera's errors: its turn and the delay of its clock.
+
+    Attributes
+    ----------
+    info, vector
+        Normal equations for three angles of the turn [rad] and the delay [s].
+    learned_s
+        Time of the image that each camera last contributed [s].
+    applied
+        Turns and delays that the projections in use contain.
+    centre_px
+        Principal points.
+    """
+
+    info: Float64[np.ndarray, "cam 4 4"]
+    vector: Float64[np.ndarray, "cam 4"]
+    learned_s: Float64[np.ndarray, " cam"]
+    applied: Float64[np.ndarray, "cam 4"]
+    centre_px: Float64[np.ndarray, "cam 2"]
+
+
 class Trajectories(NamedTuple):
     """The joints' trajectories, and where they are at the time of the frame set.
 
@@ -146,6 +194,12 @@ class Sightings(NamedTuple):
         Last time that two cameras supported it, and for how long they have, in all.
     mirrored_duration_s
         For how long most cameras have read it with left and right exchanged.
+    joint_off_m2, joint_quality
+        Squared distance of each camera's newest key point from the joint, at the person's distance
+        [m^2], and its measurement information relative to a good one; 0 where there is no key
+        point.
+    view_off_px
+        Mean innovation of the key points of each camera, averaged over time.
     """
 
     camera_s: Float64[np.ndarray, "track cam"]
@@ -153,6 +207,48 @@ class Sightings(NamedTuple):
     two_view_s: Float64[np.ndarray, " track"]
     two_view_duration_s: Float64[np.ndarray, " track"]
     mirrored_duration_s: Float64[np.ndarray, " track"]
+    joint_off_m2: Float64[np.ndarray, "track joint cam"]
+    joint_quality: Float64[np.ndarray, "track joint cam"]
+    view_off_px: Float64[np.ndarray, "track cam 2"]
+
+
+class Held(NamedTuple):
+    """Key points of one image per camera and track that wait until the trajectory is smoothed.
+
+    Attributes
+    ----------
+    t_s, is_new
+        Time of the image [s], and whether it still waits.
+    xy_px, weight
+        Undistorted key points, and their weight in the fit [1/px^2]; 0 where there is none.
+    """
+
+    t_s: Float64[np.ndarray, "track cam"]
+    is_new: Bool[np.ndarray, "track cam"]
+    xy_px: Float64[np.ndarray, "track joint cam 2"]
+    weight: Float64[np.ndarray, "track joint cam"]
+
+
+class Sights(NamedTuple):
+    """How cameras see the joints of the tracks now.
+
+    Attributes
+    ----------
+    newest_s
+        Time of each camera's newest image [s].
+    look_back_s
+        For how long what each camera supported counts as supported now [s].
+    joint_s
+        Last time that each camera supported each joint [s].
+    off_m2, quality
+        See `Sightings`.
+    """
+
+    newest_s: Float64[np.ndarray, " cam"]
+    look_back_s: Float64[np.ndarray, " cam"]
+    joint_s: Float64[np.ndarray, "track joint cam"]
+    off_m2: Float64[np.ndarray, "track joint cam"]
+    quality: Float64[np.ndarray, "track joint cam"]
 
 
 class Doubts(NamedTuple):
@@ -244,11 +340,17 @@ class Taken(NamedTuple):
         How long before each its camera took the last one [s].
     look_back_s
         For how long what each camera of the rig supported counts as supported now [s].
+    delay_s
+        By how much each camera's clock is late [s].
+    is_apart
+        Whether images of other cameras have come since its camera's last one.
     """
 
     t_s: Float64[np.ndarray, " view"]
     since_s: Float64[np.ndarray, " view"]
     look_back_s: Float64[np.ndarray, " cam"]
+    delay_s: Float64[np.ndarray, " view"]
+    is_apart: Bool[np.ndarray, " view"]
 
 
 class Now(NamedTuple):

@@ -28,11 +28,14 @@ class Limbs(NamedTuple):
         Variance about a person's mean length: what posture changes.
     contact_height_m
         How high each joint is when the body rests on it.
+    chain
+        Two joints of each limb of arms and legs, the one nearer to the trunk first.
     """
 
     joints: Int64[np.ndarray, "limb 2"]
     slack_m2: Float64[np.ndarray, " limb"]
     contact_height_m: Float64[np.ndarray, " joint"]
+    chain: Int64[np.ndarray, "bone 2"]
 
 
 @inner
@@ -94,6 +97,10 @@ def tighten(x, cov_m2, limbs, body):
     One limb after the other is taken as a measurement of the distance of two joints, which are
     treated as independent (Gauss-Seidel). Covariances shrink in the first sweep only, as later
     ones bring no new information.
+
+    A limb that is off by more than `LIMB_GATE` standard deviations shows that one of its ends is
+    elsewhere: the variance of the less certain one grows until the limb is off by no more, in all
+    directions, as nothing tells in which one it is off. Then the limb holds it like any other.
     """
     joints, slack_m2, limb_m, limb_m2 = limbs.joints, limbs.slack_m2, body.limb_m, body.limb_m2
     u, gain = np.empty(3), np.empty(3)
@@ -103,10 +110,27 @@ def tighten(x, cov_m2, limbs, body):
             length, var = length_along(x, cov_m2, a, b, u)
             var += limb_m2[i] + slack_m2[i] + TIE_M2
             residual = limb_m[i] - length
-            if length == 0.0 or residual * residual > LIMB_GATE * LIMB_GATE * var:
+            if length == 0.0:
                 continue
-            pull(x[a], cov_m2[a], u, -residual, var, sweep == 0, gain)
-            pull(x[b], cov_m2[b], u, residual, var, sweep == 0, gain)
+            excess_m2 = residual * residual / (LIMB_GATE * LIMB_GATE) - var
+            if excess_m2 > 0.0:
+                worse = b if along_m2(u, cov_m2[b]) > along_m2(u, cov_m2[a]) else a
+                for p in range(3):
+                    cov_m2[worse, p, p] += excess_m2
+                var += excess_m2
+            informed = sweep == 0 and excess_m2 <= 0.0
+            pull(x[a], cov_m2[a], u, -residual, var, informed, gain)
+            pull(x[b], cov_m2[b], u, residual, var, informed, gain)
+
+
+@inner
+def along_m2(u, cov_m2):
+    """Return the variance of a joint in the direction `u`."""
+    var = 0.0
+    for p in range(3):
+        for q in range(3):
+            var += u[p] * cov_m2[p, q] * u[q]
+    return var
 
 
 @inner

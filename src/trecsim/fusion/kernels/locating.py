@@ -57,8 +57,8 @@ class Located(NamedTuple):
         Whether there is a key point of the joint.
     shift_m, cov_m2
         How far the joint lies from its prediction, and its covariance.
-    inlier
-        Responsibilities of the joint that was located last for its key points.
+    inlier, innovation_px, off_px, weight_px, m_per_px
+        Of the joint that was located last; see `Fitted`.
     """
 
     info: Float64[np.ndarray, "joint moment 3 3"]
@@ -69,6 +69,10 @@ class Located(NamedTuple):
     shift_m: Float64[np.ndarray, "joint 3"]
     cov_m2: Float64[np.ndarray, "joint 3 3"]
     inlier: Float64[np.ndarray, " view"]
+    innovation_px: Float64[np.ndarray, "view 2"]
+    off_px: Float64[np.ndarray, "view 2"]
+    weight_px: Float64[np.ndarray, " view"]
+    m_per_px: Float64[np.ndarray, " view"]
 
 
 class Scratch(NamedTuple):
@@ -109,7 +113,8 @@ def located(n_joint, n_moment, n_view):
     return Located(
         np.empty((n_joint, n_moment, 3, 3)), np.empty((n_joint, n_moment, 3)),
         np.empty((n_joint, n_moment)), np.empty((n_joint, n_moment)), np.empty(n_joint, np.bool_),
-        np.empty((n_joint, 3)), np.empty((n_joint, 3, 3)), np.empty(n_view),
+        np.empty((n_joint, 3)), np.empty((n_joint, 3, 3)), np.empty(n_view), np.empty((n_view, 2)),
+        np.empty((n_view, 2)), np.empty(n_view), np.empty(n_view),
     )  # fmt: skip
 
 
@@ -173,20 +178,22 @@ def locate_joint(cameras, noise, seen, n, located, j, tmp):
     """
     # Out of the tuples once, as every access to one of their arrays costs more than its use; and
     # all steps in one function, as a call with these tuples costs as much as a camera.
-    P, focal_px = cameras.P, cameras.focal_px
+    P, focal_px, error_px2 = cameras.P, cameras.focal_px, cameras.error_px2
     cam, moment, knot_time, credit = seen.cam, seen.moment, seen.knot_time, seen.credit
     xyz_m, xy_px, sigma_m, slack = seen.xyz_m, seen.xy_px, seen.sigma_m, seen.slack
     info, rhs, inlier = located.info[j], located.rhs[j], located.inlier
+    innovation_px, off_px = located.innovation_px, located.off_px
+    weight_px, scale_m = located.weight_px, located.m_per_px
     sum_time, sum_weight = located.knot_time[j], located.weight[j]
     shift_m, cov_m2, known, total, vector = (
         located.shift_m[j], located.cov_m2[j], tmp.known, tmp.info, tmp.x,
     )  # fmt: skip
     white_share = noise.white_share
     tail, odds_m2, least_px2 = noise.tail, noise.odds_m2, noise.floor_px * noise.floor_px
-    for _ in range(EM_STEPS):
+    for step in range(EM_STEPS):
         clear(info, rhs, sum_time, sum_weight)
         for v in range(n):
-            inlier[v] = 0.0
+            inlier[v] = weight_px[v] = scale_m[v] = 0.0
             if math.isnan(xy_px[v, 0]):
                 continue
             w, u, v_, du, dv = project(
@@ -198,11 +205,15 @@ def locate_joint(cameras, noise, seen, n, located, j, tmp):
             eu, ev, m_per_px = xy_px[v, 0] - u, xy_px[v, 1] - v_, w / focal_px[cam[v]]
             var = (sigma_m[v] / m_per_px) ** 2 + least_px2
             uu, uv, vv = widened(*image_covariance(du, dv, cov_m2), m_per_px, slack[v])
-            odds = inlier_odds(eu, ev, uu + var, uv, vv + var, m_per_px, odds_m2)
+            wide = var + error_px2[cam[v]]
+            odds = inlier_odds(eu, ev, uu + wide, uv, vv + wide, m_per_px, odds_m2)
             inlier[v] = odds / (1.0 + odds)
             # Student's t as a scale mixture of Gaussians, in two dimensions.
             heavy = (tail + 2.0) / (tail + (eu * eu + ev * ev) / var)
             weight = inlier[v] * credit[v] * heavy / (white_share * var)
+            if step == 0:
+                innovation_px[v, 0], innovation_px[v, 1] = eu, ev
+            off_px[v, 0], off_px[v, 1], weight_px[v], scale_m[v] = eu, ev, weight, m_per_px
             m = moment[v]
             size = add_image(info[m], rhs[m], weight, du, dv, eu, ev, shift_m)
             sum_time[m] += size * knot_time[v]

@@ -37,12 +37,13 @@ def mean_distance_m(uv, depth_m, focal_px, xy_px):
 
 
 @inner
-def person_log_ratio(uv, S, depth_m, focal_px, xy_px, sigma_scale, noise, flipped):
+def person_log_ratio(uv, S, depth_m, camera, xy_px, sigma_scale, noise, flipped):
     """Return the log likelihood ratio of one detection and one person to clutter."""
+    focal_px, error_px2 = camera
     sigma_m, mirror = noise.sigma_m, noise.mirror
     total = noise.log_flip if flipped else 0.0
     # A product of a few factors at a time: logarithms cost more than all the rest.
-    product, least_px2 = 1.0, noise.floor_px * noise.floor_px
+    product, least_px2 = 1.0, noise.floor_px * noise.floor_px + error_px2
     for j in range(uv.shape[0]):
         m = mirror[j] if flipped else j
         if math.isnan(xy_px[m, 0]) or not depth_m[j] > NEAR_M:
@@ -107,6 +108,7 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
     n_joint = xyz_m.shape[1]
     uv, S, depth_m = np.empty((n_joint, 2)), np.empty((n_joint, 3)), np.empty(n_joint)
     focal = focal_px[cam]
+    camera = focal, cameras.error_px2[cam]
     mine, boxes = np.empty(4), np.empty((xy_px.shape[0], 4))
     for d in range(xy_px.shape[0]):
         box_of(xy_px[d], boxes[d])
@@ -123,7 +125,7 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
             if not mean_distance_m(uv, depth_m, focal, xy_px[d]) <= reach_m:
                 continue
             for f in range(2):
-                ratio = person_log_ratio(uv, S, depth_m, focal, xy_px[d], sigma_scale[d], noise, f)
+                ratio = person_log_ratio(uv, S, depth_m, camera, xy_px[d], sigma_scale[d], noise, f)
                 if ratio > out[k, d]:
                     out[k, d] = ratio
                     flip[k, d] = f

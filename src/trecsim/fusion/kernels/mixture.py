@@ -33,6 +33,8 @@ class Noise(NamedTuple):
         Log prior odds that a detection has left and right exchanged.
     tail
         Degrees of freedom of the inliers' distribution; few mean heavy tails.
+    common_m2
+        Variance per joint and axis of what all cameras err in together [m^2].
     white_share, bias_share
         Variance of the errors that change from image to image, and of those that last for
         seconds, next to that of the noise.
@@ -40,6 +42,7 @@ class Noise(NamedTuple):
 
     sigma_m: Float64[np.ndarray, " joint"]
     mirror: Int64[np.ndarray, " joint"]
+    common_m2: Float64[np.ndarray, " joint"]
     floor_px: float
     odds_m2: float
     outlier_share: float

@@ -11,33 +11,35 @@ from trecsim.fusion.tuning import (
     FEWEST_INLIERS,
     INLIER,
     LEAST_PATIENCE,
+    LONGEST_OFFSET_S,
     LOOK_MISSES,
     LOOK_SEES,
     REDUNDANT_CHECKS,
     SURE_CAMERAS,
     TENTATIVE_S,
     USUAL_CAMERAS,
+    VIEW_OFFSET_S,
 )
 
 
 @inner
-def note_support(cam, t_s, matches, inlier, sightings):
+def note_support(measured, mirror, taken, matches, fitted, sightings):
     """Write down, in place, which camera supports whom and which joint, and when.
 
     Parameters
     ----------
-    cam, t_s
-        Camera and time of each image, (view,).
-    matches
-        `Matches`.
-    inlier
-        Responsibility of each joint for its key point, (track, view, joint).
+    measured, mirror
+        `Measurements`, and each joint's left-right counterpart.
+    taken, matches, fitted
+        `Taken`, `Matches` and `Fitted`.
     sightings
-        `Sightings`, of which the times per camera change.
+        `Sightings`, of which what is known per camera changes.
     """
     match, last_s, joint_s = matches.match, sightings.camera_s, sightings.joint_s
+    cam, inlier, t_s = measured.cam, fitted.inlier, taken.t_s
     for k in range(match.shape[0]):
         for v in range(match.shape[1]):
+            note_key_points(measured, mirror, k, v, matches, fitted, sightings)
             if match[k, v] < 0:
                 continue
             supported = 0
@@ -45,10 +47,39 @@ def note_support(cam, t_s, matches, inlier, sightings):
                 supported += inlier[k, v, j] > INLIER
             if supported < FEWEST_INLIERS:
                 continue
+            note_offset(k, v, cam[v], fitted, taken.since_s[v], sightings.view_off_px)
             last_s[k, cam[v]] = max(last_s[k, cam[v]], t_s[v])
             for j in range(inlier.shape[2]):
                 if inlier[k, v, j] > INLIER:
                     joint_s[k, j, cam[v]] = max(joint_s[k, j, cam[v]], t_s[v])
+
+
+@inner
+def note_key_points(measured, mirror, k, v, matches, fitted, sightings):
+    """Write down, in place, how far the key points of an image lie from the joints of a track."""
+    c, d, flipped = measured.cam[v], matches.match[k, v], matches.flip[k, v]
+    off_m2, quality, scale_m = sightings.joint_off_m2, sightings.joint_quality, fitted.m_per_px
+    for j in range(mirror.shape[0]):
+        off_m2[k, j, c] = quality[k, j, c] = 0.0
+        if d >= 0 and scale_m[k, v, j] > 0.0:
+            scale = measured.sigma_scale[d, mirror[j] if flipped else j]
+            off_px = fitted.off_px[k, v, j]
+            quality[k, j, c] = 1.0 / (scale * scale)
+            off_m2[k, j, c] = (off_px[0] ** 2 + off_px[1] ** 2) * scale_m[k, v, j] ** 2
+
+
+@inner
+def note_offset(k, v, c, fitted, since_s, view_off_px):
+    """Average the mean innovation of a track in the images of a camera over time, in place."""
+    passed_s = min(max(since_s, 0.0), LONGEST_OFFSET_S)
+    share = passed_s / (passed_s + VIEW_OFFSET_S)
+    for a in range(2):
+        total, n = 0.0, 0
+        for j in range(fitted.inlier.shape[2]):
+            if fitted.inlier[k, v, j] > INLIER:
+                total += fitted.innovation_px[k, v, j, a]
+                n += 1
+        view_off_px[k, c, a] += share * (total / n - view_off_px[k, c, a])
 
 
 @inner
@@ -98,6 +129,21 @@ def second_of(last_s):
 
 
 @inner
+def count_supporting(sights, now_s, out):
+    """Write how many cameras support each joint now to `out` (track, joint).
+
+    A camera does, if its newest image does and its next one is not overdue. `sights` are `Sights`.
+    """
+    newest_s, look_back_s, joint_s = sights.newest_s, sights.look_back_s, sights.joint_s
+    for k in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            n = 0
+            for c in range(newest_s.shape[0]):
+                n += joint_s[k, j, c] >= newest_s[c] > now_s - look_back_s[c]
+            out[k, j] = n
+
+
+@inner
 def age(sightings, matches, now, look_back_s, before_s):
     """Count the time for which people have been supported by two cameras, and read mirrored.
 
@@ -124,7 +170,9 @@ def age(sightings, matches, now, look_back_s, before_s):
     later detection is read mirrored to fit it. One camera that errs now and then is outvoted.
     """
     match, flip = matches.match, matches.flip
-    camera_s, _, two_view_s, two_view_duration_s, mirrored_s = sightings
+    camera_s, two_view_s = sightings.camera_s, sightings.two_view_s
+    two_view_duration_s = sightings.two_view_duration_s
+    mirrored_s = sightings.mirrored_duration_s
     longest_s = largest(look_back_s)
     for k in range(match.shape[0]):
         if supporting(camera_s[k], now.t_s, look_back_s) >= 2:

@@ -8,11 +8,12 @@ from trecsim.compiler import inner
 from trecsim.fusion.kernels.groups import Bodies
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import project
-from trecsim.fusion.kernels.small_matrices import invert3
+from trecsim.fusion.kernels.small_matrices import invert3, sandwich3
 from trecsim.fusion.tuning import (
     BIAS_WANDER_PER_S,
     NEAR_M,
     SUPPORT_S,
+    TWO_PLACES_S,
     UNSEEN_DRIFT_MPS,
     UNSEEN_DRIFT_S,
     UNSEEN_SIGMA_M,
@@ -21,7 +22,7 @@ from trecsim.fusion.tuning import (
 
 
 @inner
-def bias_information(cameras, noise, j, x, last_s, now_s, info):
+def bias_information(cameras, noise, j, x, last_s, sights, now_s, info, M):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
     Parameters
@@ -30,28 +31,33 @@ def bias_information(cameras, noise, j, x, last_s, now_s, info):
         `Cameras` and `Noise`.
     j, x
         The joint and its place, (3,).
-    last_s, now_s
-        When each camera last supported it, (cam,), and the time of what is stated [s].
+    last_s, sights, now_s
+        When each camera last supported it, (cam,), `Sights`, and the time of what is stated [s].
     info
         Result, the upper triangle of (3, 3) [1/m^2]; singular where fewer than two cameras see the
         joint.
+    M
+        Result, (3, 3): information of the calibration's errors in it, ``sum J' W B W J``.
     """
     P, focal_px = cameras.P, cameras.focal_px
     usual_m, share, least_px2 = noise.sigma_m[j], noise.bias_share, noise.floor_px * noise.floor_px
     for p in range(3):
-        for q in range(p, 3):
-            info[p, q] = 0.0
+        for q in range(3):
+            info[p, q] = M[p, q] = 0.0
     for c in range(last_s.shape[0]):
-        if not last_s[c] > now_s - SUPPORT_S:
+        if not last_s[c] > now_s - sights.look_back_s[c]:
             continue
         w, _, _, du, dv = project(P, c, x[0], x[1], x[2])
         if not w > NEAR_M:
             continue
         sigma_px = usual_m * focal_px[c] / w
-        var = share * (sigma_px * sigma_px + least_px2)
+        weight = 1.0 / (share * (sigma_px * sigma_px + least_px2))
+        of_camera = weight * weight * cameras.error_px2[c]
         for p in range(3):
-            for q in range(p, 3):
-                info[p, q] += (du[p] * du[q] + dv[p] * dv[q]) / var
+            for q in range(3):
+                both = du[p] * du[q] + dv[p] * dv[q]
+                info[p, q] += weight * both
+                M[p, q] += of_camera * both
 
 
 @inner
@@ -93,17 +99,114 @@ def widen(cov, info, scale, sigma, bounded, bias_m2):
             cov[p, q] += bias_m2[p, q]
 
 
+@inner
+def disagreement_m2(noise, j, sights, k, now_s):
+    """Return the variances, per axis, that disagreement about a joint adds [m^2].
+
+    The first is that of cameras that do not agree with the joint, the second of those that do.
+
+    Parameters
+    ----------
+    noise, j
+        `Noise`, and the joint.
+    sights, k, now_s
+        `Sights`, the track, and the time of what is stated [s].
+
+    Notes
+    -----
+    Cameras agree with the joint or they do not; either these or those see an outlier, each with the
+    probability `outlier_share`. Key points of low score count less. If those that do not agree are
+    right, the joint is where they see it. Those that agree may still be further apart than their
+    noise: then the mean of them is as uncertain as their spread says.
+    """
+    newest_s, look_back_s, joint_s, off_m2, quality = sights
+    agree = apart = 0.0
+    n = 0
+    away_m2 = spread_m2 = 0.0
+    for c in range(newest_s.shape[0]):
+        q = min(quality[k, j, c], 1.0)
+        if not q > 0.0 or not newest_s[c] > now_s - look_back_s[c]:
+            continue
+        if joint_s[k, j, c] >= newest_s[c]:
+            agree += q
+            n += 1
+            spread_m2 += off_m2[k, j, c] - 2.0 * noise.sigma_m[j] ** 2 / q
+        else:
+            apart += q
+            away_m2 += q * off_m2[k, j, c]
+    of_mean_m2 = 0.5 * spread_m2 / (n * (n - 1)) if n > 1 and spread_m2 > 0.0 else 0.0
+    if not apart > 0.0:
+        return 0.0, of_mean_m2
+    agree_wrong, apart_wrong = noise.outlier_share**agree, noise.outlier_share**apart
+    return 0.5 * agree_wrong / (agree_wrong + apart_wrong) * away_m2 / apart, of_mean_m2
+
+
 @inner(allocates=True)
-def report_all(cameras, noise, limbs, bodies, joint_s, now_s, joints):
+def add_other_places(cameras, limbs, x, cov_m2, joint_s, now_s):
+    """Add the other place of limbs that one camera sees to the covariances of a person, in place.
+
+    Parameters
+    ----------
+    cameras, limbs
+        `Cameras` and `Limbs`.
+    x, cov_m2
+        Joints and covariances, (joint, 3) and (joint, 3, 3).
+    joint_s, now_s
+        When each camera last supported each joint, (joint, cam), and the time of what is stated
+        [s].
+
+    Notes
+    -----
+    The ray of one camera meets the sphere of a limb's length about the limb's other end in two
+    places, before and behind that end. Half of their distance is added along the ray, the less the
+    shorter it is that a second camera saw the joint; and what is open of the other end, too.
+    """
+    ray, added_m2 = np.empty(3), np.empty(x.shape[0])
+    for j in range(x.shape[0]):
+        added_m2[j] = 0.0
+    for i in range(limbs.chain.shape[0]):
+        near, far = limbs.chain[i]
+        c, second_s = last_two(joint_s[far])
+        share = min(max(now_s - SUPPORT_S - second_s, 0.0) / TWO_PLACES_S, 1.0)
+        if c < 0 or not share > 0.0:
+            continue
+        length_m = 0.0
+        for p in range(3):
+            ray[p] = x[far, p] - cameras.position_m[c, p]
+            length_m += ray[p] * ray[p]
+        length_m = math.sqrt(length_m)
+        half_m = 0.0
+        for p in range(3):
+            ray[p] /= length_m
+            half_m += ray[p] * (x[far, p] - x[near, p])
+        added_m2[far] = share * half_m * half_m + added_m2[near]
+        for p in range(3):
+            for q in range(3):
+                cov_m2[far, p, q] += added_m2[far] * ray[p] * ray[q]
+
+
+@inner
+def last_two(last_s):
+    """Return the camera that supported a joint last, -1 if none, and when a second one did [s]."""
+    best, latest, second = -1, -math.inf, -math.inf
+    for c in range(last_s.shape[0]):
+        if last_s[c] > latest:
+            best, latest, second = c, last_s[c], latest
+        else:
+            second = max(second, last_s[c])
+    return best, second
+
+
+@inner(allocates=True)
+def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
     """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
 
     Parameters
     ----------
     cameras, noise, limbs, bodies
         `Cameras`, `Noise`, `Limbs` and `Bodies`.
-    joint_s, now_s
-        When each camera last supported each joint, (track, joint, cam), and the time of what is
-        stated [s].
+    sights, now_s
+        `Sights`, and the time of what is stated [s].
     joints
         Joints, their covariances and those of their velocities as the trajectories have them,
         (track, joint, 3) and (track, joint, 3, 3); changed in place.
@@ -116,12 +219,15 @@ def report_all(cameras, noise, limbs, bodies, joint_s, now_s, joints):
     lengths here, where their covariance includes it.
     """
     x, cov_m2, velocity_cov_m2ps2 = joints
+    joint_s, common_m2 = sights.joint_s, noise.common_m2
     info, bounded, bias_m2 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    M, of_cameras_m2 = np.empty((3, 3)), np.empty((x.shape[1], 3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
-            bias_information(cameras, noise, j, x[k, j], joint_s[k, j], now_s, info)
+            bias_information(cameras, noise, j, x[k, j], joint_s[k, j], sights, now_s, info, M)
             off_m = unseen_sigma_m(joint_s[k, j], now_s)
             widen(cov_m2[k, j], info, 1.0, off_m, bounded, bias_m2)
+            sandwich3(bias_m2, M, of_cameras_m2[j])
             widen(
                 velocity_cov_m2ps2[k, j],
                 info,
@@ -130,5 +236,17 @@ def report_all(cameras, noise, limbs, bodies, joint_s, now_s, joints):
                 bounded,
                 bias_m2,
             )
+            apart_m2, of_mean_m2 = disagreement_m2(noise, j, sights, k, now_s)
+            for p in range(3):
+                cov_m2[k, j, p, p] += apart_m2
+                of_cameras_m2[j, p, p] += of_mean_m2
+        add_other_places(cameras, limbs, x[k], cov_m2[k], joint_s[k], now_s)
         body = Bodies(bodies.limb_m[k], bodies.limb_m2[k], bodies.level[k])
         tighten(x[k], cov_m2[k], limbs, body)
+        # The error of a camera moves the whole body, and lengths are learnt with what all cameras
+        # err in together: they tell nothing about either.
+        for j in range(x.shape[1]):
+            for p in range(3):
+                cov_m2[k, j, p, p] += common_m2[j]
+                for q in range(3):
+                    cov_m2[k, j, p, q] += of_cameras_m2[j, p, q]

@@ -35,6 +35,18 @@ def invert3(A, out):
 
 
 @inner
+def sandwich3(A, B, out):
+    """Write ``A B A`` to `out` (3, 3), for a symmetric `A`."""
+    for i in range(3):
+        for k in range(3):
+            total = 0.0
+            for p in range(3):
+                for q in range(3):
+                    total += A[i, p] * B[p, q] * A[q, k]
+            out[i, k] = total
+
+
+@inner
 def scale(R, z, by):
     """Multiply a joint's square-root information by `by`, in place."""
     for i in range(R.shape[0]):

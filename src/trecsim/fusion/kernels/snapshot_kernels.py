@@ -4,17 +4,17 @@ import numpy as np
 
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import evaluate_all, knots
-from trecsim.fusion.kernels.groups import Bodies
+from trecsim.fusion.kernels.groups import Bodies, Sights
 from trecsim.fusion.kernels.information import covariance_all
-from trecsim.fusion.kernels.presence import count_since
+from trecsim.fusion.kernels.presence import count_supporting, supporting
 from trecsim.fusion.kernels.reported_covariance import report_all
 from trecsim.fusion.kernels.small_matrices import copy
 from trecsim.fusion.kernels.velocity import velocity_all
-from trecsim.fusion.tuning import SAME_S, SUPPORT_S
+from trecsim.fusion.tuning import SAME_S
 
 
 @kernel(allocates=True)
-def snapshot_all(cameras, noise, limbs, who, tracks, bodies, joint_s, now, kind, out):
+def snapshot_all(cameras, noise, limbs, who, tracks, bodies, sights, now, kind, out):
     """Report the tracks that had been born at one time; return how many they are.
 
     Parameters
@@ -23,8 +23,8 @@ def snapshot_all(cameras, noise, limbs, who, tracks, bodies, joint_s, now, kind,
         Constants: `Cameras`, `Noise` and `Limbs`.
     who, tracks, bodies
         All tracks: `Who`, `Trajectories` and `Bodies`; they stay as they are.
-    joint_s
-        When each camera last supported each joint, (track, joint, cam) [s].
+    sights
+        `Sights`.
     now
         `Now`: the time of the snapshot, and the knot grid.
     kind
@@ -51,13 +51,17 @@ def snapshot_all(cameras, noise, limbs, who, tracks, bodies, joint_s, now, kind,
             tracks.R[mine], tracks.c[mine], here, now.knot_s, out.velocity_mps[row],
             velocity_cov_m2ps2,
         )  # fmt: skip
+        seen = Sights(
+            sights.newest_s, sights.look_back_s, sights.joint_s[mine], sights.off_m2[mine],
+            sights.quality[mine],
+        )  # fmt: skip
         body = Bodies(bodies.limb_m[mine], bodies.limb_m2[mine], bodies.level[mine])
         report_all(
-            cameras, noise, limbs, body, joint_s[mine], now.t_s,
+            cameras, noise, limbs, body, seen, now.t_s,
             (out.xyz_m[row], out.cov_m2[row], velocity_cov_m2ps2),
         )  # fmt: skip
-        count_since(joint_s[mine], now.t_s - SUPPORT_S, out.support[row])
-        out.is_supported[n] = any_of(out.support[n])
+        count_supporting(seen, now.t_s, out.support[row])
+        out.is_supported[n] = any_supported(seen.joint_s[0], now.t_s, seen.look_back_s)
         n += 1
     return n
 
@@ -74,9 +78,9 @@ def placed(tracks, knot_time):
 
 
 @inner
-def any_of(counts):
-    """Return 1 if any count is above zero, else 0."""
-    for i in range(counts.shape[0]):
-        if counts[i] > 0:
+def any_supported(joint_s, now_s, look_back_s):
+    """Return 1 if a camera has supported any joint lately, else 0."""
+    for j in range(joint_s.shape[0]):
+        if supporting(joint_s[j], now_s, look_back_s) > 0:
             return 1
     return 0

@@ -7,9 +7,10 @@ import numpy as np
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all
+from trecsim.fusion.kernels.camera_errors import hold_key_points, note_camera_errors
 from trecsim.fusion.kernels.curve import evaluate_all, knots
 from trecsim.fusion.kernels.fitting_kernels import fit_all
-from trecsim.fusion.kernels.groups import Matches, Prediction
+from trecsim.fusion.kernels.groups import Fitted, Matches, Prediction
 from trecsim.fusion.kernels.information import covariance_all
 from trecsim.fusion.kernels.matching import associate_all, owners
 from trecsim.fusion.kernels.mixture import slack_after
@@ -21,8 +22,8 @@ from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_
 
 @kernel(allocates=True)
 def update_all(
-    cameras, noise, bones, limbs, motion, tracks, bodies, sightings, confirmed, doubts, measured,
-    taken, now, matches, owner, work,
+    cameras, noise, bones, limbs, motion, tracks, bodies, sightings, held, confirmed, doubts,
+    errors, measured, taken, now, matches, owner, work,
 ):  # fmt: skip
     """Take the detections of one frame set into all tracks, in place.
 
@@ -30,9 +31,11 @@ def update_all(
     ----------
     cameras, noise, bones, limbs, motion
         Constants: `Cameras`, `Noise`, `Bones`, `Limbs` and `Motion`.
-    tracks, bodies, sightings, confirmed, doubts
-        The tracks: `Trajectories`, `Bodies`, `Sightings`, which are reported, (track,), and
+    tracks, bodies, sightings, held, confirmed, doubts
+        The tracks: `Trajectories`, `Bodies`, `Sightings`, `Held`, which are reported, (track,), and
         `Doubts`.
+    errors
+        `CameraErrors`, changed in place.
     measured, taken, now
         The frame set: `Measurements`, `Taken` and `Now`, with the knot grid moved on.
     matches
@@ -54,14 +57,23 @@ def update_all(
     if not given:
         associate_all(cameras, noise, measured, prediction, GATE_M, matches)
     shape = tracks.R.shape[0], taken.t_s.shape[0], tracks.R.shape[1]
-    inlier = np.empty(shape)
+    fitted = Fitted(
+        np.empty(shape), np.empty((*shape, 2)), np.empty((*shape, 2)), np.empty(shape),
+        np.empty(shape),
+    )  # fmt: skip
     weighted = Matches(matches.match, matches.flip, worth(matches, taken, motion))
-    fit_all(cameras, noise, measured, prediction, weighted, tracks, inlier)
+    lasting = sightings.view_off_px, taken.is_apart
+    fit_all(cameras, noise, measured, prediction, weighted, tracks, lasting, fitted)
     before_s = second_newest(sightings.camera_s)
-    note_support(measured.cam, taken.t_s, matches, inlier, sightings)
+    note_support(measured, noise.mirror, taken, matches, fitted, sightings)
     age(sightings, matches, now, taken.look_back_s, before_s)
     if given:
         return 0, False
+    trusted = np.empty(shape[0], np.bool_)
+    for k in range(shape[0]):
+        trusted[k] = confirmed[k] and sightings.two_view_s[k] == now.t_s
+    hold_key_points(measured, noise.mirror, matches, fitted, taken, held)
+    note_camera_errors(cameras, tracks, trusted, now, held, errors)
     if check:
         note_redundant(
             cameras, measured, prediction.xyz_m, matches.match, confirmed, doubts.redundant_count
@@ -92,7 +104,7 @@ def predict(tracks, sightings, taken, now):
     n_view, n_track, n_joint = taken.t_s.shape[0], tracks.c.shape[0], tracks.c.shape[1]
     knot_time, here = np.empty(n_view), knots(now.t_s, now)
     for v in range(n_view):
-        knot_time[v] = knots(taken.t_s[v], now)
+        knot_time[v] = knots(taken.t_s[v] - taken.delay_s[v], now)
     xyz_m = np.empty((n_view, n_track, n_joint, 3))
     evaluate_all(tracks.c, knot_time, xyz_m)
     cov_m2 = np.empty((n_track, n_joint, 3, 3))

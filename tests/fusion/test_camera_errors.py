@@ -1,0 +1,137 @@
+"""Turned cameras and late clocks are found in the residuals, told apart, and taken out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import reference_fusion as reference
+from fusion.made import frame_sets, made, outcome, path
+from fusion.somebody import MODEL
+from trecsim.fusion import Tracker
+from trecsim.fusion.camera_errors import CameraErrors, projections, uncorrected
+from trecsim.fusion.kernels.camera_errors import turned
+from trecsim.geometry import Rig
+from trecsim.values import FrameSet
+
+SECONDS, SETTLED = 8.0, 125
+PATHS = [path((0, -2, 0), (4, 2, 0.5), (8, -2, 0)), path((0, 1, 2), (4, -1, -2), (8, 1, 2))]
+SCENE = made(PATHS, seconds=SECONDS, stagger=False)
+WHICH = 1
+
+
+def bent(angle_rad, about):
+    """Return the scene's rig with one camera turned about an axis of its own."""
+    rotation = np.zeros(3)
+    rotation[about] = angle_rad
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    i, k = ((1, 2), (2, 0), (0, 1))[about]
+    T = np.eye(4)
+    T[i, i] = T[k, k] = c
+    T[i, k], T[k, i] = -s, s
+    cameras = list(SCENE.rig)
+    cameras[WHICH] = replace(cameras[WHICH], T_cam_world=T @ cameras[WHICH].T_cam_world)
+    return Rig(tuple(cameras))
+
+
+def follow(rig, sets):
+    tracker = Tracker(rig)
+    return tracker, [tracker.step(one) for one in sets]
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_a_pixel_moves_with_a_turn_as_its_derivatives_say(seed):
+    """Central differences over the three angles of the projections that are used."""
+    rng = np.random.default_rng(seed)
+    rig, c, x = MODEL.rig, int(rng.integers(4)), rng.normal([0, 0, 1], 0.4)
+    u, v = reference.project(MODEL.cameras.P[c], x)
+    row_u, row_v = np.zeros(4), np.zeros(4)
+    camera = rig.cameras[c]
+    turned(camera.K[:2, 2], MODEL.cameras.focal_px[c], u, v, row_u, row_v)
+    for axis in range(3):
+        step = np.zeros((4, 3))
+        step[c, axis] = 1e-5
+        ahead, back = (
+            reference.project(projections(rig, sign * step, np.zeros(4)).P[c], x)
+            for sign in (1.0, -1.0)
+        )
+        there = (ahead - back) / 2e-5
+        np.testing.assert_allclose([row_u[axis], row_v[axis]], there, rtol=1e-5, atol=1e-3)
+
+
+@pytest.mark.parametrize("about", [0, 1])
+def test_a_turned_camera_is_found_and_its_error_taken_out(about):
+    """By half a degree; the rig says where it was, so the other way round."""
+    rig = bent(np.radians(0.5), about)
+    tracker, snapshots = follow(rig, frame_sets(SCENE))
+    turn_deg = np.degrees(tracker.camera_errors.applied[:, :3])
+    others_deg = np.delete(turn_deg, WHICH, axis=0)
+    assert turn_deg[WHICH, about] == pytest.approx(-0.5, abs=0.15)
+    assert np.abs(others_deg[:, :2]).max() < 0.2
+    _, as_it_was = follow(SCENE.rig, frame_sets(SCENE))
+    error_m = [np.nanmean(outcome(SCENE, s).error_m[SETTLED:]) for s in (snapshots, as_it_was)]
+    assert error_m[0] < 1.25 * error_m[1]
+
+
+@pytest.mark.parametrize("late_s", [0.03, -0.03])
+def test_a_late_clock_is_found_and_no_camera_is_thought_to_be_turned(late_s):
+    sets = [
+        FrameSet(
+            one.t_s,
+            tuple(
+                replace(view, t_s=view.t_s + late_s) if n == WHICH else view
+                for n, view in enumerate(one.views)
+            ),
+        )
+        for one in frame_sets(SCENE)
+    ]
+    tracker, _ = follow(SCENE.rig, sets)
+    delay_s = tracker.camera_errors.applied[:, 3]
+    apart_s = delay_s[WHICH] - np.delete(delay_s, WHICH).mean()
+    assert apart_s == pytest.approx(late_s, abs=0.01)
+    assert np.degrees(np.abs(tracker.camera_errors.applied[:, :2])).max() < 0.15
+
+
+def test_a_rig_that_fits_is_left_alone():
+    tracker, _ = follow(SCENE.rig, frame_sets(SCENE))
+    assert np.degrees(np.abs(tracker.camera_errors.applied[:, :2])).max() < 0.1
+    assert np.abs(tracker.camera_errors.applied[:, 3]).max() < 0.008
+    assert (tracker.cameras.error_px2 < uncorrected(SCENE.rig).error_px2).all()
+
+
+def test_what_moves_all_cameras_together_moves_nobody():
+    """Turns that a motion of the people explains are no errors of the cameras."""
+    errors = CameraErrors(SCENE.rig)
+    people_m = np.array([[0.3, -0.2, 1.1]])
+    motion_m = np.array([0.02, -0.01, 0.015])
+    for c, camera in enumerate(SCENE.rig):
+        before, after = (
+            (camera.T_cam_world[:3] @ np.append(people_m[0] + d, 1.0)) for d in (0.0, motion_m)
+        )
+        shift = after[:2] / after[2] - before[:2] / before[2]
+        errors.info[c] = np.diag([1e7, 1e7, 1e7, 1e7])
+        errors.vector[c] = errors.info[c] @ [-shift[1], shift[0], 0.0, 0.0]
+    errors.corrected(people_m)
+    assert np.abs(errors.applied[:, :2]).max() < 1e-4
+    errors.corrected(np.empty((0, 3)))
+    assert np.abs(errors.applied[:, :2]).max() > 1e-3
+
+
+@pytest.mark.parametrize("stagger", [True, False])
+def test_a_camera_that_does_not_fit_makes_nobody_oscillate(stagger):
+    """One camera after the other, one of them 1.5 degrees off: somebody who stands stands still."""
+    scene = made([path((0, 0.3, 0), (SECONDS, 0.3, 0.001))], seconds=SECONDS, stagger=stagger)
+    cameras = list(scene.rig)
+    T = np.eye(4)
+    angle = np.radians(1.5)
+    T[0, 0] = T[2, 2] = np.cos(angle)
+    T[0, 2], T[2, 0] = np.sin(angle), -np.sin(angle)
+    cameras[WHICH] = replace(cameras[WHICH], T_cam_world=T @ cameras[WHICH].T_cam_world)
+    one_by_one = [FrameSet(view.t_s, (view,)) for view in sorted(scene.poses, key=lambda v: v.t_s)]
+    _, snapshots = follow(Rig(tuple(cameras)), one_by_one)
+    late = [s for s in snapshots if s.t_s > 3.0 and len(s.id) == 1]
+    torso_m = np.array([s.xyz_m[0][MODEL.torso].mean(axis=0) for s in late])
+    assert len(late) > 300
+    assert np.median(np.linalg.norm(np.diff(torso_m, axis=0), axis=1)) < 0.005
