@@ -11,7 +11,7 @@ from pathlib import Path
 from harness.machine import ROOT
 
 FOLDER = ROOT / "docs" / "pictures"
-NAMES = ("responsibilities", "crossing", "smoothing", "beginning", "dragging", "near")
+NAMES = ("responsibilities", "crossing", "smoothing", "beginning", "alone", "dragging", "near")
 
 
 def draw(name: str, folder: Path, suffix: str = ".svg") -> Path:

@@ -187,3 +187,28 @@ def test_the_ground_under_newcomers_is_learnt_from_people_before_them():
     assert level_m == pytest.approx(-0.5, abs=0.03)
     assert var_m2 < 0.15**2
     assert stairs.expected(people)[1] > 0.4**2
+
+
+@pytest.mark.parametrize("posture", ["walks", "stays"])
+def test_whom_two_cameras_knew_is_held_in_place_before_one(posture):
+    """For ten seconds; the region holds the place, and is narrower than that of somebody new."""
+    far = {"walks": ((2, 0, 0), (7, -2.0, -1.5), (12, 2.0, 1.5)), "stays": ((12, 0.1, 0),)}
+    scene = made(
+        [path((0, -0.2, 0), *far[posture])], cameras=2, detector=CALM, seconds=12.0, seed=3
+    )
+    sets = seen_by(scene, lambda cam, t_s, view: slice(None if cam == 0 or t_s < 2.0 else 0))
+    eye_m = scene.rig.cameras[0].position_m
+    inside, off, sigma = [], [], []
+    for s in follow(scene, sets)[60:]:
+        assert s.id.tolist() == [0]
+        truth_m = truth_at(scene, s.t_s)[0, TORSO].mean(axis=0)
+        off_m = s.xyz_m[0, TORSO].mean(axis=0) - truth_m
+        cov_m2 = s.cov_m2[0, TORSO].mean(axis=0)
+        far_m = np.linalg.norm(truth_m - eye_m)
+        ray = (truth_m - eye_m) / far_m
+        inside.append(off_m @ np.linalg.solve(cov_m2, off_m) < IN_90)
+        off.append(abs(off_m @ ray) / far_m)
+        sigma.append(np.sqrt(ray @ cov_m2 @ ray) / far_m)
+    assert np.mean(inside) >= 0.9
+    assert np.median(off) < 0.05
+    assert np.median(sigma) < 0.06

@@ -52,12 +52,15 @@ class Images:
         return np.repeat(np.arange(len(self)), np.diff(self.offset))
 
     def detections(
-        self, which: Bool[np.ndarray, " person"], claim: Int64[np.ndarray, " person"]
+        self, which: Bool[np.ndarray, " person"], claim: Int64[np.ndarray, " person"] | None = None
     ) -> "Detections":
         """Return the detections that `which` marks, without their images.
 
-        `claim` tells of all detections which track of a single camera they support.
+        `claim` tells of all detections which track of a single camera they support: none, unless
+        it is given.
         """
+        if claim is None:
+            claim = np.full(len(which), -1)
         view_of = self.view_of[which]
         return Detections(
             self.cam[view_of], self.t_s[view_of], self.xy_px[which], self.sigma_scale[which],

@@ -7,6 +7,7 @@ proportional to the distance of the plane, so that each limb, and the ground, me
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -15,15 +16,20 @@ from trecsim.fusion.birth import rays
 from trecsim.fusion.body import contact_height_m
 from trecsim.fusion.images import Detections
 from trecsim.fusion.model import Model
+from trecsim.fusion.population import Population
 from trecsim.fusion.tuning import (
     FORESHORTENED,
+    KNOWN_RATE_MPS,
     RANGE_ACCEL_M2PS3,
+    RANGE_DRIFT2_PER_S,
     RANGE_GATE,
     RANGE_MEMORY_S,
     RANGE_SPEED_MPS,
+    SAME_S,
     SIZE_NOISE,
     SIZE_SPREAD,
     SOLE_NOISE_M,
+    STEP_NOISE_M,
     WALK_NOISE_S,
 )
 
@@ -46,14 +52,17 @@ class Sizes:
     size_m
         Distance at which the body has the usual size.
     drop, drop_scale
-        How far the lower ankle is below the camera at 1 m, and by how much its standard deviation
-        exceeds a good key point's.
+        How far the ankles are below the camera at 1 m, and by how much their standard deviation
+        exceeds that of good key points.
+    n_ankle
+        How many they are.
     """
 
     at_one_m: Float64[np.ndarray, "person joint 3"]
     size_m: Float64[np.ndarray, " person"]
     drop: Float64[np.ndarray, " person"]
     drop_scale: Float64[np.ndarray, " person"]
+    n_ankle: Int64[np.ndarray, " person"]
 
 
 @lru_cache(maxsize=8)
@@ -76,7 +85,8 @@ def sizes(model: Model, found: Detections) -> Sizes:
     the horizontal distance ``D`` has the joint at ``o + D r_k / (r_k h)``. A limb of usual length
     ``L`` and of length ``c`` at distance 1 says ``D = L / c``. One that is turned towards the
     camera or away from it is shorter in the image and says too much; those that say much more than
-    the second nearest are left out.
+    the second nearest are left out. Of two ankles the mean logarithm counts: one foot is before
+    the body, the other one behind it.
     """
     upright, ankles = _parts(model.skeleton.joints, tuple(map(tuple, model.bones.joints.tolist())))
     ray = rays(model, found)
@@ -95,12 +105,33 @@ def sizes(model: Model, found: Detections) -> Sizes:
         size_m = np.where(across, usual_m, 0.0).sum(axis=1) / np.where(across, length, 0.0).sum(
             axis=1
         )
-        drop = -at_one_m[:, ankles, 2]
-    lower = np.argmax(np.nan_to_num(drop, nan=-np.inf), axis=1)
-    row = np.arange(len(found))
-    scale = found.sigma_scale[:, ankles][row, lower] if ankles else np.ones(len(found))
-    low = drop[row, lower] if ankles else np.full(len(found), np.nan)
-    return Sizes(at_one_m, size_m, low, scale)
+        drop = np.log(-at_one_m[:, ankles, 2])
+    n_ankle = np.isfinite(drop).sum(axis=1)
+    several = np.maximum(n_ankle, 1)
+    scale = np.where(np.isfinite(drop), found.sigma_scale[:, ankles], 0.0).sum(axis=1) / several
+    mean = np.where(np.isfinite(drop), drop, 0.0).sum(axis=1) / several
+    drop_at_one_m = np.where(n_ankle > 0, np.exp(mean), np.nan)
+    return Sizes(at_one_m, size_m, drop_at_one_m, scale, n_ankle)
+
+
+class Known(NamedTuple):
+    """What is known of a person's distance when it begins to be measured: means and variances.
+
+    Attributes
+    ----------
+    log_m, log_m2, rate, rate2
+        Logarithm of the distance, and its rate [1/s].
+    size, size2, level2
+        Lasting relative errors of the distances that size and ground tell.
+    """
+
+    log_m: float
+    log_m2: float
+    rate: float
+    rate2: float
+    size: float
+    size2: float
+    level2: float
 
 
 @dataclass(eq=False)
@@ -169,6 +200,12 @@ class Ranges:
         self.cov[k, _LOG, _LOG] = sigma**2
         self.cov[k, _RATE, _RATE] = (RANGE_SPEED_MPS * math.exp(-log_m)) ** 2
 
+    def stay(self, k: int, log_m: float, rate: float, elapsed_s: float) -> None:
+        """Take over a distance that nothing has measured, in place; it becomes less sure."""
+        before = self.cov[k, _LOG, _LOG] + RANGE_DRIFT2_PER_S * elapsed_s
+        self.set(k, log_m, rate, math.sqrt(before))
+        self.cov[k, _RATE, _RATE] = (KNOWN_RATE_MPS * math.exp(-log_m)) ** 2
+
     def predict(self, elapsed_s: float) -> None:
         """Move on in time, in place."""
         kept = math.exp(-elapsed_s / RANGE_MEMORY_S)
@@ -220,8 +257,17 @@ class Ranges:
         again = max(1.0, WALK_NOISE_S / max(since_s, 1e-3))
         self.measure(k, math.log(told.size_m[d]), SIZE_NOISE**2 * again, _SIZE)
         if told.drop[d] > 0.0 and above_m > 0.0:
-            noise = SOLE_NOISE_M * told.drop_scale[d] / above_m
-            self.measure(k, math.log(above_m / told.drop[d]), noise**2 * again, _LEVEL)
+            step_m = STEP_NOISE_M[0 if told.n_ankle[d] == 1 else 1]
+            noise = (SOLE_NOISE_M * told.drop_scale[d] / above_m) ** 2
+            noise += (step_m * math.exp(-self.mean[k, _LOG])) ** 2
+            self.measure(k, math.log(above_m / told.drop[d]), noise * again, _LEVEL)
+
+    @classmethod
+    def known(cls, cam: int, known: Known) -> "Ranges":
+        """Return the filter of one person whom two cameras have measured until now."""
+        mean = np.array([[known.log_m, known.rate, known.size, 0.0]])
+        cov = np.diag([known.log_m2, known.rate2, known.size2, known.level2])[None]
+        return cls(np.array([cam]), mean, cov, np.ones(1, bool))
 
     @classmethod
     def begun(
@@ -242,8 +288,27 @@ class Ranges:
         return cls(cam, mean, cov, np.isfinite(log_m))
 
 
+def upright_bones(model: Model) -> list[int]:
+    """Return which of the skeleton's bones are across the line of sight of who stands or walks."""
+    return _parts(model.skeleton.joints, tuple(map(tuple, model.bones.joints.tolist())))[0]
+
+
 def above_ankle_m(model: Model, cam: int, level_m: float) -> float:
     """Return how high a camera is above an ankle that stands on the ground [m]."""
     ankle = [j for j, name in enumerate(model.skeleton.joints) if name.endswith("ankle")]
     height_m = contact_height_m(model.skeleton)[ankle].mean() if ankle else 0.0
     return float(model.cameras.position_m[cam, 2] - height_m - level_m)
+
+
+def believed(
+    people: Population, k: int, found: Detections, flip: int, mirror: Int64[np.ndarray, " joint"]
+) -> Detections:
+    """Return one detection with only the key points that support joints of person `k`.
+
+    `flip` is 1 if the detection has left and right exchanged.
+    """
+    supports = people.joint_last_seen_s[k, :, found.cam[0]] >= found.t_s[0] - SAME_S
+    if flip:
+        supports = supports[mirror]
+    xy_px = np.where(supports[:, None], found.xy_px, np.nan)
+    return Detections(found.cam, found.t_s, xy_px, found.sigma_scale, found.claim)

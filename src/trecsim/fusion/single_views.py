@@ -18,7 +18,7 @@ from trecsim.fusion.images import Detections, Images
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.ranging import Ranges, above_ankle_m, sizes
+from trecsim.fusion.ranging import Ranges, above_ankle_m, believed, sizes
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import (
     CROWDED,
@@ -111,7 +111,7 @@ class SingleViews:
         taken = images.detections(np.ones(len(claim), bool), claim).take(row)
         np.add.at(self.support_s, track, _worth_s(taken, since_s))
         self._ranges.predict(step.now.elapsed_s)
-        self._measure(taken, track, since_s)
+        self._measure(taken, track, since_s, found.association.flip[track, view])
         self._place(taken, track, step)
         return claim
 
@@ -120,14 +120,16 @@ class SingleViews:
         found: Detections,
         track: Int64[np.ndarray, " person"],
         since_s: Float64[np.ndarray, " person"],
+        flip: Int64[np.ndarray, " person"],
     ) -> None:
         """Measure how far away people are whom `found` shows."""
-        told = sizes(self.model, found)
+        m, people = self.model, self.people
         for d, k in enumerate(track.tolist()):
-            cam = int(found.cam[d])
+            cam, one = int(found.cam[d]), found.take(np.array([d]))
             if cam == self._ranges.cam[k]:
-                above_m = above_ankle_m(self.model, cam, self.people.ground_level[k, 0])
-                self._ranges.look(k, told, d, above_m, float(since_s[d]))
+                told = sizes(m, believed(people, k, one, int(flip[d]), m.noise.mirror))
+                above_m = above_ankle_m(m, cam, people.ground_level[k, 0])
+                self._ranges.look(k, told, 0, above_m, float(since_s[d]))
 
     def _place(self, found: Detections, track: Int64[np.ndarray, " person"], step: Step) -> None:
         """Put everybody at the distance that has been measured, in place.

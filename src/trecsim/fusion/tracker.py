@@ -19,6 +19,7 @@ from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.kernels import Cameras, Now
 from trecsim.fusion.model import build
+from trecsim.fusion.one_view_ranges import OneViewRanges
 from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import (
     Identities,
@@ -136,6 +137,7 @@ class Tracker:
         elapsed_s = max(0.0, self._t_s - before_s) if math.isfinite(before_s) else 0.0
         images = prepare(views, self._model)
         step, update = self._update(images, min(elapsed_s, JUMP_S))
+        self._one_view.take(self._people, images, update.association, step, self._model)
         claim = self._single.take(images, update, step)
         replaced, left = self._start_tracks(images, update, claim)
         self._follow_single_views(images, update.association, step, left)
@@ -181,6 +183,7 @@ class Tracker:
         m = self._model
         n_joint = len(m.skeleton.joints)
         self._people = Population.empty(n_joint, self._live, len(m.rig), len(m.body.joints))
+        self._one_view = OneViewRanges()
         self._single, self._ground = SingleViews(m, self._live), KnownGround()
         self._unassigned = Detections.nothing(n_joint)
         self._checked_s = -math.inf

@@ -204,11 +204,24 @@ LENGTH_SPREAD: Final = 0.15
 
 # Relative spread of the distance that the size of a body tells: of stature over adults, 6 %, with
 # other proportions of limbs and a lasting posture. Its noise, of gait, which lasts as long as a
-# step [s]; that of the height of the ankle that stands [m].
+# step [s]; that of the height of ankles; and how far one ankle, or the mean of two, is before or
+# behind the body [m].
 SIZE_SPREAD: Final = 0.08
 SIZE_NOISE: Final = 0.04
-WALK_NOISE_S: Final = 0.5
-SOLE_NOISE_M: Final = 0.05
+WALK_NOISE_S: Final = 0.25
+SOLE_NOISE_M: Final = 0.04
+STEP_NOISE_M: Final = (0.15, 0.03)
+# The same of somebody whose limbs two cameras have measured: a lasting posture. How far off two
+# cameras place somebody at least [m], and a velocity along the rays of one of them [m/s].
+KNOWN_SIZE_SPREAD: Final = 0.03
+PLACE_SIGMA_M: Final = 0.03
+# Who stands or walks: the height of the limbs from shoulders to ankles is at least this share of
+# their lengths, and then no less than the second one (who sits has 0.7). Nothing measures the
+# distance of others, whose relative variance grows by so much [1/s].
+UPRIGHT: Final = 0.85
+SAT_DOWN: Final = 0.72
+RANGE_DRIFT2_PER_S: Final = 0.02**2
+KNOWN_RATE_MPS: Final = 0.3
 # A limb that says more than this factor of the nearest distance is turned towards the camera or
 # away from it. Nobody begins whose distance is less well known than this share of it.
 FORESHORTENED: Final = 1.25
