@@ -220,6 +220,17 @@ def test_two_exchanged_cameras_are_named(good):
     assert text.startswith("cameras 'cam1' and 'cam2' seem to be exchanged: ")
 
 
+@pytest.mark.parametrize("scene", ["falling", "overtaking"])
+def test_exchanged_cameras_at_opposite_corners_are_told_with_the_pair_that_explains_as_much(scene):
+    """Each pair agrees on people of its own, so that every detection is somebody."""
+    made = simulate(read_scene(scene), 100)
+    poses = [one for one in made.poses if one.t_s < 6.0]
+    text = only(changed(poses, renamed(cam1="cam3", cam3="cam1")), made.rig)
+    assert text.startswith(
+        "either cameras 'cam1' and 'cam3' or cameras 'cam2' and 'cam4' seem to be exchanged: "
+    )
+
+
 def test_several_exchanged_cameras_are_named_with_what_they_show():
     made = simulate(read_scene("camera-dies"))  # three cameras, in no symmetry
     poses = made.poses[: len(made.poses) // 3]

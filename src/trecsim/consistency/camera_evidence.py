@@ -26,6 +26,8 @@ class Evidence:
     found, missed
         People whom two other cameras see and who are found where they should be; and those who are
         not, although there is a detection that is nobody, or one that is beside.
+    empty
+        People whom two other cameras see, and of whom this one shows nothing where they should be.
     turn
         The turn of the camera that explains what is found.
     """
@@ -36,6 +38,7 @@ class Evidence:
     explained: Int64[np.ndarray, " cam"]
     found: Int64[np.ndarray, " cam"]
     missed: Int64[np.ndarray, " cam"]
+    empty: Int64[np.ndarray, " cam"]
     turn: tuple[Turn, ...]
 
 
@@ -47,7 +50,8 @@ def weighed(moments: Sequence[Moment], rig: Rig, limit: Thresholds) -> Evidence:
         right = seen.beside_m <= limit.beside_m
     torsos = np.isfinite(seen.all_rays[..., 0]).any(axis=-1).sum(axis=-1)
     spare = torsos - there.sum(axis=-1)
-    missed = np.minimum((seen.expected & ~there).sum(axis=-1), spare)
+    empty = (seen.expected & ~there).sum(axis=-1)
+    missed = np.minimum(empty, spare)
     missed += (seen.expected & there & ~right).sum(axis=-1)
     return Evidence(
         from_s=moments[0].t_s,
@@ -56,6 +60,7 @@ def weighed(moments: Sequence[Moment], rig: Rig, limit: Thresholds) -> Evidence:
         explained=(there & (there.sum(axis=1, keepdims=True) >= 2)).sum(axis=(0, 2)),
         found=(seen.expected & right).sum(axis=(0, 2)),
         missed=missed.sum(axis=0),
+        empty=empty.sum(axis=0),
         turn=tuple(turn_of(seen, c, rig) for c in range(len(rig))),
     )
 

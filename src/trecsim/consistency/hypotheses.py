@@ -144,6 +144,23 @@ def explained(trial: Trial, core: Sequence[int], limit: Thresholds) -> Hypothesi
     return best
 
 
+def as_good(
+    trial: Trial, core: Sequence[int], found: Hypothesis, limit: Thresholds
+) -> Hypothesis | None:
+    """Return the exchange of the other two cameras, if it explains as much as the one `found`.
+
+    In a symmetric room, two cameras at opposite corners that are exchanged see the room turned
+    round. They agree with each other, and the other two do: whose names are right is not to be
+    seen.
+    """
+    if found.cause != "exchanged" or len(found.source) != 2 or len(core) != 2:
+        return None
+    first, second = core
+    other = Hypothesis("exchanged", {first: second, second: first})
+    _, _, after = trial.gain(other, tuple(found.source))
+    return other if after >= limit.right_share else None
+
+
 def _hypotheses(cameras: Sequence[int], suspects: Sequence[int]) -> Iterator[Hypothesis]:
     everywhere = {c: c for c in cameras}
     yield from (Hypothesis("scaled", everywhere, factor) for factor in SCALES)

@@ -10,7 +10,7 @@ from jaxtyping import Float64
 
 from trecsim.consistency import told
 from trecsim.consistency.camera_evidence import Evidence, off_without
-from trecsim.consistency.hypotheses import Trial, explained
+from trecsim.consistency.hypotheses import Trial, as_good, explained
 from trecsim.consistency.sights import Moment, gather
 from trecsim.consistency.spans import Span
 from trecsim.consistency.thresholds import Thresholds
@@ -60,11 +60,13 @@ def suspicious(history: Sequence[Evidence], limit: Thresholds) -> list[int]:
 
 def _is_suspicious(history: Sequence[Evidence], c: int, limit: Thresholds) -> bool:
     last = _last_of(history, c, limit)
-    detections, explained_, found, missed = (
+    detections, explained_, found, missed, empty = (
         sum(int(getattr(one, name)[c]) for one in last)
-        for name in ("detections", "explained", "found", "missed")
+        for name in ("detections", "explained", "found", "missed", "empty")
     )
     if detections >= limit.fewest and explained_ < limit.explained_share * detections:
+        return True
+    if found + empty >= limit.fewest and empty > limit.empty_share * (found + empty):
         return True
     return found + missed >= limit.fewest and (
         missed > limit.missed_share * (found + missed)
@@ -100,7 +102,8 @@ def judged(records: Records, suspects: Sequence[int], cameras: Sequence[int]) ->
     core = trial.core(limit)
     found = explained(trial, core, limit)
     if found is not None:
-        return Verdict(*told.hypothesis(found, rig), tuple(found.source))
+        other = as_good(trial, core, found, limit)
+        return Verdict(*told.hypothesis(found, rig, other), tuple(found.source))
     return (
         _turned(records, suspects)
         or _moved(records, cameras)

@@ -58,6 +58,9 @@ class Thresholds:
         A camera is suspicious if fewer of its detections are people whom another camera sees.
     missed_share
         It is suspicious if more of the people whom two others see are not where they should be.
+    empty_share
+        It is suspicious if it shows nothing of more of these people: where two cameras at opposite
+        corners are exchanged, each pair of cameras agrees on people whom the other does not see.
     off_m
         It is suspicious if its median residual is larger [m].
     beside_m
@@ -125,6 +128,7 @@ class Thresholds:
     fewest: int = 8
     explained_share: float = 0.75
     missed_share: float = 0.2
+    empty_share: float = 0.45
     off_m: float = 0.15
     beside_m: float = 0.2
     good_m: float = 0.1

@@ -19,13 +19,13 @@ LATE_S = 1.0  # a camera that begins so much later or earlier may have a wrong c
 RATE = 0.1  # by how much the ratio of lengths may be beside that of images
 
 
-def hypothesis(found: Hypothesis, rig: Rig) -> tuple[str, str]:
-    """Return cause and text of what would make the cameras agree."""
+def hypothesis(found: Hypothesis, rig: Rig, other: Hypothesis | None = None) -> tuple[str, str]:
+    """Return cause and text of what would make the cameras agree, or `other` would as well."""
     names = [rig.names[c] for c in sorted(found.source)]
     which = cameras(names, len(rig))
     cause = f"{found.cause} {names}"
     if found.cause == "exchanged":
-        return cause, _exchanged(found, rig)
+        return cause, _exchanged(found, rig) if other is None else _either(found, other, rig)
     if found.cause == "mirrored":
         return cause, (
             f"the images of {which} seem to be mirrored: when they are flipped, the cameras agree "
@@ -53,6 +53,18 @@ def _exchanged(found: Hypothesis, rig: Rig) -> str:
     return (
         f"{swap}: with exchanged names they agree on where people are; "
         "exchange their names in the poses or in the rig"
+    )
+
+
+def _either(found: Hypothesis, other: Hypothesis, rig: Rig) -> str:
+    one, two = (
+        " and ".join(repr(rig.names[c]) for c in sorted(it.source))
+        for it in sorted((found, other), key=lambda it: min(it.source))
+    )
+    return (
+        f"either cameras {one} or cameras {two} seem to be exchanged: with one of these pairs "
+        "exchanged all agree on where people are; find out whose image is whose, and exchange "
+        "their names in the poses or in the rig"
     )
 
 
