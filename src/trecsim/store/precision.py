@@ -6,7 +6,7 @@ was computed live, bit for bit. Rounding again changes nothing. What is kept:
 ========================  =================  ==================================
 quantity                  step               reason
 ========================  =================  ==================================
-position                  1 mm               a standard deviation of 6 mm at best
+position                  1 mm               a standard deviation of 2 cm at best
 velocity                  1 cm/s             a standard deviation of 1 cm/s at best
 covariance of each joint  4 % of its size    :mod:`trecsim.store.packed_covariance`
 standard deviation        0.1 mm             that of the rounded covariance

@@ -189,7 +189,7 @@ def test_a_camera_that_was_turned_stands_out(made: Simulation) -> None:
     found = found_in(made, Rig((turned, *rest)))
     _, off, *good = (row.within_90 for row in found.cameras)
     assert off < min(good)
-    assert found.cameras[1].median_px > 1.3 * max(row.median_px for row in found.cameras[2:])
+    assert found.cameras[1].median_px > 1.1 * max(row.median_px for row in found.cameras[2:])
 
 
 def test_with_two_cameras_none_can_be_left_out(made: Simulation) -> None:

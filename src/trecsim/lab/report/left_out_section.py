@@ -75,7 +75,7 @@ def _table(found: LeftOut) -> Table:
     swatches = [css_colour(number) for number in range(len(cameras))]
     return Table(
         ["camera left out", "people matched", "key points", "in 50 %", "in 90 %", "in 99 %",
-         "off, median", "stated", "of it detector"],
+         "off, median", "stated", "detector's share"],
         [*rows, _cells(overall, total)],
         "Share of the key points of score 0.3 and more inside the ellipses that are to hold 50, 90 "
         "and 99 %. Off: distance from the projected joint in the raw image. Stated: standard "
