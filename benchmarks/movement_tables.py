@@ -96,3 +96,20 @@ def one_camera(results: Results) -> str:
     head = ["somebody who is", "off in depth after 1 s, p50 / p95 [cm]", "2 s", "5 s",
             "mean joint error after 5 s [cm]", "lost meanwhile", "switches"]  # fmt: skip
     return table(head, rows)
+
+
+def one_view(results: Results) -> str:
+    """Return where people are whom one camera sees for half a minute, and what is said of that."""
+    made = results["one_view"].figures
+    rows = []
+    for what in made:
+        at = partial(value_of, made, what)
+        off = f"{fixed(at('off in depth, median'), 0)} / {fixed(at('off in depth, p95'), 0)}"
+        rows.append(
+            [what, off, fixed(at("stated sigma of the depth, median"), 0),
+             f"{fixed(at('in 50 % regions'), 0)} %", f"{fixed(at('in 90 % regions'), 0)} %",
+             fixed(at("log density"), 1), f"{fixed(at('lost'), 1)} %", fixed(at("switches"), 1)]
+        )  # fmt: skip
+    head = ["somebody", "off in depth, p50 / p95 [cm]", "stated sigma [cm]", "in 50 % regions",
+            "in 90 % regions", "log density", "lost", "switches"]  # fmt: skip
+    return table(head, rows)

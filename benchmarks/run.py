@@ -18,6 +18,7 @@ _IN_ORDER = (
     "scenes",
     "movement",
     "close",
+    "one_view",
     "uncertainty",
     "left_out",
     "staggered",

@@ -72,6 +72,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "movement-several": ("movement", moving.several),
     "close-entry": ("close", moving.close_entry),
     "one-camera": ("close", moving.one_camera),
+    "one-view": ("one_view", moving.one_view),
     "shelf": ("shelf", partial(exact.shelf, short=False)),
     "shelf-short": ("shelf", partial(exact.shelf, short=True)),
     "shelf-fewer": ("shelf", exact.shelf_fewer),

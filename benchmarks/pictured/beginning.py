@@ -82,7 +82,7 @@ def search() -> Search:
     ray, origin_m = birth.rays(model, found), model.cameras.position_m[found.cam]
     score = np.full((len(found), len(found)), -np.inf)
     flip = np.zeros(score.shape, np.int64)
-    sight = kernels.Rays(found.cam, origin_m, ray, found.sigma_scale)
+    sight = kernels.Rays(found.cam, origin_m, ray, found.sigma_scale, found.t_s)
     kernels.pair_scores(sight, model.bones, model.noise, score, flip)
     born = tuple(birth.candidates(model, found))
     return Search(run, model, first.t_s, found, ray, score, born)
