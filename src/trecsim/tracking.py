@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from trecsim.consistency import Consistency
+from trecsim.consistency.learnt_errors import LearntErrors
 from trecsim.errors import Error, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.arguments import called, check_arguments
@@ -163,6 +164,7 @@ class Follower:
             rig, settings, lag_s=lag_s, first_id=first_id, provisional=provisional
         )
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
+        self._learnt = LearntErrors(rig.names)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
         self._tally = tally if tally is not None else Tally()
@@ -221,7 +223,10 @@ class Follower:
             Whether all images came, and no error ended them.
         """
         yield from self._steps(self._buffer.flush())
-        self._remark(self._consistency.end(complete=complete, misdated=self._buffer.misdated))
+        found = self._consistency.end(complete=complete, misdated=self._buffer.misdated)
+        self._remark(found)
+        if not found and not self._consistency.has_spoken:
+            self._remark(self._learnt.end(self._tracker.camera_errors))
 
     def _steps(self, frame_sets: Iterable[FrameSet]) -> Iterator[Snapshot]:
         for frame_set in frame_sets:
@@ -238,6 +243,8 @@ class Follower:
             self._highest_id = max(self._highest_id, snapshot.id.max(initial=-1))
             self._tell_step(step)
             self._remark(self._consistency.observe(frame_set, confirmed))
+            if not self._consistency.has_spoken:  # a wrong camera turns the others, too
+                self._remark(self._learnt.observe(frame_set.t_s, self._tracker.camera_errors))
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s
                 yield snapshot

@@ -75,6 +75,11 @@ class Consistency:
         self._recent = deque(maxlen=self.limit.recent)
         self._history = deque(maxlen=_MOST_REMEMBERED)
 
+    @property
+    def has_spoken(self) -> bool:
+        """Whether something was said of cameras that do not agree."""
+        return bool(self._said)
+
     def observe(self, frame_set: FrameSet, snapshot: Snapshot) -> list[str]:
         """Take in a frame set and the people after it; return what is to be said by now."""
         with_people = 0

@@ -17,7 +17,7 @@ from trecsim.fusion.tuning import (
 )
 from trecsim.geometry import Camera, Rig
 
-_PRIOR_M2 = np.array([TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
+_PRIOR = np.array([TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
 _TURN, _DELAY = slice(0, 3), 3
 _ROBUST_STEPS = 10
 
@@ -39,6 +39,8 @@ class CameraErrors:
         Time of the image that each camera last contributed [s].
     applied
         Rotation vector [rad], in the camera's coordinates, and delay of the clock [s] in use.
+    variance
+        Of both, as far as residuals tell them.
     scale
         Variance of the turns relative to their prior, learnt from all cameras.
     """
@@ -49,12 +51,14 @@ class CameraErrors:
     learned_s: Float64[np.ndarray, " cam"] = field(init=False)
     applied: Float64[np.ndarray, "cam 4"] = field(init=False)
     centre_px: Float64[np.ndarray, "cam 2"] = field(init=False)
+    variance: Float64[np.ndarray, "cam 4"] = field(init=False)
     scale: float = field(default=1.0, init=False)
 
     def __post_init__(self) -> None:
         n = len(self.rig)
         self.info, self.vector = np.zeros((n, 4, 4)), np.zeros((n, 4))
         self.learned_s, self.applied = np.full(n, -np.inf), np.zeros((n, 4))
+        self.variance = np.tile(_PRIOR, (n, 1))
         self.centre_px = np.array([camera.K[:2, 2] for camera in self.rig])
 
     @property
@@ -81,10 +85,11 @@ class CameraErrors:
         residual shows, too: of the ``2 n`` image directions of ``n`` cameras a point in space takes
         up three.
         """
-        prior = _PRIOR_M2 * np.array([self.scale] * 3 + [1.0])
+        prior = _PRIOR * np.array([self.scale] * 3 + [1.0])
         cov = np.linalg.inv(self.info + np.diag(1.0 / prior))
         self.applied[:] = np.einsum("cij,cj->ci", cov, self.vector)
-        self.applied[:, _DELAY] -= self.applied[:, _DELAY].mean()
+        self.variance[:] = np.diagonal(cov, axis1=1, axis2=2)
+        self.applied[:, _DELAY] -= np.median(self.applied[:, _DELAY])
         if len(people_m):
             self._keep_place(people_m.mean(axis=0), np.diagonal(cov, axis1=1, axis2=2) / prior)
         spread = self.applied[:, _TURN] ** 2 + np.diagonal(cov, axis1=1, axis2=2)[:, _TURN]

@@ -46,6 +46,7 @@ def judge(
     looking: Callable[[], Bool[np.ndarray, " cam"]],
     t_s: float,
     look_back_s: Float64[np.ndarray, " cam"],
+    newest_s: Float64[np.ndarray, " cam"],
 ) -> Judgement:
     """Confirm tracks, in place, and tell which live on.
 
@@ -61,6 +62,8 @@ def judge(
         Time of the frame set [s].
     look_back_s
         For how long each camera's support counts as now [s].
+    newest_s
+        Time of each camera's newest image [s].
 
     Notes
     -----
@@ -86,11 +89,40 @@ def judge(
     )  # fmt: skip
     if some_asked:
         views = expected_cameras(people, model, looking(), asked)
+        expected = those_who_looked(views, people.last_seen_s, newest_s, t_s - look_back_s)
         all_alive = kernels.survive_all(
-            people.sightings, people.who, people.doubts, (views.expected, views.leaving),
+            people.sightings, people.who, people.doubts, (expected, views.leaving),
             people.xyz_m, t_s, look_back_s, model.limits, alive,
         )  # fmt: skip
     return Judgement(alive, all_alive, close)
+
+
+def those_who_looked(
+    views: Views,
+    last_seen_s: Float64[np.ndarray, "track cam"],
+    newest_s: Float64[np.ndarray, " cam"],
+    since_s: Float64[np.ndarray, " cam"],
+) -> Int64[np.ndarray, " track"]:
+    """Return how many cameras should detect each person, of those that see it or have looked since.
+
+    Parameters
+    ----------
+    views
+        The cameras that should detect each person.
+    last_seen_s, newest_s
+        When each camera last supported each track, and took its newest image [s].
+    since_s
+        Since when the support of each camera counts as now [s].
+
+    Notes
+    -----
+    A camera whose newest image shows the person, and which has delivered none since, has missed
+    nobody, whether or not it is silent yet.
+    """
+    told = (newest_s > last_seen_s) | (last_seen_s > since_s)
+    count = (views.should & told).sum(axis=1)
+    some = views.should.any(axis=1)
+    return np.where(some, np.maximum(count, 1), views.expected)
 
 
 def missing_cameras(

@@ -91,7 +91,7 @@ def sizes(model: Model, found: Detections) -> Sizes:
     upright, ankles = _parts(model.skeleton.joints, tuple(map(tuple, model.bones.joints.tolist())))
     ray = rays(model, found)
     with np.errstate(invalid="ignore", divide="ignore"):
-        level = np.nanmean(ray[..., :2], axis=1)
+        level = np.nansum(ray[..., :2], axis=1)  # NaN below, where there is no ray at all
         level /= np.linalg.norm(level, axis=-1, keepdims=True)
         ahead = np.einsum("dja,da->dj", ray[..., :2], level)
         ahead[~(ahead > _STEEPEST)] = np.nan

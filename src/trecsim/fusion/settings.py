@@ -161,7 +161,7 @@ class FusionSettings:
         "with the estimator, if `trecsim evaluate` finds the uncertainty too small or too large",
     )
     common_sigma_m: float = _setting(
-        0.03,
+        0.024,
         (0.01, 0.06),
         "with clothes and estimator: lower for tight clothes, or if the estimator's own joints are "
         "what counts; higher for coats and gowns",

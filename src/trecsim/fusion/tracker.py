@@ -373,7 +373,7 @@ class Tracker:
         people = self._people
         n_compared, looking = len(association.match), self._clocks.looking
         found = lifecycle.judge(
-            people, self._model, n_compared, looking, self._t_s, self._times.look_back_s
+            people, self._model, n_compared, looking, self._t_s, *self._looks[::-1]
         )
         duplicates = self._duplicates.found(
             people, self._model, association, self._t_s, found.some_close

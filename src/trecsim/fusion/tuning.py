@@ -69,9 +69,10 @@ KEPT_UNSEEN: Final = 0.6
 # -------------------------------------------------------------------------------- camera errors
 
 # Standard deviations, before anything is known, of a camera's turn about each axis [rad] and of its
-# clock [s]: what calibrations with a board and clocks of a network leave. What is left of the turn
+# clock [s]: what calibrations that were made with care and clocks of a network leave, after cameras
+# have been touched and warmed up. What is left of the turn
 # of a camera that has been watched for long [rad].
-TURN_SIGMA_RAD: Final = 0.005
+TURN_SIGMA_RAD: Final = 0.008
 CLOCK_SIGMA_S: Final = 0.005
 LEAST_TURN_RAD: Final = 0.001
 # Where cameras disagree, those that are turned by more than this count less in what is taken for
