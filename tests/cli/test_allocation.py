@@ -1,0 +1,43 @@
+"""All threads of a live site share few arenas of the C library."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+PROBE = """
+import ctypes, os, sys, tempfile, threading
+from trecsim.cli.allocation import share_arenas
+if sys.argv[1] == "shared":
+    assert share_arenas()
+libc = ctypes.CDLL(None)
+libc.malloc.restype, libc.malloc.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+libc.fopen.restype, libc.fopen.argtypes = ctypes.c_void_p, [ctypes.c_char_p, ctypes.c_char_p]
+libc.malloc_info.argtypes, libc.fclose.argtypes = [ctypes.c_int, ctypes.c_void_p], [ctypes.c_void_p]
+all_there = threading.Barrier(6)
+def allocate():
+    all_there.wait()
+    for _ in range(1000):
+        libc.malloc(1000)
+    all_there.wait()
+threads = [threading.Thread(target=allocate) for _ in range(6)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+with tempfile.TemporaryDirectory() as folder:
+    path = os.path.join(folder, "info")
+    out = libc.fopen(path.encode(), b"w")
+    libc.malloc_info(0, out)
+    libc.fclose(out)
+    print(open(path).read())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such arenas")
+@pytest.mark.parametrize("way", ["shared", "usual"])
+def test_threads_share_two_arenas(way):
+    done = subprocess.run(
+        [sys.executable, "-c", PROBE, way], capture_output=True, text=True, check=True
+    )
+    arenas = len(re.findall("<heap nr=", done.stdout))
+    assert (arenas <= 2) == (way == "shared")
