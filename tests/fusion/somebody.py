@@ -20,7 +20,7 @@ def somebody(rng):
     return xyz, A @ A.swapaxes(1, 2) + 1e-5 * np.eye(3)
 
 
-NO_CHAIN = np.empty((0, 2), np.int64)
+NO_CHAIN = np.empty((0, 3), np.int64)
 
 
 def limbs_of(pairs, slack_m2=0.0, n_joint=None, chain=NO_CHAIN):

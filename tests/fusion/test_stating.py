@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import reference_fusion as reference
 from fusion.made import frame_sets, made, path
-from fusion.somebody import MODEL, SETTINGS, limbs_of, somebody
+from fusion.somebody import MODEL, NO_CHAIN, SETTINGS, limbs_of, somebody
 from trecsim.fusion import Tracker, kernels
 from trecsim.lab.simulation.detector_errors import CLOTHED, PERFECT
 from trecsim.lab.simulation.scene import room_scene, simulate
@@ -139,18 +139,25 @@ def test_a_limb_that_one_camera_sees_is_stated_as_uncertain_as_its_two_places_ar
     ray = (x[0] - eye_m) / np.linalg.norm(x[0] - eye_m)
     across = np.cross(ray, [0.0, 0.0, 1.0])
     across /= np.linalg.norm(across)
-    limbs = limbs_of([], n_joint=17, chain=[(0, 1)])
+    # The first two joints are the ends of a limb of 25 cm, whose length varies so much that it
+    # holds neither.
+    limbs = limbs_of([(0, 1)], 1e6, n_joint=17, chain=[(0, 1, 0)])
+    plain = limbs._replace(chain=NO_CHAIN)
     joint_s = np.full((17, 4), NOW_S - 10.0)
     joint_s[:, 0] = NOW_S
 
     def along_m(end_m):
         x[1] = end_m
         ray = (x[1] - eye_m) / np.linalg.norm(x[1] - eye_m)
-        wide, usual = (ray @ state(x, cov, joint_s, some)[1][1] @ ray for some in (limbs, NO_LIMBS))
-        return np.sqrt(wide - usual)
+        wide, usual = (
+            ray @ state(x, cov, joint_s, some, np.array([0.25]))[1][1] @ ray
+            for some in (limbs, plain)
+        )
+        return np.sqrt(max(wide - usual, 0.0))
 
     assert along_m(x[0] - 0.25 * ray) == pytest.approx(0.25, abs=1e-6)
     assert along_m(x[0] + 0.25 * across) < 0.03
+    assert along_m(x[0] + 0.15 * across) == pytest.approx(0.2, abs=0.01)  # half way between both
     joint_s[1, 1] = NOW_S  # a second camera tells in which place it is
     assert along_m(x[0] - 0.25 * ray) == pytest.approx(0.0, abs=1e-6)
 

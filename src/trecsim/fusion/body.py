@@ -151,16 +151,18 @@ def _relative_sigma(skeleton: Skeleton) -> Float64[np.ndarray, " joint"]:
     return np.array([_MARKED_APART.get(_part(joint), mean) / mean for joint in skeleton.joints])
 
 
-def chain(skeleton: Skeleton) -> Int64[np.ndarray, "bone 2"]:
-    """Return the limbs of arms and legs, the joint nearer to the trunk first, from there on."""
+def chain(skeleton: Skeleton, usual: UsualBody) -> Int64[np.ndarray, "bone 3"]:
+    """Return the limbs of arms and legs from the trunk on; see `Limbs.chain`."""
     names = skeleton.joints
+    limb_of = {frozenset(pair): i for i, pair in enumerate(usual.joints.tolist())}
     pairs = [
         (names.index(f"{side}_{near}"), names.index(f"{side}_{far}"))
         for near, far in _CHAIN
         for side in ("left", "right")
         if f"{side}_{near}" in names and f"{side}_{far}" in names
     ]
-    return np.array(pairs, np.int64).reshape(-1, 2)
+    rows = [(*pair, limb_of[frozenset(pair)]) for pair in pairs]
+    return np.array(rows, np.int64).reshape(-1, 3)
 
 
 def stiffness(skeleton: Skeleton, settings: FusionSettings) -> Float64[np.ndarray, " joint"]:

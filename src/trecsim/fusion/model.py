@@ -102,7 +102,10 @@ def build(
         bones=Bones(np.ascontiguousarray(usual.joints[usual.bone]), usual.length_m[usual.bone]),
         body=usual,
         limbs=Limbs(
-            usual.joints, usual.slack_m**2, body.contact_height_m(skeleton), body.chain(skeleton)
+            usual.joints,
+            usual.slack_m**2,
+            body.contact_height_m(skeleton),
+            body.chain(skeleton, usual),
         ),
         torso=torso,
     )

@@ -29,13 +29,14 @@ class Limbs(NamedTuple):
     contact_height_m
         How high each joint is when the body rests on it.
     chain
-        Two joints of each limb of arms and legs, the one nearer to the trunk first.
+        Of each limb of arms and legs, from the trunk on: the joint nearer to the trunk, the other
+        one, and which of `joints` they are.
     """
 
     joints: Int64[np.ndarray, "limb 2"]
     slack_m2: Float64[np.ndarray, " limb"]
     contact_height_m: Float64[np.ndarray, " joint"]
-    chain: Int64[np.ndarray, "bone 2"]
+    chain: Int64[np.ndarray, "bone 3"]
 
 
 @inner

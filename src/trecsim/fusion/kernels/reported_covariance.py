@@ -142,13 +142,13 @@ def disagreement_m2(noise, j, sights, k, now_s):
 
 
 @inner(allocates=True)
-def add_other_places(cameras, limbs, x, cov_m2, joint_s, now_s):
+def add_other_places(cameras, limbs, limb_m, x, cov_m2, joint_s, now_s):
     """Add the other place of limbs that one camera sees to the covariances of a person, in place.
 
     Parameters
     ----------
-    cameras, limbs
-        `Cameras` and `Limbs`.
+    cameras, limbs, limb_m
+        `Cameras`, `Limbs` and the person's lengths (limb,).
     x, cov_m2
         Joints and covariances, (joint, 3) and (joint, 3, 3).
     joint_s, now_s
@@ -159,13 +159,14 @@ def add_other_places(cameras, limbs, x, cov_m2, joint_s, now_s):
     -----
     The ray of one camera meets the sphere of a limb's length about the limb's other end in two
     places, before and behind that end. Half of their distance is added along the ray, the less the
-    shorter it is that a second camera saw the joint; and what is open of the other end, too.
+    shorter it is that a second camera saw the joint; and what is open of the other end, too. The
+    joint may lie between the two: across the line of sight a limb's length does not move it.
     """
     ray, added_m2 = np.empty(3), np.empty(x.shape[0])
     for j in range(x.shape[0]):
         added_m2[j] = 0.0
     for i in range(limbs.chain.shape[0]):
-        near, far = limbs.chain[i]
+        near, far, limb = limbs.chain[i]
         c, second_s = last_two(joint_s[far])
         share = min(max(now_s - SUPPORT_S - second_s, 0.0) / TWO_PLACES_S, 1.0)
         if c < 0 or not share > 0.0:
@@ -175,11 +176,14 @@ def add_other_places(cameras, limbs, x, cov_m2, joint_s, now_s):
             ray[p] = x[far, p] - cameras.position_m[c, p]
             length_m += ray[p] * ray[p]
         length_m = math.sqrt(length_m)
-        half_m = 0.0
+        along_m = apart_m2 = 0.0
         for p in range(3):
             ray[p] /= length_m
-            half_m += ray[p] * (x[far, p] - x[near, p])
-        added_m2[far] = share * half_m * half_m + added_m2[near]
+            along_m += ray[p] * (x[far, p] - x[near, p])
+            apart_m2 += (x[far, p] - x[near, p]) ** 2
+        beside_m2 = apart_m2 - along_m * along_m  # of the near joint, from the ray
+        half_m2 = max(limb_m[limb] * limb_m[limb] - beside_m2, along_m * along_m)
+        added_m2[far] = share * half_m2 + added_m2[near]
         for p in range(3):
             for q in range(3):
                 cov_m2[far, p, q] += added_m2[far] * ray[p] * ray[q]
@@ -240,9 +244,10 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
             for p in range(3):
                 cov_m2[k, j, p, p] += apart_m2
                 of_cameras_m2[j, p, p] += of_mean_m2
-        add_other_places(cameras, limbs, x[k], cov_m2[k], joint_s[k], now_s)
         body = Bodies(bodies.limb_m[k], bodies.limb_m2[k], bodies.level[k])
         tighten(x[k], cov_m2[k], limbs, body)
+        # A length is linearised about the place that was chosen: it would rule the other one out.
+        add_other_places(cameras, limbs, bodies.limb_m[k], x[k], cov_m2[k], joint_s[k], now_s)
         # The error of a camera moves the whole body, and lengths are learnt with what all cameras
         # err in together: they tell nothing about either.
         for j in range(x.shape[1]):
