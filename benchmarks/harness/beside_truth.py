@@ -21,7 +21,15 @@ if TYPE_CHECKING:
 
 AWAY_S = 1.0  # who is out of all views for less did not leave
 LEAST_JOINTS = 5  # inside an image, for a person to be in view there
-LIMBS = np.array(COCO17.limbs)
+FACE = ("nose", "eye", "ear")
+# Of arms, legs and trunk: between the joints of a face lie 5 cm, less than two errors of a detector.
+LIMBS = np.array(
+    [
+        limb
+        for limb in COCO17.limbs
+        if not any(COCO17.joints[joint].endswith(FACE) for joint in limb)
+    ]
+)
 SUPPORTS = {"support 0": 0, "support 1": 1, "support 2": 2, "support 3+": 3}
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
