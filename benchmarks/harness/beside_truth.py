@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 AWAY_S = 1.0  # who is out of all views for less did not leave
 LEAST_JOINTS = 5  # inside an image, for a person to be in view there
 FACE = ("nose", "eye", "ear")
-# Of arms, legs and trunk: between the joints of a face lie 5 cm, less than two errors of a detector.
+# Of arms, legs and trunk: the joints of a face lie 5 cm apart, within two errors of a detector.
 LIMBS = np.array(
     [
         limb
