@@ -11,7 +11,9 @@ from pathlib import Path
 from harness.machine import ROOT
 
 FOLDER = ROOT / "docs" / "pictures"
-NAMES = ("responsibilities", "crossing", "smoothing", "beginning", "alone", "dragging", "near")
+NAMES = (
+    "responsibilities", "crossing", "smoothing", "beginning", "alone", "dragging", "near", "places",
+)  # fmt: skip
 
 
 def draw(name: str, folder: Path, suffix: str = ".svg") -> Path:
