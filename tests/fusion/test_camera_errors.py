@@ -101,6 +101,17 @@ def test_a_rig_that_fits_is_left_alone():
     assert (tracker.cameras.error_px2 < uncorrected(SCENE.rig).error_px2).all()
 
 
+def test_a_camera_is_learnt_anew_after_time_has_jumped_back():
+    """Otherwise all residuals would count for ever until the old time is reached again."""
+    back = [
+        FrameSet(one.t_s - 3600.0, tuple(replace(v, t_s=v.t_s - 3600.0) for v in one.views))
+        for one in frame_sets(SCENE)
+    ]
+    tracker, _ = follow(SCENE.rig, [*frame_sets(SCENE), *back])
+    assert (tracker.camera_errors.learned_s > back[0].t_s).all()
+    assert (tracker.camera_errors.learned_s <= back[-1].t_s).all()
+
+
 def test_what_moves_all_cameras_together_moves_nobody():
     """Turns that a motion of the people explains are no errors of the cameras."""
     errors = CameraErrors(SCENE.rig)

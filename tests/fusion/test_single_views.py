@@ -82,6 +82,14 @@ def test_a_lag_leaves_no_gap_while_somebody_becomes_confirmed():
     assert {int(i) for s in snapshots for i in s.id} == {0}
 
 
+def test_a_camera_that_alone_sees_somebody_supports_them_with_a_lag_too():
+    scene = made([ACROSS], cameras=2, detector=CALM, seconds=2.0)
+    snapshots = follow(scene, seen_by(scene, first_camera_until(9.0)), lag_s=0.2)
+    supports = [s.support[0].max() for s in snapshots if len(s.id) and s.t_s > 0.1]
+    assert len(supports) > 30
+    assert np.mean(supports) > 0.9
+
+
 def test_confirmed_people_are_exactly_the_same_beside_somebody_whom_one_camera_sees():
     alone, other = (
         made([way], cameras=2, detector=PERFECT, seconds=3.0) for way in (ACROSS, BESIDE)

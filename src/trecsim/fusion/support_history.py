@@ -1,6 +1,7 @@
 """How many cameras supported each joint at the times that a lag has not reached yet."""
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -24,11 +25,16 @@ class SupportHistory:
         """Return the number of frame sets that are remembered."""
         return len(self._past)
 
-    def note(self, t_s: float, people: Population, looks: Looks) -> None:
-        """Remember how many cameras support each joint at `t_s`, by their newest images."""
+    def note(self, t_s: float, groups: Sequence[Population], looks: Looks) -> None:
+        """Remember how many cameras support each joint at `t_s`, by their newest images.
+
+        `groups` holds all tracks that may be reported.
+        """
         looking = looks.newest_s > t_s - looks.look_back_s
-        supported = (people.joint_last_seen_s >= looks.newest_s) & looking
-        self._past.append((t_s, people.id.copy(), supported.sum(axis=-1)))
+        ids = np.concatenate([people.id for people in groups])
+        last_seen_s = np.concatenate([people.joint_last_seen_s for people in groups])
+        supported = (last_seen_s >= looks.newest_s) & looking
+        self._past.append((t_s, ids, supported.sum(axis=-1)))
 
     def at_its_time(self, snapshot: Snapshot) -> Snapshot:
         """Return a snapshot with the supports of its own time; forget those before."""

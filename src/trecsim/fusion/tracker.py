@@ -143,7 +143,7 @@ class Tracker:
         self._follow_single_views(images, update.association, step, left)
         self._end_tracks(update.association, replaced)
         if self._lag_s > 0.0:
-            self._supports.note(self._t_s, self._people, self._looks)
+            self._supports.note(self._t_s, (self._people, self._single.reported), self._looks)
         return self._snapshot(self._t_s)
 
     @property
@@ -192,6 +192,8 @@ class Tracker:
         self._ended: list[tuple[float, KnotGrid, Population]] = []
         self._duplicates = Duplicates()
         self._supports = SupportHistory()
+        # After a jump back, what is known of the cameras is forgotten from the new time on.
+        self._errors.learned_s[:] = np.minimum(self._errors.learned_s, self._t_s)
 
     def _usable(self, frame_set: FrameSet) -> list[Poses2D]:
         """Return the views that are new, not too late and plausible in time."""
