@@ -107,7 +107,7 @@ def draw_plane(axes: "Axes", arm: Arm) -> None:
         textcoords="offset points", color=GREY,
     )  # fmt: skip
     axes.set(aspect="equal", xlabel="along the ray [cm]", ylabel="across it [cm]")
-    axes.set(xlim=(-48, 48), ylim=(-38, 48))
+    axes.set(xlim=(-62, 48), ylim=(-38, 48))
     letter(axes, "A", f"Ray and forearm at {AT_S:g} s; grey: truth")
 
 
