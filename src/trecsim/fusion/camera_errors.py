@@ -1,25 +1,30 @@
 """Errors of the calibration and of the cameras' clocks, learnt from residuals while tracking."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels import Cameras
 from trecsim.fusion.tuning import (
+    CAMERA_CHECK_S,
+    CAMERA_RENEW_S,
+    CAMERA_SETTLE_S,
     CLOCK_SIGMA_S,
     EYES_OF_A_POINT,
     LEAST_TURN_RAD,
+    NEAR_M,
     PRIOR_WEIGHT,
     PUSHED_RAD,
     TURN_SIGMA_RAD,
 )
-from trecsim.geometry import Camera, Rig
+from trecsim.geometry import Rig
 
 _PRIOR = np.array([TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
 _TURN, _DELAY = slice(0, 3), 3
-_ROBUST_STEPS = 10
+_ROBUST_STEPS = 12
 
 
 @dataclass(eq=False)
@@ -53,6 +58,9 @@ class CameraErrors:
     centre_px: Float64[np.ndarray, "cam 2"] = field(init=False)
     variance: Float64[np.ndarray, "cam 4"] = field(init=False)
     scale: float = field(default=1.0, init=False)
+    _pose: Float64[np.ndarray, "cam 3 4"] = field(init=False)
+    _began_s: float = field(default=math.nan, init=False)
+    _used_s: float = field(default=-math.inf, init=False)
 
     def __post_init__(self) -> None:
         n = len(self.rig)
@@ -60,6 +68,7 @@ class CameraErrors:
         self.learned_s, self.applied = np.full(n, -np.inf), np.zeros((n, 4))
         self.variance = np.tile(_PRIOR, (n, 1))
         self.centre_px = np.array([camera.K[:2, 2] for camera in self.rig])
+        self._pose = np.stack([camera.T_cam_world[:3] for camera in self.rig])
 
     @property
     def known(self) -> kernels.CameraErrors:
@@ -67,6 +76,16 @@ class CameraErrors:
         return kernels.CameraErrors(
             self.info, self.vector, self.learned_s, self.applied, self.centre_px
         )
+
+    def is_due(self, t_s: float) -> bool:
+        """Return whether the projections are to be corrected anew at `t_s`: often at first."""
+        if not self._began_s <= t_s:
+            self._began_s = t_s
+        often = t_s - self._began_s < CAMERA_SETTLE_S
+        due = not 0.0 <= t_s - self._used_s < (CAMERA_CHECK_S if often else CAMERA_RENEW_S)
+        if due:
+            self._used_s = t_s
+        return due
 
     def corrected(self, people_m: Float64[np.ndarray, "person 3"]) -> Cameras:
         """Return the cameras with their errors taken out as far as they are known.
@@ -87,50 +106,44 @@ class CameraErrors:
         """
         prior = _PRIOR * np.array([self.scale] * 3 + [1.0])
         cov = np.linalg.inv(self.info + np.diag(1.0 / prior))
-        self.applied[:] = np.einsum("cij,cj->ci", cov, self.vector)
-        self.variance[:] = np.diagonal(cov, axis1=1, axis2=2)
+        self.applied[:] = (cov @ self.vector[..., None])[..., 0]
+        self.variance[:] = cov[:, range(4), range(4)]
         self.applied[:, _DELAY] -= np.median(self.applied[:, _DELAY])
         if len(people_m):
-            self._keep_place(people_m.mean(axis=0), np.diagonal(cov, axis1=1, axis2=2) / prior)
-        spread = self.applied[:, _TURN] ** 2 + np.diagonal(cov, axis1=1, axis2=2)[:, _TURN]
-        n = spread.size
-        total = float((spread / TURN_SIGMA_RAD**2).sum())
-        self.scale = (PRIOR_WEIGHT + total) / (PRIOR_WEIGHT + n)
+            self._keep_place(people_m.mean(axis=0), self.variance[:, 1] < 0.5 * prior[1])
+        spread = self.applied[:, _TURN] ** 2 + self.variance[:, _TURN]
+        total = float(spread.sum()) / TURN_SIGMA_RAD**2
+        self.scale = (PRIOR_WEIGHT + total) / (PRIOR_WEIGHT + spread.size)
         hidden = min(1.0, EYES_OF_A_POINT / len(self.rig)) * self.scale * TURN_SIGMA_RAD**2
-        left = np.maximum(0.5 * (cov[:, 0, 0] + cov[:, 1, 1]), hidden) + LEAST_TURN_RAD**2
+        left = np.maximum(self.variance[:, :2].mean(axis=1), hidden) + LEAST_TURN_RAD**2
         return projections(self.rig, self.applied[:, _TURN], left)
 
     def _keep_place(
-        self, xyz_m: Float64[np.ndarray, "3"], unknown: Float64[np.ndarray, "cam 4"]
+        self, xyz_m: Float64[np.ndarray, "3"], is_known: Bool[np.ndarray, " cam"]
     ) -> None:
         """Take off the turns by which a motion of the point `xyz_m` explains most of them.
 
         Each camera counts by its information, as it does where joints are fitted, but the less the
         more it is turned: that one camera was pushed is likelier than that all the others were.
-        `unknown` is the share of the prior variance that is left.
+        `is_known` tells of which cameras the turns are known.
         """
-        known = np.flatnonzero(unknown[:, 1] < 0.5)
+        R, there_m = self._pose[:, :, :3], self._pose[:, :, :3] @ xyz_m + self._pose[:, :, 3]
+        known = np.flatnonzero(is_known & (there_m[:, 2] > NEAR_M))
         if len(known) < 2:
             return
-        moves = np.stack([_image_motion(self.rig.cameras[c], xyz_m) for c in known])
+        image = there_m[known, :2] / there_m[known, 2:]
+        # Derivative of the normalised image by the place, and what the turns move it.
+        moves = (R[known, :2] - image[..., None] * R[known, 2:]) / there_m[known, 2:, None]
         turn = np.stack([self.applied[known, 1], -self.applied[known, 0]], axis=1)
         info = np.stack([self.info[known, 1, 1], self.info[known, 0, 0]], axis=1)
-        rest = turn
+        flat, rest = moves.reshape(-1, 3), turn
         for _ in range(_ROBUST_STEPS):
-            doubt = np.hypot(1.0, np.linalg.norm(rest, axis=1) / PUSHED_RAD)
-            weight = np.sqrt(info / doubt[:, None])
-            motion_m = np.linalg.lstsq(
-                (weight[..., None] * moves).reshape(-1, 3), (weight * turn).ravel(), rcond=None
-            )[0]
-            rest = turn - moves @ motion_m
+            doubt = np.hypot(1.0, np.sqrt((rest**2).sum(axis=1)) / PUSHED_RAD)
+            weighted = flat.T * (info / doubt[:, None]).ravel()
+            A = weighted @ flat
+            A += 1e-9 * np.trace(A) * np.eye(3)  # all cameras may stand in one place
+            rest = turn - moves @ np.linalg.solve(A, weighted @ turn.ravel())
         self.applied[known, 1], self.applied[known, 0] = rest[:, 0], -rest[:, 1]
-
-
-def _image_motion(camera: Camera, xyz_m: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "2 3"]:
-    """Return the derivative of a point's normalised image by its place [1/m]."""
-    R = camera.T_cam_world[:3, :3]
-    x, y, z = R @ xyz_m + camera.T_cam_world[:3, 3]
-    return np.asarray(np.stack([R[0] - x / z * R[2], R[1] - y / z * R[2]]) / z)
 
 
 def uncorrected(rig: Rig) -> Cameras:
@@ -143,26 +156,23 @@ def projections(
     rig: Rig, turn_rad: Float64[np.ndarray, "cam 3"], error_rad2: Float64[np.ndarray, " cam"]
 ) -> Cameras:
     """Return the cameras turned by small rotation vectors, with the variance of their angles."""
-    P = np.array(
-        [
-            camera.K @ _rotation(turn) @ camera.T_cam_world[:3]
-            for camera, turn in zip(rig, turn_rad, strict=True)
-        ],
-        order="C",
-    )
-    focal_px = np.array([0.5 * (c.K[0, 0] + c.K[1, 1]) for c in rig])
+    K, pose = (np.stack([getattr(camera, name) for camera in rig]) for name in ("K", "T_cam_world"))
+    P = np.ascontiguousarray(K @ _rotations(turn_rad) @ pose[:, :3])
+    focal_px = 0.5 * (K[:, 0, 0] + K[:, 1, 1])
     return Cameras(
         P=P,
         focal_px=focal_px,
-        ray_of=np.array(np.linalg.inv(P[:, :, :3]), order="C"),
+        ray_of=np.ascontiguousarray(np.linalg.inv(P[:, :, :3])),
         position_m=np.stack([camera.position_m for camera in rig]),
         error_px2=focal_px**2 * error_rad2,
     )
 
 
-def _rotation(turn_rad: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "3 3"]:
-    """Return the rotation by a rotation vector (Rodrigues)."""
-    angle = float(np.linalg.norm(turn_rad))
-    x, y, z = turn_rad / max(angle, 1e-12)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross)
+def _rotations(turn_rad: Float64[np.ndarray, "cam 3"]) -> Float64[np.ndarray, "cam 3 3"]:
+    """Return the rotations by rotation vectors (Rodrigues)."""
+    angle = np.sqrt((turn_rad**2).sum(axis=1))
+    cross = np.zeros((len(turn_rad), 3, 3))
+    cross[:, [2, 0, 1], [1, 2, 0]] = turn_rad / np.maximum(angle, 1e-12)[:, None]
+    cross -= cross.swapaxes(1, 2)
+    sin, cos = np.sin(angle)[:, None, None], np.cos(angle)[:, None, None]
+    return np.asarray(np.eye(3) + sin * cross + (1.0 - cos) * cross @ cross)

@@ -42,6 +42,8 @@ class OneViewRanges:
         self, people: Population, images: Images, association: Association, step: Step, model: Model
     ) -> None:
         """Measure distances in a frame set that `people` have taken in, and put them there."""
+        if not len(self._id) and (people.last_two_view_s == step.now.t_s).all():
+            return
         supports = people.last_seen_s > step.now.t_s - step.look_back_s
         alone = people.confirmed & (supports.sum(axis=1) == 1)
         if not (alone.any() or len(self._id)) or len(upright_bones(model)) < 2:

@@ -229,7 +229,7 @@ class Tracker:
         now = Now(t_s, elapsed_s, *self._grid.place)
         step = Step(now, since_s, self._times.look_back_s, self._clocks.apart(cam), appended)
         update = fitting.update(people, images, step, m, check=check)
-        if check:
+        if check and self._errors.is_due(t_s):
             self._learn_cameras()
         if update.is_mirrored:
             evidence.unmirror(people, m)

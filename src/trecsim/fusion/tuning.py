@@ -84,6 +84,9 @@ PUSHED_RAD: Final = 0.002
 CAMERA_MEASURE_S: Final = 0.5
 CAMERA_CHECK_S: Final = 0.1
 CAMERA_LAG_S: Final = 0.15
+# Projections are corrected anew at every such look for so long, then once in so long [s].
+CAMERA_SETTLE_S: Final = 10.0
+CAMERA_RENEW_S: Final = 0.5
 CAMERA_ERROR_S: Final = 20.0
 # Weight of the usual variance of turns against that of one camera's angle; cameras whose image
 # directions a point in space takes up.
