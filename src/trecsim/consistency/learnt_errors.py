@@ -2,15 +2,29 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
-
-from trecsim.fusion.camera_errors import CameraErrors
+from jaxtyping import Float64
 
 # From here on a turn of the camera [rad] or a delay of its clock [s] is told, if it is as many
 # standard deviations large; up to here, as larger turns are told for other reasons.
 _TOLD_RAD, _MOST_RAD, _TOLD_S, _SIGMAS = math.radians(0.2), 0.03, 0.012, 5.0
 _LASTS_S, _EVERY_S = 6.0, 0.5
+
+
+class CameraErrors(Protocol):
+    """Errors of the cameras as the tracker learns them.
+
+    Attributes
+    ----------
+    applied, variance
+        Turn as a rotation vector [rad] and delay of the clock [s] of each camera, and their
+        variances.
+    """
+
+    applied: Float64[np.ndarray, "cam 4"]
+    variance: Float64[np.ndarray, "cam 4"]
 
 
 @dataclass(slots=True)
