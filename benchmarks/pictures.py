@@ -13,6 +13,7 @@ from harness.machine import ROOT
 FOLDER = ROOT / "docs" / "pictures"
 NAMES = (
     "responsibilities", "crossing", "smoothing", "beginning", "alone", "dragging", "near", "places",
+    "leaving",
 )  # fmt: skip
 
 
