@@ -124,7 +124,7 @@ def test_a_jump_of_the_body_is_followed_and_one_of_a_joint_is_not(jumps):
     rest = np.random.default_rng(1).normal([0, 0, 1.1], [0.2, 0.2, 0.4], (n_joint, 3))
     R, z, c = np.zeros((1, 17, 24, 24)), np.zeros((1, 17, 24)), np.zeros((1, 17, 24))
     kernels.start_all(
-        R[0], z[0], c[0], rest, np.full(n_joint, 0.01), 0.005, np.full(n_joint, 200.0)
+        R[0], z[0], c[0], rest, np.full(n_joint, 0.01), 0.005, np.full(n_joint, 200.0), 0
     )
     prior = np.empty((1, n_joint, 3, 3))
     kernels.covariance_all(R, place, prior)
@@ -171,7 +171,7 @@ def test_what_is_folded_is_what_was_located(seed):
     joint = rng.normal([0, 0, 1.1], 0.2)
     R, z, c = np.zeros((1, 1, 24, 24)), np.zeros((1, 1, 24)), np.zeros((1, 1, 24))
     kernels.start_all(
-        R[0], z[0], c[0], (joint + OFF_M)[None], np.array([0.1]), 0.05, np.array([15.0])
+        R[0], z[0], c[0], (joint + OFF_M)[None], np.array([0.1]), 0.05, np.array([15.0]), 0
     )
     prior = np.empty((1, 1, 3, 3))
     kernels.covariance_all(R, place, prior)
@@ -199,7 +199,7 @@ def test_what_is_folded_is_what_was_located(seed):
 
 def test_somebody_whom_nobody_sees_stays_as_predicted():
     R, z, c = np.zeros((1, 1, 24, 24)), np.zeros((1, 1, 24)), np.zeros((1, 1, 24))
-    kernels.start_all(R[0], z[0], c[0], np.ones((1, 3)), np.array([0.1]), 0.05, np.array([15.0]))
+    kernels.start_all(R[0], z[0], c[0], np.ones((1, 3)), np.array([0.1]), 0.05, np.array([15.0]), 0)
     before = R.copy()
     x, cov, fits = np.empty((1, 1, 3)), np.empty((1, 1, 3, 3)), fitted(1, 1, 1)
     fits.inlier[:] = 1.0

@@ -67,7 +67,9 @@ def test_a_filter_with_marginalised_past_equals_the_fit_of_everything(memory):
     grid = KnotGrid(0.0, KNOT_S, LIVE)
     R, z, c = np.zeros((1, 1, 24, 24)), np.zeros((1, 1, 24)), np.zeros((1, 1, 24))
     here = np.array([1.0, 2.0, 3.0])
-    kernels.start_all(R[0], z[0], c[0], here[None], np.array([START_M]), STEP_M, np.array([STIFF]))
+    kernels.start_all(
+        R[0], z[0], c[0], here[None], np.array([START_M]), STEP_M, np.array([STIFF]), 0
+    )
     rows = []
     for t_s in np.arange(0.0, 2.0, 0.037):
         for _ in range(grid.steps_to(t_s)):

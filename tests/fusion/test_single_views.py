@@ -90,6 +90,14 @@ def test_a_camera_that_alone_sees_somebody_supports_them_with_a_lag_too():
     assert np.mean(supports) > 0.9
 
 
+@pytest.mark.parametrize("lag_s", [0.6, 1.0])
+def test_a_long_lag_hides_nobody_whom_one_camera_sees(lag_s):
+    """The window of the trajectories grows with the lag; what is known of a new track does not."""
+    scene = made([ACROSS], cameras=2, detector=CALM, seconds=2.0)
+    snapshots = follow(scene, seen_by(scene, first_camera_until(9.0)), lag_s=lag_s)
+    assert {len(s.id) for s in snapshots if s.t_s > 0.1} == {1}
+
+
 def test_confirmed_people_are_exactly_the_same_beside_somebody_whom_one_camera_sees():
     alone, other = (
         made([way], cameras=2, detector=PERFECT, seconds=3.0) for way in (ACROSS, BESIDE)

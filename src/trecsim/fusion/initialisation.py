@@ -12,7 +12,7 @@ from trecsim.fusion.birth import Candidate
 from trecsim.fusion.images import Detections, Images
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.spline import ORDER, KnotGrid
 from trecsim.fusion.tuning import (
     FIRST_LEVEL_SIGMA_M,
     FIRST_SIGMA_M,
@@ -165,6 +165,7 @@ def first_states(births: Sequence[Birth], t_s: float, grid: KnotGrid, model: Mod
             np.where(np.isfinite(birth.candidate.xyz_m[:, 0]), FIRST_SIGMA_M, GUESSED_SIGMA_M),
             FIRST_SPEED_MPS * model.settings.knot_s,
             model.motion.stiffness,
+            max(0, live - ORDER - int(np.ceil(model.settings.window_s / model.settings.knot_s))),
         )
         if birth.velocity_mps.any():
             _set_moving(people, k, birth.velocity_mps * grid.knot_s, grid.knot_time(t_s))

@@ -54,10 +54,12 @@ def extend(R, z, c, stiffness, memory, drift_m, work):
 
 
 @inner
-def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
+def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, first, work):
     """Set up a joint that rests at `xyz_m`, with wide uncertainty, in place.
 
-    `step_sigma_m` is the standard deviation of the way between two control points [m].
+    `step_sigma_m` is the standard deviation of the way between two control points [m], from the
+    control point `first` on. Those before it, which a lag needs, follow by their smoothness alone:
+    so the present is as certain with a lag as without one.
     """
     n = R.shape[0]
     for i in range(n):
@@ -65,12 +67,12 @@ def start(R, z, xyz_m, position_sigma_m, step_sigma_m, stiffness, work):
         clear_row(R[i])
     for a in range(BLOCK):
         clear_row(work)
-        work[a] = 1.0 / position_sigma_m
-        fold_row(R, z, work, xyz_m[a] / position_sigma_m, a)
+        work[BLOCK * first + a] = 1.0 / position_sigma_m
+        fold_row(R, z, work, xyz_m[a] / position_sigma_m, BLOCK * first + a)
         clear_row(work)
-        work[a] = -1.0 / step_sigma_m
-        work[BLOCK + a] = 1.0 / step_sigma_m
-        fold_row(R, z, work, 0.0, a)
+        work[BLOCK * first + a] = -1.0 / step_sigma_m
+        work[BLOCK * (first + 1) + a] = 1.0 / step_sigma_m
+        fold_row(R, z, work, 0.0, BLOCK * first + a)
     for p in range(n // BLOCK - 2):
         for a in range(BLOCK):
             clear_row(work)
@@ -126,9 +128,9 @@ def body_step(c, seen, torso, step_m):
 
 
 @kernel(allocates=True)
-def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness):
+def start_all(R, z, c, xyz_m, position_sigma_m, step_sigma_m, stiffness, first):
     """Set up all joints of one new track, in place; see `start`."""
     work = np.empty(R.shape[1])
     for j in range(R.shape[0]):
-        start(R[j], z[j], xyz_m[j], position_sigma_m[j], step_sigma_m, stiffness[j], work)
+        start(R[j], z[j], xyz_m[j], position_sigma_m[j], step_sigma_m, stiffness[j], first, work)
         control_points(R[j], z[j], c[j])
