@@ -24,7 +24,7 @@ from trecsim.geometry import Rig
 
 _PRIOR = np.array([TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
 _TURN, _DELAY = slice(0, 3), 3
-_ROBUST_STEPS = 12
+_ROBUST_STEPS = 3
 
 
 @dataclass(eq=False)
@@ -106,11 +106,13 @@ class CameraErrors:
         """
         prior = _PRIOR * np.array([self.scale] * 3 + [1.0])
         cov = np.linalg.inv(self.info + np.diag(1.0 / prior))
+        before_rad = np.stack([self.applied[:, 1], -self.applied[:, 0]], axis=1)
         self.applied[:] = (cov @ self.vector[..., None])[..., 0]
         self.variance[:] = cov[:, range(4), range(4)]
         self.applied[:, _DELAY] -= np.median(self.applied[:, _DELAY])
         if len(people_m):
-            self._keep_place(people_m.mean(axis=0), self.variance[:, 1] < 0.5 * prior[1])
+            is_known = self.variance[:, 1] < 0.5 * prior[1]
+            self._keep_place(people_m.mean(axis=0), is_known, before_rad)
         spread = self.applied[:, _TURN] ** 2 + self.variance[:, _TURN]
         total = float(spread.sum()) / TURN_SIGMA_RAD**2
         self.scale = (PRIOR_WEIGHT + total) / (PRIOR_WEIGHT + spread.size)
@@ -119,13 +121,17 @@ class CameraErrors:
         return projections(self.rig, self.applied[:, _TURN], left)
 
     def _keep_place(
-        self, xyz_m: Float64[np.ndarray, "3"], is_known: Bool[np.ndarray, " cam"]
+        self,
+        xyz_m: Float64[np.ndarray, "3"],
+        is_known: Bool[np.ndarray, " cam"],
+        before_rad: Float64[np.ndarray, "cam 2"],
     ) -> None:
         """Take off the turns by which a motion of the point `xyz_m` explains most of them.
 
         Each camera counts by its information, as it does where joints are fitted, but the less the
         more it is turned: that one camera was pushed is likelier than that all the others were.
-        `is_known` tells of which cameras the turns are known.
+        `is_known` tells of which cameras the turns are known; `before_rad` is what was applied so
+        far, from which the few steps go on.
         """
         R, there_m = self._pose[:, :, :3], self._pose[:, :, :3] @ xyz_m + self._pose[:, :, 3]
         known = np.flatnonzero(is_known & (there_m[:, 2] > NEAR_M))
@@ -136,7 +142,7 @@ class CameraErrors:
         moves = (R[known, :2] - image[..., None] * R[known, 2:]) / there_m[known, 2:, None]
         turn = np.stack([self.applied[known, 1], -self.applied[known, 0]], axis=1)
         info = np.stack([self.info[known, 1, 1], self.info[known, 0, 0]], axis=1)
-        flat, rest = moves.reshape(-1, 3), turn
+        flat, rest = moves.reshape(-1, 3), before_rad[known]
         for _ in range(_ROBUST_STEPS):
             doubt = np.hypot(1.0, np.sqrt((rest**2).sum(axis=1)) / PUSHED_RAD)
             weighted = flat.T * (info / doubt[:, None]).ravel()
