@@ -121,7 +121,7 @@ def parabola(accel: float) -> tuple[Float64[np.ndarray, " time"], Float64[np.nda
     stiff = stiffness(COCO17, replace(USUAL, accel_leg=accel))[ANKLE : ANKLE + 1]
     n = 3 * live
     R, z, c = np.zeros((1, n, n)), np.zeros((1, n)), np.zeros((1, n))
-    kernels.start_all(R, z, c, np.zeros((1, 3)), np.full(1, 10.0), 10.0, stiff)
+    kernels.start_all(R, z, c, np.zeros((1, 3)), np.full(1, 10.0), 10.0, stiff, 0)
     weights, rows, y = np.empty(ORDER), np.empty((3, n)), np.empty(3)
     end_s = (live - ORDER + 1) * knot_s
     for t_s in np.arange(0.0, end_s, 0.04):

@@ -19,7 +19,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
     """Return a function that makes `trecsim export` raise an error."""
 
     def fail_with(error: BaseException) -> None:
-        def export(*_: object) -> None:
+        def export(*_: object, **__: object) -> None:
             raise error
 
         monkeypatch.setattr(tracks, "export_tracks", export)

@@ -179,7 +179,7 @@ def test_limbs_pull_joints_to_their_lengths_by_how_sure_each_is():
 def test_a_joint_goes_where_its_body_says_and_gets_no_surer_for_it():
     """Where nothing is new in the message: the place follows, the information does not grow."""
     R, z, c = np.zeros((1, 24, 24)), np.zeros((1, 24)), np.zeros((1, 24))
-    kernels.start_all(R, z, c, np.ones((1, 3)), np.array([0.3]), 0.05, np.array([20.0]))
+    kernels.start_all(R, z, c, np.ones((1, 3)), np.array([0.3]), 0.05, np.array([20.0]), 0)
     weights = np.empty(4)
     span = kernels.locate(3.4, 8, weights)
     before, x, known = R.copy(), np.ones(3), np.eye(3) / 0.3**2
@@ -308,7 +308,7 @@ def arm_seen_by_one_camera(rng):
     x = np.array(arm_m) + rng.normal(0, 0.01, (3, 3))
     ray = np.array([-0.749, -0.610, 0.254]) / np.linalg.norm([-0.749, -0.610, 0.254])
     R, z, c = np.zeros((3, 24, 24)), np.zeros((3, 24)), np.zeros((3, 24))
-    kernels.start_all(R, z, c, x, np.array([0.02, 1.3, 0.02]), 0.1, np.full(3, 20.0))
+    kernels.start_all(R, z, c, x, np.array([0.02, 1.3, 0.02]), 0.1, np.full(3, 20.0), 0)
     weights, rows, right = np.empty(4), np.empty((3, 24)), np.empty(3)
     span = kernels.locate(KNOTS, 8, weights)
     seen = (np.eye(3) - np.outer(ray, ray)) / 0.012**2

@@ -12,7 +12,7 @@ from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import Tracker
 from trecsim.fusion.camera_errors import CameraErrors, projections, uncorrected
-from trecsim.fusion.kernels.camera_errors import turned
+from trecsim.fusion.kernels.camera_error_kernels import turned
 from trecsim.geometry import Rig
 from trecsim.values import FrameSet
 

@@ -136,7 +136,8 @@ def test_a_trajectory_stays_sound_through_thousands_of_frames():
     """Information from none to that of a micrometre, in any direction, at any time, for an hour."""
     rng = np.random.default_rng(12)
     R, z, c = np.zeros((1, 1, N, N)), np.zeros((1, 1, N)), np.zeros((1, 1, N))
-    kernels.start_all(R[0], z[0], c[0], np.ones((1, 3)), np.array([0.4]), 0.15, np.array([15.0]))
+    sigma_m, stiffness = np.array([0.4]), np.array([15.0])
+    kernels.start_all(R[0], z[0], c[0], np.ones((1, 3)), sigma_m, 0.15, stiffness, 0)
     cov = np.empty((1, 1, 3, 3))
     for step in range(3000):
         if step % 3 == 0:

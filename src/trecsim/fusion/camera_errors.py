@@ -68,7 +68,7 @@ class CameraErrors:
         self.learned_s, self.applied = np.full(n, -np.inf), np.zeros((n, 4))
         self.variance = np.tile(_PRIOR, (n, 1))
         self.centre_px = np.array([camera.K[:2, 2] for camera in self.rig])
-        self._pose = np.stack([camera.T_cam_world[:3] for camera in self.rig])
+        self._pose = np.array([camera.T_cam_world[:3] for camera in self.rig], order="C")
 
     @property
     def known(self) -> kernels.CameraErrors:
@@ -162,7 +162,8 @@ def projections(
     rig: Rig, turn_rad: Float64[np.ndarray, "cam 3"], error_rad2: Float64[np.ndarray, " cam"]
 ) -> Cameras:
     """Return the cameras turned by small rotation vectors, with the variance of their angles."""
-    K, pose = (np.stack([getattr(camera, name) for camera in rig]) for name in ("K", "T_cam_world"))
+    K = np.array([camera.K for camera in rig], order="C")
+    pose = np.array([camera.T_cam_world for camera in rig], order="C")
     P = np.ascontiguousarray(K @ _rotations(turn_rad) @ pose[:, :3])
     focal_px = 0.5 * (K[:, 0, 0] + K[:, 1, 1])
     return Cameras(

@@ -4,6 +4,7 @@ import inspect
 import json
 import math
 from collections.abc import Iterable, Iterator
+from io import BytesIO
 from itertools import chain
 from pathlib import Path
 from typing import IO, Any
@@ -33,7 +34,7 @@ _LEVEL = 6  # of Zstandard: covariances take a tenth less room than at 3, in 2 m
 
 
 def compact_writer(
-    file: IO[bytes], info: TracksInfo, schema: pa.Schema = COMPACT_SCHEMA
+    file: IO[bytes] | BytesIO, info: TracksInfo, schema: pa.Schema = COMPACT_SCHEMA
 ) -> pq.ParquetWriter:
     """Open a Parquet writer; the file is readable once the writer is closed.
 
@@ -80,7 +81,9 @@ def write_compact(path: Path, tables: Iterable[pa.Table], info: TracksInfo) -> N
         write_compact_to(file, tables, info)
 
 
-def write_compact_to(file: IO[bytes], tables: Iterable[pa.Table], info: TracksInfo) -> None:
+def write_compact_to(
+    file: IO[bytes] | BytesIO, tables: Iterable[pa.Table], info: TracksInfo
+) -> None:
     """Write tables of one schema, each as a row group, to an open file."""
     rest = iter(tables)
     first = next(rest, COMPACT_SCHEMA.empty_table())

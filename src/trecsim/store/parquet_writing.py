@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable, Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import IO
 
@@ -15,7 +16,7 @@ from trecsim.store.rows import COVARIANCE, DETAIL_SCHEMA, MAY_BE_MISSING, SCHEMA
 _SPLIT = (*MAY_BE_MISSING, *VELOCITY, *COVARIANCE)
 
 
-def parquet_file(file: IO[bytes], info: TracksInfo) -> pq.ParquetWriter:
+def parquet_file(file: IO[bytes] | BytesIO, info: TracksInfo) -> pq.ParquetWriter:
     """Open a Parquet writer; the file is readable once the writer is closed."""
     schema = DETAIL_SCHEMA if info.details else SCHEMA
     facts = {

@@ -36,14 +36,14 @@ def invert3(A, out):
 
 @inner
 def sandwich3(A, B, out):
-    """Write ``A B A`` to `out` (3, 3), for a symmetric `A`."""
+    """Write ``A B A`` to `out` (3, 3), for symmetric `A` and `B`."""
     for i in range(3):
-        for k in range(3):
+        for k in range(i, 3):
             total = 0.0
             for p in range(3):
                 for q in range(3):
                     total += A[i, p] * B[p, q] * A[q, k]
-            out[i, k] = total
+            out[i, k] = out[k, i] = total
 
 
 @inner

@@ -7,7 +7,7 @@ import numpy as np
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all
-from trecsim.fusion.kernels.camera_errors import hold_key_points, note_camera_errors
+from trecsim.fusion.kernels.camera_error_kernels import hold_key_points, note_camera_errors
 from trecsim.fusion.kernels.curve import evaluate_all, knots
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import Fitted, Matches, Prediction
