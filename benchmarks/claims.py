@@ -1,8 +1,8 @@
 """How wrong the tracker ever is, and whether it says so, in all built-in scenes and clips.
 
 Every built-in scene, and every act of `movement.py` (recorded motion, where its data is beside the
-repository) with two and with four cameras; no lag, seeds 1000 and up. Nothing is forgiven: a track
-that is nobody's is a ghost also where its person has just left.
+repository) with two and with four cameras; no lag, seeds 1000 and up. A track that belongs to
+nobody is a false positive at once, also right after its person has left.
 
 Run: ``python benchmarks/claims.py [--quick]``; ``--quick`` takes the scenes with two cameras and
 the gate, one seed each, and no clips.
@@ -31,7 +31,7 @@ Task = tuple[str, int, int, Path | None, Mapping[str, Any]]
 
 
 def measure(options: Options) -> Figures:
-    """Measure the worst joints, impossible limbs, ghosts, leavers and misses of all scenes."""
+    """Measure worst joints, impossible limbs, false positives and missed people in all scenes."""
     from trecsim.lab.simulation import BUILT_IN, read_scene
 
     options.input.update(data="built-in scenes, mocap beside the repository", seeds_from=1000)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.body_parts import LIMB_JOINTS
 from harness.command import alone
 from harness.figures import Figures, once
 from harness.options import Options, sample_folder
@@ -25,9 +26,6 @@ from trecsim.sync import frame_sets
 from trecsim.tracking import Tally, follow
 from trecsim.values import Poses2D, Snapshot
 
-LIMB_JOINTS = [
-    i for i, name in enumerate(COCO17.joints) if not name.endswith(("nose", "eye", "ear"))
-]
 SEEN_SCORE = 0.2
 NEAR_PX = 150.0
 

@@ -8,18 +8,14 @@ import numpy as np
 import numpy.typing as npt
 
 from harness.actors_2d import LEAST_SCORE
+from harness.body_parts import LIMB_JOINTS, LIMBS
 from harness.demo_video import Recorded, frame_of
-from trecsim.skeleton import COCO17
 
 if TYPE_CHECKING:
     from trecsim.values import Snapshot
 
 LAST_FRAME = 87  # where a lag of 0.2 s still has an answer
 NEAR_PX = 150.0  # of an actor's key points, for a track to be that actor's
-LIMB_JOINTS = [
-    i for i, name in enumerate(COCO17.joints) if not name.endswith(("nose", "eye", "ear"))
-]
-LIMBS = [limb for limb in COCO17.limbs if set(limb) <= set(LIMB_JOINTS)]
 
 Array = npt.NDArray[np.float64]
 

@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from trecsim.values import Poses2D
 
 LEAST_SCORE = 0.3
-NEAREST_JOINTS = 5  # in common of two images, to say how far somebody moved
-FURTHEST = 0.25  # of the height somebody has in the image, from one image to the next
+LEAST_JOINTS = 5  # that two images have in common, to measure how far a person moved
+MOST_MOVED = 0.25  # from one image to the next, as a share of the person's height in the image
 
 Points = npt.NDArray[np.float64]
 Labels = dict[str, Points]
@@ -21,7 +21,7 @@ Labels = dict[str, Points]
 
 @dataclass(slots=True)
 class _Track:
-    """Somebody as last seen: each key point from the last image that shows it well."""
+    """A person as last detected: each key point from the last image that shows it well."""
 
     xy_px: Points
     height_px: float
@@ -30,7 +30,7 @@ class _Track:
         """Return how far a detection is from here, by the person's height."""
         off_px = np.linalg.norm(xy_px - self.xy_px, axis=-1)[score >= LEAST_SCORE]
         off_px = off_px[np.isfinite(off_px)]
-        if len(off_px) < NEAREST_JOINTS:
+        if len(off_px) < LEAST_JOINTS:
             return np.inf
         return float(np.median(off_px)) / self.height_px
 
@@ -74,7 +74,7 @@ def followed_in_2d(
         rows, columns = linear_sum_assignment(np.minimum(apart, 1e3))
         names = list(tracks)
         for row, column in zip(rows, columns, strict=True):
-            if apart[row, column] <= FURTHEST:
+            if apart[row, column] <= MOST_MOVED:
                 xy_px, score = image.xy_px[column], image.score[column]
                 tracks[names[row]].take(xy_px, score)
                 found[names[row]][frame] = np.column_stack([xy_px, score])

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from harness import regions
+from harness.body_parts import LIMBS
 from harness.options import settings_from
 from trecsim.lab.evaluation.moments import Moments, gather
 from trecsim.lab.evaluation.truth_matching import NOBODY, Matcher, nearness, truth_at
-from trecsim.skeleton import COCO17
 from trecsim.store.truth import Truth
 from trecsim.tracking import Follower, Tally
 
@@ -21,15 +21,6 @@ if TYPE_CHECKING:
 
 AWAY_S = 1.0  # who is out of all views for less did not leave
 LEAST_JOINTS = 5  # inside an image, for a person to be in view there
-FACE = ("nose", "eye", "ear")
-# Of arms, legs and trunk: the joints of a face lie 5 cm apart, within two errors of a detector.
-LIMBS = np.array(
-    [
-        limb
-        for limb in COCO17.limbs
-        if not any(COCO17.joints[joint].endswith(FACE) for joint in limb)
-    ]
-)
 SUPPORTS = {"support 0": 0, "support 1": 1, "support 2": 2, "support 3+": 3}
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
@@ -120,8 +111,9 @@ class Beside:
 
     def limbs_too_long(self, times: float) -> tuple[int, int]:
         """Return how many limbs are longer than so many times the true one, and of how many."""
+        one, other = np.array(LIMBS).T
         said, true = (
-            np.linalg.norm(m[:, :, LIMBS[:, 0]] - m[:, :, LIMBS[:, 1]], axis=-1)
+            np.linalg.norm(m[:, :, one] - m[:, :, other], axis=-1)
             for m in (self.found_m, self.truth_m)
         )
         known = np.isfinite(said) & np.isfinite(true)
