@@ -12,6 +12,7 @@ from trecsim.fusion.model import build
 from trecsim.fusion.ranging import sizes
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.spline import KnotGrid
+from trecsim.fusion.tuning import MOST_SINGLE_VIEWS
 from trecsim.lab.simulation.detector_errors import PERFECT, Detector
 from trecsim.lab.simulation.room import corner_rig
 from trecsim.skeleton import COCO17
@@ -228,3 +229,23 @@ def test_whom_two_cameras_knew_is_held_in_place_before_one(posture):
     assert np.mean(inside) >= 0.9
     assert np.median(off) < 0.05
     assert np.median(sigma) < 0.06
+
+
+def test_a_crowd_of_false_positives_begins_no_more_tracks_than_there_may_be():
+    """The same body at 60 places of one image: more than one camera's tracks may be."""
+    scene = made([ACROSS], cameras=2, detector=PERFECT, seconds=1.0)
+    sets = seen_by(scene, first_camera_until(9.0))
+    tracker, most = Tracker(scene.rig, provisional=True), 0
+    for one in sets:
+        views = []
+        for view in one.views:
+            if len(view.xy_px):
+                xy_px = view.xy_px[0] - view.xy_px[0].mean(axis=0)
+                places = np.stack(np.meshgrid(np.linspace(60, 1200, 12), np.linspace(150, 500, 5)))
+                xy_px = 0.4 * xy_px + places.reshape(2, -1).T[:, None]
+                score = np.tile(view.score[0], (len(xy_px), 1))
+                view = Poses2D(view.camera, view.t_s, xy_px, score, np.ones(len(xy_px)))
+            views.append(view)
+        tracker.step(FrameSet(one.t_s, tuple(views)))
+        most = max(most, tracker.held.single_views)
+    assert 10 < most <= MOST_SINGLE_VIEWS

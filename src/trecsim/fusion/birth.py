@@ -68,11 +68,8 @@ def candidates(model: Model, pool: Detections) -> Iterator[Candidate]:
     """
     if len(pool) < 2 or (pool.cam == pool.cam[0]).all():
         return
-    best = np.arange(len(pool))
-    if len(pool) > MOST_UNASSIGNED:
-        information = (np.isfinite(pool.xy_px[..., 0]) / pool.sigma_scale).sum(axis=1)
-        best = np.sort(np.argsort(-information, kind="stable")[:MOST_UNASSIGNED])
-        pool = pool.take(best)
+    best = pool.best(MOST_UNASSIGNED)
+    pool = pool.take(best)
     ray, origin = rays(model, pool), model.cameras.position_m[pool.cam]
     pair, flip = _pairs(model, pool, origin, ray)
     good = pair >= BIRTH_SCORE

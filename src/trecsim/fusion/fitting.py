@@ -114,8 +114,8 @@ def _run(
     )  # fmt: skip
     found: tuple[int, bool] = kernels.update_all(
         model.cameras, model.noise, model.bones, model.limbs, model.motion, people.trajectories,
-        people.bodies, people.sightings, people.held, people.confirmed, people.doubts, model.errors,
-        images.measurements, taken, step.now, matches, owner,
+        people.bodies, people.sightings, people.waiting, people.confirmed, people.doubts,
+        model.errors, images.measurements, taken, step.now, matches, owner,
         (step.appended, *only_fit_and_check),
     )  # fmt: skip
     return found

@@ -112,6 +112,13 @@ class Detections:
             self.claim[which],
         )  # fmt: skip
 
+    def best(self, most: int) -> Int64[np.ndarray, " some"]:
+        """Return the rows, in order, of the `most` detections with the most information."""
+        if len(self) <= most:
+            return np.arange(len(self))
+        information = (np.isfinite(self.xy_px[..., 0]) / self.sigma_scale).sum(axis=1)
+        return np.sort(np.argsort(-information, kind="stable")[:most])
+
     def still_open(
         self, cam: Int64[np.ndarray, " view"], since_s: Float64[np.ndarray, " cam"]
     ) -> "Detections":

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.fusion.kernels import Bodies, Doubts, Held, Sightings, Trajectories, Who
+from trecsim.fusion.kernels import Bodies, Doubts, Sightings, Trajectories, Waiting, Who
 
 
 @dataclass(eq=False)
@@ -43,8 +43,8 @@ class Population:
         How far each camera's newest key point lies from each joint [m^2], and how good it is.
     view_off_px
         Mean innovation in each camera, averaged over time.
-    held_s, held_is_new, held_px, held_weight
-        Key points that wait for the trajectory to be smoothed; see `Held`.
+    waiting_s, waiting_is_pending, waiting_px, waiting_weight
+        Key points that wait for the trajectory to be smoothed; see `Waiting`.
     swap_evidence
         Evidence that its detections of two cameras are of two people [log likelihood ratio].
     redundant_count
@@ -75,10 +75,10 @@ class Population:
     joint_off_m2: Float64[np.ndarray, "track joint cam"]
     joint_quality: Float64[np.ndarray, "track joint cam"]
     view_off_px: Float64[np.ndarray, "track cam 2"]
-    held_s: Float64[np.ndarray, "track cam"]
-    held_is_new: Bool[np.ndarray, "track cam"]
-    held_px: Float64[np.ndarray, "track joint cam 2"]
-    held_weight: Float64[np.ndarray, "track joint cam"]
+    waiting_s: Float64[np.ndarray, "track cam"]
+    waiting_is_pending: Bool[np.ndarray, "track cam"]
+    waiting_px: Float64[np.ndarray, "track joint cam 2"]
+    waiting_weight: Float64[np.ndarray, "track joint cam"]
     swap_evidence: Float64[np.ndarray, " track"]
     redundant_count: Float64[np.ndarray, " track"]
     limb_m: Float64[np.ndarray, "track limb"]
@@ -108,9 +108,11 @@ class Population:
         )  # fmt: skip
 
     @cached_property
-    def held(self) -> Held:
+    def waiting(self) -> Waiting:
         """Key points that wait for the trajectory to be smoothed."""
-        return Held(self.held_s, self.held_is_new, self.held_px, self.held_weight)
+        return Waiting(
+            self.waiting_s, self.waiting_is_pending, self.waiting_px, self.waiting_weight
+        )
 
     @cached_property
     def doubts(self) -> Doubts:
@@ -143,10 +145,10 @@ class Population:
             joint_off_m2=np.empty((0, n_joint, n_cam)),
             joint_quality=np.empty((0, n_joint, n_cam)),
             view_off_px=np.empty((0, n_cam, 2)),
-            held_s=np.empty((0, n_cam)),
-            held_is_new=np.empty((0, n_cam), bool),
-            held_px=np.empty((0, n_joint, n_cam, 2)),
-            held_weight=np.empty((0, n_joint, n_cam)),
+            waiting_s=np.empty((0, n_cam)),
+            waiting_is_pending=np.empty((0, n_cam), bool),
+            waiting_px=np.empty((0, n_joint, n_cam, 2)),
+            waiting_weight=np.empty((0, n_joint, n_cam)),
             swap_evidence=np.empty(0),
             redundant_count=np.empty(0),
             limb_m=np.empty((0, n_limb)),
@@ -180,6 +182,6 @@ class Population:
         """Exchange left and right of track `k`, in place."""
         for values in (
             self.R, self.z, self.c, self.xyz_m, self.cov_m2, self.joint_last_seen_s,
-            self.joint_off_m2, self.joint_quality, self.held_px, self.held_weight,
+            self.joint_off_m2, self.joint_quality, self.waiting_px, self.waiting_weight,
         ):  # fmt: skip
             values[k] = values[k][mirror]

@@ -25,6 +25,7 @@ from trecsim.fusion.tuning import (
     LONGEST_STEP_S,
     MISSED_PATIENCE,
     MOST_RANGE_SIGMA,
+    MOST_SINGLE_VIEWS,
     OCCUPIED_M,
     SINGLE_VIEW_PATIENCE_S,
     SINGLE_VIEW_S,
@@ -158,9 +159,11 @@ class SingleViews:
     def begin(
         self, found: Detections, images: Images, company: Company, step: Step, grid: KnotGrid
     ) -> None:
-        """Begin tracks from detections that no track explains."""
-        if len(found):
-            found = found.take(~self._explained(found, images, company))
+        """Begin tracks from detections that no track explains, up to `MOST_SINGLE_VIEWS`."""
+        if not len(found) or len(self) >= MOST_SINGLE_VIEWS:
+            return
+        found = found.take(~self._explained(found, images, company))
+        found = found.take(found.best(MOST_SINGLE_VIEWS - len(self)))
         if not len(found):
             return
         ranges, at_one_m = self._first_ranges(found, company)
@@ -231,29 +234,34 @@ class SingleViews:
         """
         match = np.full((len(company.xyz_m), len(images)), 0)
         match[: len(company.match)] = company.match
+        there_m = np.concatenate([company.xyz_m, self.people.xyz_m])
+        near_m = np.full(len(there_m), VACANT_M)
         out = np.zeros(len(found), bool)
-        for d in range(len(found)):
-            away_m = self._away_m(company.xyz_m, int(found.cam[d]), found.xy_px[d])
-            vacant = (match[:, images.cam == found.cam[d]] < 0).all(axis=1)
-            out[d] = (away_m < np.where(vacant, VACANT_M, OCCUPIED_M)).any()
-            mine_m = self._away_m(self.people.xyz_m, int(found.cam[d]), found.xy_px[d])
-            out[d] |= (mine_m < VACANT_M).any()
+        for cam in set(found.cam.tolist()):
+            vacant = (match[:, images.cam == cam] < 0).all(axis=1)
+            near_m[: len(company.xyz_m)] = np.where(vacant, VACANT_M, OCCUPIED_M)
+            mine = found.cam == cam
+            out[mine] = (self._away_m(there_m, cam, found.xy_px[mine]) < near_m).any(axis=1)
         return out
 
     def _away_m(
         self,
         xyz_m: Float64[np.ndarray, "track joint 3"],
         cam: int,
-        xy_px: Float64[np.ndarray, "joint 2"],
-    ) -> Float64[np.ndarray, " track"]:
-        """Return how far key points lie from tracks on average, at their distance [m]."""
-        seen = np.isfinite(xy_px[:, 0])
+        xy_px: Float64[np.ndarray, "person joint 2"],
+    ) -> Float64[np.ndarray, "person track"]:
+        """Return how far the key points of each detection lie from each track on average.
+
+        At the track's distance [m]; infinite where a joint of the track is behind the camera.
+        """
         P, focal_px = self.model.cameras.P[cam], self.model.cameras.focal_px[cam]
-        point = xyz_m[:, seen] @ P[:, :3].T + P[:, 3]
+        point = xyz_m @ P[:, :3].T + P[:, 3]
+        seen, depth_m = np.isfinite(xy_px[:, None, :, 0]), point[..., 2]
         with np.errstate(divide="ignore", invalid="ignore"):
-            off_px = np.linalg.norm(point[..., :2] / point[..., 2:] - xy_px[seen], axis=-1)
-        off_m = off_px * point[..., 2] / focal_px
-        return np.where((point[..., 2] > 0.0).all(axis=1), off_m.mean(axis=1), np.inf)
+            off_px = np.linalg.norm(point[..., :2] / depth_m[..., None] - xy_px[:, None], axis=-1)
+        off_m = np.where(seen, off_px * depth_m / focal_px, 0.0).sum(axis=-1)
+        ahead = ((depth_m > 0.0) | ~seen).all(axis=-1)
+        return np.where(ahead, off_m / np.maximum(seen.sum(axis=-1), 1), np.inf)
 
     def end(self, company: Company, t_s: float) -> Population:
         """Delete the tracks that are dead; return those of them that were reported."""

@@ -46,7 +46,9 @@ class Held(NamedTuple):
     Attributes
     ----------
     tracks
-        Tracks, provisional ones included.
+        Tracks that two cameras began, provisional ones included.
+    single_views
+        Tracks of people whom one camera alone sees.
     unassigned
         Detections that wait for one of another camera to start a track with.
     dead
@@ -58,6 +60,7 @@ class Held(NamedTuple):
     """
 
     tracks: int
+    single_views: int
     unassigned: int
     dead: int
     close_pairs: int
@@ -150,8 +153,8 @@ class Tracker:
     def held(self) -> Held:
         """How much the tracker keeps in memory."""
         return Held(
-            len(self._people), len(self._unassigned), len(self._identities.dead),
-            len(self._duplicates), len(self._ended),
+            len(self._people), len(self._single), len(self._unassigned),
+            len(self._identities.dead), len(self._duplicates), len(self._ended),
         )  # fmt: skip
 
     @property

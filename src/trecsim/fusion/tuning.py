@@ -242,6 +242,9 @@ RANGE_GATE: Final = 3.0
 UNKNOWN_LEVEL_WEIGHT: Final = 0.5
 LEVELS_REMEMBERED: Final = 50
 KNOWN_LEVEL_M2: Final = 0.08**2
+# The most tracks of one camera at a time, as each costs as much as several others. Where false
+# positives or a crowd that comes in at once fill them, further people wait for a second camera.
+MOST_SINGLE_VIEWS: Final = 30
 # A track of one camera is reported when the images that support it amount to this time: each counts
 # for the time since its camera's last one, up to `LONGEST_STEP_S`, times the share of good key
 # points in the detection. Good detections need 0.1 s, those as weak as false positives 0.4 s; each

@@ -15,7 +15,6 @@ from trecsim.fusion.kernels.groups import (
     Cameras,
     Doubts,
     Fitted,
-    Held,
     Limits,
     Matches,
     Measurements,
@@ -28,6 +27,7 @@ from trecsim.fusion.kernels.groups import (
     Sights,
     Taken,
     Trajectories,
+    Waiting,
     Who,
 )
 from trecsim.fusion.kernels.information import (
@@ -78,7 +78,6 @@ __all__ = [
     "Cameras",
     "Doubts",
     "Fitted",
-    "Held",
     "Lenses",
     "Limbs",
     "Limits",
@@ -98,6 +97,7 @@ __all__ = [
     "Trajectories",
     "Undistortion",
     "Views",
+    "Waiting",
     "Who",
     "age",
     "any_close",

@@ -21,34 +21,34 @@ _UNKNOWNS = 4
 
 
 @inner
-def hold_key_points(measured, mirror, matches, fitted, taken, held):
+def keep_key_points(measured, mirror, matches, fitted, taken, waiting):
     """Keep the key points of a frame set until what comes later has smoothed the joints, in place.
 
     Parameters
     ----------
     measured, mirror, matches, fitted, taken
         `Measurements`, each joint's left-right counterpart, `Matches`, `Fitted` and `Taken`.
-    held
-        `Held`, changed in place: one image for each camera and track at a time.
+    waiting
+        `Waiting`, changed in place: one image for each camera and track at a time.
     """
     for v in range(measured.cam.shape[0]):
         c = measured.cam[v]
         for k in range(matches.match.shape[0]):
             d = matches.match[k, v]
-            if d < 0 or taken.t_s[v] - held.t_s[k, c] < CAMERA_LAG_S + CAMERA_CHECK_S:
+            if d < 0 or taken.t_s[v] - waiting.t_s[k, c] < CAMERA_LAG_S + CAMERA_CHECK_S:
                 continue
-            held.t_s[k, c] = taken.t_s[v]
-            held.is_new[k, c] = True
+            waiting.t_s[k, c] = taken.t_s[v]
+            waiting.is_pending[k, c] = True
             for j in range(mirror.shape[0]):
                 m = mirror[j] if matches.flip[k, v] else j
                 good = fitted.inlier[k, v, j] > INLIER
-                held.weight[k, j, c] = fitted.weight[k, v, j] if good else 0.0
+                waiting.weight[k, j, c] = fitted.weight[k, v, j] if good else 0.0
                 for a in range(2):
-                    held.xy_px[k, j, c, a] = measured.xy_px[d, m, a]
+                    waiting.xy_px[k, j, c, a] = measured.xy_px[d, m, a]
 
 
 @inner(allocates=True)
-def note_camera_errors(cameras, tracks, trusted, now, held, errors):
+def note_camera_errors(cameras, tracks, trusted, now, waiting, errors):
     """Add the residuals of key points that were kept to each camera's equations, in place.
 
     Parameters
@@ -59,8 +59,8 @@ def note_camera_errors(cameras, tracks, trusted, now, held, errors):
         Which tracks are confirmed and supported by two cameras, (track,).
     now
         `Now`.
-    held, errors
-        `Held` and `CameraErrors`, changed in place.
+    waiting, errors
+        `Waiting` and `CameraErrors`, changed in place.
 
     Notes
     -----
@@ -76,25 +76,25 @@ def note_camera_errors(cameras, tracks, trusted, now, held, errors):
     place_weights, speed_weights = np.empty(4), np.empty(4)
     scratch = np.empty(3), np.empty(3), np.empty(_UNKNOWNS), np.empty(_UNKNOWNS)
     for k in range(trusted.shape[0]):
-        for c in range(held.t_s.shape[1]):
-            if not held.is_new[k, c] or now.t_s - held.t_s[k, c] < CAMERA_LAG_S:
+        for c in range(waiting.t_s.shape[1]):
+            if not waiting.is_pending[k, c] or now.t_s - waiting.t_s[k, c] < CAMERA_LAG_S:
                 continue
-            held.is_new[k, c] = False
+            waiting.is_pending[k, c] = False
             if not trusted[k]:
                 continue
-            since_s = max(held.t_s[k, c] - errors.learned_s[c], 0.0)
+            since_s = max(waiting.t_s[k, c] - errors.learned_s[c], 0.0)
             if since_s > 0.0:
-                errors.learned_s[c] = held.t_s[k, c]
+                errors.learned_s[c] = waiting.t_s[k, c]
                 forget(errors, c, math.exp(-min(since_s, 1e3) / CAMERA_ERROR_S))
             share = min(CAMERA_LAG_S + CAMERA_CHECK_S, CAMERA_MEASURE_S) / CAMERA_MEASURE_S / TEMPER
-            there = knots(held.t_s[k, c] - errors.applied[c, 3], now)
+            there = knots(waiting.t_s[k, c] - errors.applied[c, 3], now)
             n = tracks.c.shape[2] // 3
             span = locate(there, n, place_weights)
             derivative(there, n, now.knot_s, speed_weights)
             for j in range(tracks.c.shape[1]):
-                if held.weight[k, j, c] > 0.0:
+                if waiting.weight[k, j, c] > 0.0:
                     add_key_point(
-                        cameras, c, held.xy_px[k, j, c], share * held.weight[k, j, c],
+                        cameras, c, waiting.xy_px[k, j, c], share * waiting.weight[k, j, c],
                         (tracks.c[k, j], span, place_weights, speed_weights), errors, scratch,
                     )  # fmt: skip
 

@@ -212,19 +212,19 @@ class Sightings(NamedTuple):
     view_off_px: Float64[np.ndarray, "track cam 2"]
 
 
-class Held(NamedTuple):
+class Waiting(NamedTuple):
     """Key points of one image per camera and track that wait until the trajectory is smoothed.
 
     Attributes
     ----------
-    t_s, is_new
+    t_s, is_pending
         Time of the image [s], and whether it still waits.
     xy_px, weight
         Undistorted key points, and their weight in the fit [1/px^2]; 0 where there is none.
     """
 
     t_s: Float64[np.ndarray, "track cam"]
-    is_new: Bool[np.ndarray, "track cam"]
+    is_pending: Bool[np.ndarray, "track cam"]
     xy_px: Float64[np.ndarray, "track joint cam 2"]
     weight: Float64[np.ndarray, "track joint cam"]
 

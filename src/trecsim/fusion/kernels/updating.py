@@ -7,7 +7,7 @@ import numpy as np
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all
-from trecsim.fusion.kernels.camera_error_kernels import hold_key_points, note_camera_errors
+from trecsim.fusion.kernels.camera_error_kernels import keep_key_points, note_camera_errors
 from trecsim.fusion.kernels.curve import evaluate_all, knots
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import Fitted, Matches, Prediction
@@ -22,7 +22,7 @@ from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_
 
 @kernel(allocates=True)
 def update_all(
-    cameras, noise, bones, limbs, motion, tracks, bodies, sightings, held, confirmed, doubts,
+    cameras, noise, bones, limbs, motion, tracks, bodies, sightings, waiting, confirmed, doubts,
     errors, measured, taken, now, matches, owner, work,
 ):  # fmt: skip
     """Take the detections of one frame set into all tracks, in place.
@@ -31,9 +31,9 @@ def update_all(
     ----------
     cameras, noise, bones, limbs, motion
         Constants: `Cameras`, `Noise`, `Bones`, `Limbs` and `Motion`.
-    tracks, bodies, sightings, held, confirmed, doubts
-        The tracks: `Trajectories`, `Bodies`, `Sightings`, `Held`, which are reported, (track,), and
-        `Doubts`.
+    tracks, bodies, sightings, waiting, confirmed, doubts
+        The tracks: `Trajectories`, `Bodies`, `Sightings`, `Waiting`, which are reported, (track,),
+        and `Doubts`.
     errors
         `CameraErrors`, changed in place.
     measured, taken, now
@@ -72,8 +72,8 @@ def update_all(
     trusted = np.empty(shape[0], np.bool_)
     for k in range(shape[0]):
         trusted[k] = confirmed[k] and sightings.two_view_s[k] == now.t_s
-    hold_key_points(measured, noise.mirror, matches, fitted, taken, held)
-    note_camera_errors(cameras, tracks, trusted, now, held, errors)
+    keep_key_points(measured, noise.mirror, matches, fitted, taken, waiting)
+    note_camera_errors(cameras, tracks, trusted, now, waiting, errors)
     if check:
         note_redundant(
             cameras, measured, prediction.xyz_m, matches.match, confirmed, doubts.redundant_count
