@@ -194,9 +194,9 @@ def _check_request(
     left_out: bool,
 ) -> None:
     if (rig is None) != (poses is None):
-        raise InputError("reprojection errors need both rig and poses")
+        raise InputError("reprojection errors need both rig and poses: give both")
     if left_out and rig is None:
-        raise InputError("leaving cameras out needs both rig and poses")
+        raise InputError("leaving cameras out needs both rig and poses: give both")
     if -float("inf") < from_s < 0:
         raise InputError(f"the time to evaluate cannot begin before 0 s, got from {from_s:g} s")
     if not from_s < until_s:
