@@ -93,7 +93,7 @@ def test_what_is_wrong_is_one_line(trecsim: Run, case: Path) -> None:
         ((case / "newest.csv", "--truth", case / "none.npz"), "none.npz"),
         ((case / "none.csv",), "there are no tracks at"),
         ((case / "newest.csv", "--rig", case / "rig.toml"), "both rig and poses"),
-        ((case / "newest.csv", "--left-out"), "leaving cameras out needs both rig and poses: give both"),
+        ((case / "newest.csv", "--left-out"), "leaving cameras out needs both rig and poses: give"),
         ((case / "newest.csv", "--shelf", case), "gt3d.npz is not there"),
         ((), "TRACKS requires an argument"),
     ):

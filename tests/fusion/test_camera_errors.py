@@ -11,7 +11,7 @@ import reference_fusion as reference
 from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import Tracker
-from trecsim.fusion.camera_errors import CameraErrors, projections, uncorrected
+from trecsim.fusion.camera_errors import CameraErrors, calibrated, projections, uncorrected
 from trecsim.fusion.kernels.camera_error_kernels import turned
 from trecsim.geometry import Rig
 from trecsim.values import FrameSet
@@ -54,7 +54,7 @@ def test_a_pixel_moves_with_a_turn_as_its_derivatives_say(seed):
         step = np.zeros((4, 3))
         step[c, axis] = 1e-5
         ahead, back = (
-            reference.project(projections(rig, sign * step, np.zeros(4)).P[c], x)
+            reference.project(projections(calibrated(rig), sign * step, np.zeros(4)).P[c], x)
             for sign in (1.0, -1.0)
         )
         there = (ahead - back) / 2e-5

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -58,7 +59,7 @@ class CameraErrors:
     centre_px: Float64[np.ndarray, "cam 2"] = field(init=False)
     variance: Float64[np.ndarray, "cam 4"] = field(init=False)
     scale: float = field(default=1.0, init=False)
-    _pose: Float64[np.ndarray, "cam 3 4"] = field(init=False)
+    _calibrated: "Calibrated" = field(init=False)
     _began_s: float = field(default=math.nan, init=False)
     _used_s: float = field(default=-math.inf, init=False)
 
@@ -67,8 +68,8 @@ class CameraErrors:
         self.info, self.vector = np.zeros((n, 4, 4)), np.zeros((n, 4))
         self.learned_s, self.applied = np.full(n, -np.inf), np.zeros((n, 4))
         self.variance = np.tile(_PRIOR, (n, 1))
-        self.centre_px = np.array([camera.K[:2, 2] for camera in self.rig])
-        self._pose = np.array([camera.T_cam_world[:3] for camera in self.rig], order="C")
+        self._calibrated = calibrated(self.rig)
+        self.centre_px = np.ascontiguousarray(self._calibrated.K[:, :2, 2])
 
     @property
     def known(self) -> kernels.CameraErrors:
@@ -118,7 +119,7 @@ class CameraErrors:
         self.scale = (PRIOR_WEIGHT + total) / (PRIOR_WEIGHT + spread.size)
         hidden = min(1.0, EYES_OF_A_POINT / len(self.rig)) * self.scale * TURN_SIGMA_RAD**2
         left = np.maximum(self.variance[:, :2].mean(axis=1), hidden) + LEAST_TURN_RAD**2
-        return projections(self.rig, self.applied[:, _TURN], left)
+        return projections(self._calibrated, self.applied[:, _TURN], left)
 
     def _keep_place(
         self,
@@ -133,7 +134,8 @@ class CameraErrors:
         `is_known` tells of which cameras the turns are known; `before_rad` is what was applied so
         far, from which the few steps go on.
         """
-        R, there_m = self._pose[:, :, :3], self._pose[:, :, :3] @ xyz_m + self._pose[:, :, 3]
+        R, t = self._calibrated.pose[:, :, :3], self._calibrated.pose[:, :, 3]
+        there_m = R @ xyz_m + t
         known = np.flatnonzero(is_known & (there_m[:, 2] > NEAR_M))
         if len(known) < 2:
             return
@@ -152,25 +154,51 @@ class CameraErrors:
         self.applied[known, 1], self.applied[known, 0] = rest[:, 0], -rest[:, 1]
 
 
+class Calibrated(NamedTuple):
+    """The cameras as calibrated, as arrays in C order.
+
+    Attributes
+    ----------
+    K, pose
+        Intrinsics [px], and the world's motion into each camera's coordinates.
+    position_m
+        Where each camera stands.
+    """
+
+    K: Float64[np.ndarray, "cam 3 3"]
+    pose: Float64[np.ndarray, "cam 3 4"]
+    position_m: Float64[np.ndarray, "cam 3"]
+
+
+def calibrated(rig: Rig) -> Calibrated:
+    """Return the cameras of a rig as arrays."""
+    return Calibrated(
+        np.array([camera.K for camera in rig], order="C"),
+        np.array([camera.T_cam_world[:3] for camera in rig], order="C"),
+        np.array([camera.position_m for camera in rig], order="C"),
+    )
+
+
 def uncorrected(rig: Rig) -> Cameras:
     """Return the cameras as calibrated, with the usual error of a calibration."""
     n = len(rig)
-    return projections(rig, np.zeros((n, 3)), np.full(n, TURN_SIGMA_RAD**2))
+    return projections(calibrated(rig), np.zeros((n, 3)), np.full(n, TURN_SIGMA_RAD**2))
 
 
 def projections(
-    rig: Rig, turn_rad: Float64[np.ndarray, "cam 3"], error_rad2: Float64[np.ndarray, " cam"]
+    as_calibrated: Calibrated,
+    turn_rad: Float64[np.ndarray, "cam 3"],
+    error_rad2: Float64[np.ndarray, " cam"],
 ) -> Cameras:
     """Return the cameras turned by small rotation vectors, with the variance of their angles."""
-    K = np.array([camera.K for camera in rig], order="C")
-    pose = np.array([camera.T_cam_world for camera in rig], order="C")
-    P = np.ascontiguousarray(K @ _rotations(turn_rad) @ pose[:, :3])
+    K, pose, position_m = as_calibrated
+    P = np.ascontiguousarray(K @ _rotations(turn_rad) @ pose)
     focal_px = 0.5 * (K[:, 0, 0] + K[:, 1, 1])
     return Cameras(
         P=P,
         focal_px=focal_px,
         ray_of=np.ascontiguousarray(np.linalg.inv(P[:, :, :3])),
-        position_m=np.stack([camera.position_m for camera in rig]),
+        position_m=position_m,
         error_px2=focal_px**2 * error_rad2,
     )
 
