@@ -167,15 +167,12 @@ class Population:
         """Return only the tracks that `which` marks."""
         if np.count_nonzero(which) == len(which):
             return self
-        return Population(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
+        return Population(*(getattr(self, name)[which] for name in _ARRAYS))
 
     def joined(self, other: "Population") -> "Population":
         """Return both populations as one."""
         return Population(
-            **{
-                f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)])
-                for f in fields(self)
-            }
+            *(np.concatenate([getattr(self, name), getattr(other, name)]) for name in _ARRAYS)
         )
 
     def mirror(self, k: int, mirror: Int64[np.ndarray, " joint"]) -> None:
@@ -185,3 +182,6 @@ class Population:
             self.joint_off_m2, self.joint_quality, self.waiting_px, self.waiting_weight,
         ):  # fmt: skip
             values[k] = values[k][mirror]
+
+
+_ARRAYS = tuple(field.name for field in fields(Population))

@@ -197,11 +197,11 @@ def lost_tracks(
     Those of which the time is -inf are left out. `t_s` is the time of the last frame set.
     """
     lost = []
-    for k in np.flatnonzero(np.isfinite(seen_s)):
+    for k in np.flatnonzero(np.isfinite(seen_s)).tolist():
         then_s = max(float(seen_s[k]), t_s - model.settings.window_s)
-        one = people.keep(np.arange(len(people)) == k)
-        xyz_m = evaluated(one.c, grid, [then_s])[0, 0, model.torso].mean(axis=0)
-        velocity_mps = velocity(one, grid, then_s)[0][0, model.torso].mean(axis=0)
+        R, c = people.R[k : k + 1], people.c[k : k + 1]
+        xyz_m = evaluated(c, grid, [then_s])[0, 0, model.torso].mean(axis=0)
+        velocity_mps = velocity(R, c, grid, then_s)[0][0, model.torso].mean(axis=0)
         known = then_s - people.born_s[k] > YOUNG_S
         reach_mps = UNSEEN_MPS if known else YOUNG_MPS
         lost.append(LostTrack(int(people.id[k]), then_s, xyz_m, velocity_mps, reach_mps))

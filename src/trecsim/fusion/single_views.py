@@ -4,7 +4,7 @@ They take only detections that no other track takes, and nothing of the other tr
 them but the identity of a new one: so nobody whom two cameras see is worse off for them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 import numpy as np
@@ -45,19 +45,13 @@ class Company(NamedTuple):
     match
         The detection of each image that belongs to each, or -1; tracks that are newer than the
         association are not in it.
-    looking
-        Which cameras deliver images.
     look_back_s
         For how long what each camera supported counts as supported now [s].
-    level
-        Height of the ground under somebody new, and its variance [m, m^2].
     """
 
     xyz_m: Float64[np.ndarray, "track joint 3"]
     match: Int64[np.ndarray, "known view"]
-    looking: Bool[np.ndarray, " cam"]
     look_back_s: Float64[np.ndarray, " cam"]
-    level: tuple[float, float]
 
 
 class SingleViews:
@@ -154,25 +148,35 @@ class SingleViews:
 
     def rows(self, claim: Int64[np.ndarray, " some"]) -> list[int]:
         """Return the tracks that detections support by their claims."""
-        return np.flatnonzero(np.isin(self._key, claim[claim != NOBODY])).tolist()
+        keys = set(claim.tolist()) - {NOBODY}
+        return [k for k, key in enumerate(self._key.tolist()) if key in keys] if keys else []
 
     def begin(
-        self, found: Detections, images: Images, company: Company, step: Step, grid: KnotGrid
+        self,
+        found: Detections,
+        images: Images,
+        company: Company,
+        level: tuple[float, float],
+        step: Step,
+        grid: KnotGrid,
     ) -> None:
-        """Begin tracks from detections that no track explains, up to `MOST_SINGLE_VIEWS`."""
-        if not len(found) or len(self) >= MOST_SINGLE_VIEWS:
+        """Begin tracks from detections that no track explains, up to `MOST_SINGLE_VIEWS`.
+
+        `level` is the height of the ground under somebody new, and its variance [m, m^2].
+        """
+        if len(self) >= MOST_SINGLE_VIEWS:
             return
         found = found.take(~self._explained(found, images, company))
         found = found.take(found.best(MOST_SINGLE_VIEWS - len(self)))
         if not len(found):
             return
-        ranges, at_one_m = self._first_ranges(found, company)
+        ranges, at_one_m = self._first_ranges(found, level)
         good = (ranges.sigma < MOST_RANGE_SIGMA) & ranges.agree
         if not good.any():
             return
         found, ranges, at_one_m = found.take(good), ranges.keep(good), at_one_m[good]
         new = self._first_states(found, ranges, at_one_m, step, grid)
-        new.ground_level[:] = company.level
+        new.ground_level[:] = level
         since_s = dict(zip(images.cam.tolist(), step.since_s, strict=True))
         worth_s = _worth_s(found, np.array([since_s[cam] for cam in found.cam.tolist()]))
         self.people, self._ranges = self.people.joined(new), self._ranges.joined(ranges)
@@ -181,10 +185,10 @@ class SingleViews:
         self._next_key += len(new)
 
     def _first_ranges(
-        self, found: Detections, company: Company
+        self, found: Detections, level: tuple[float, float]
     ) -> tuple[Ranges, Float64[np.ndarray, "person joint 3"]]:
         """Return how far away new people are, and their joints at the distance of 1 m."""
-        told, (level_m, level_m2) = sizes(self.model, found), company.level
+        told, (level_m, level_m2) = sizes(self.model, found), level
         above_m = [above_ankle_m(self.model, cam, level_m) for cam in found.cam.tolist()]
         spread = np.sqrt(level_m2) / np.maximum(above_m, 0.1)
         ranges = Ranges.begun(found.cam, np.log(told.size_m), spread)
@@ -263,62 +267,69 @@ class SingleViews:
         ahead = ((depth_m > 0.0) | ~seen).all(axis=-1)
         return np.where(ahead, off_m / np.maximum(seen.sum(axis=-1), 1), np.inf)
 
-    def end(self, company: Company, t_s: float) -> Population:
-        """Delete the tracks that are dead; return those of them that were reported."""
+    def dead(self, company: Company, t_s: float) -> Bool[np.ndarray, " track"]:
+        """Return which tracks are dead."""
         if not len(self):
-            return self.people
+            return np.zeros(0, bool)
         people, s = self.people, self.model.settings
         unseen_s = t_s - people.last_seen_s.max(axis=1)
         least_s = np.maximum(SINGLE_VIEW_PATIENCE_S, company.look_back_s[self._ranges.cam])
         patience_s = np.maximum(np.minimum(self.support_s, s.death_s), least_s)
-        dead = (unseen_s > patience_s) | ~np.isfinite(people.xyz_m).all(axis=(1, 2))
-        return self._drop(dead)
+        return np.asarray(
+            (unseen_s > patience_s) | ~np.isfinite(people.xyz_m).all(axis=(1, 2)), np.bool_
+        )
 
-    def due(self, company: Company) -> list[int]:
+    def due(self, company: Company, looking: Callable[[], Bool[np.ndarray, " cam"]]) -> list[int]:
         """Return the tracks that have been supported for long enough to be reported from now on.
 
-        Each further camera that should see such a person, and does not, makes it longer.
+        Each further camera that should see such a person, and does not, makes it longer. `looking`
+        returns which cameras deliver images; it is called only if it matters.
         """
-        new = np.flatnonzero((self.people.id == NOBODY) & (self.support_s >= SINGLE_VIEW_S))
+        is_new = (self.people.id == NOBODY) & (self.support_s >= SINGLE_VIEW_S)
+        new = np.flatnonzero(is_new)
         if not len(new):
             return []
-        missed_by = np.maximum(self._expected(company)[new] - 1, 0)
+        missed_by = np.maximum(self._expected(company, looking(), is_new)[new] - 1, 0)
         enough = self.support_s[new] >= SINGLE_VIEW_S * MISSED_PATIENCE**missed_by
         due: list[int] = new[enough & (missed_by < CROWDED - 1)].tolist()
         return due
 
-    def _expected(self, company: Company) -> Int64[np.ndarray, " track"]:
-        """Return how many cameras should detect each person, wherever on its rays it is.
+    def _expected(
+        self,
+        company: Company,
+        looking: Bool[np.ndarray, " cam"],
+        which: Bool[np.ndarray, " track"],
+    ) -> Int64[np.ndarray, " track"]:
+        """Return how many cameras should detect each of `which`, wherever on its rays it is.
 
         The distance may be off by one standard deviation to either side.
         """
         m, mine = self.model, self.people
         n = len(self) + len(company.xyz_m)
+        asked = np.append(which, np.zeros(len(company.xyz_m), bool))
         found = np.zeros((3, n), np.int64)
         leaving, should = np.zeros(n, bool), np.zeros((n, len(m.rig)), bool)
         ray_m = mine.xyz_m - mine.range_from_m[:, None]
         for expected, way in zip(found, (-1.0, 0.0, 1.0), strict=True):
             there_m = mine.xyz_m + way * mine.range_sigma[:, None, None] * ray_m
             xyz_m = np.concatenate([there_m, company.xyz_m])
-            asked = np.arange(len(xyz_m)) < len(self)
             kernels.expect_all(
-                m.lenses, m.silhouette, company.looking, m.torso, xyz_m, np.zeros((n, 3)), asked,
+                m.lenses, m.silhouette, looking, m.torso, xyz_m, np.zeros((n, 3)), asked,
                 kernels.Views(expected, leaving, should),
             )  # fmt: skip
         return np.asarray(found.min(axis=0)[: len(self)])
 
-    def replace(self, rows: Sequence[int]) -> Population:
-        """Delete the tracks `rows`, which others replace; return those that were reported."""
+    def marked(self, rows: Collection[int]) -> Bool[np.ndarray, " track"]:
+        """Return which tracks are among `rows`."""
         which = np.zeros(len(self), bool)
         which[list(rows)] = True
-        return self._drop(which)
+        return which
 
-    def _drop(self, which: Bool[np.ndarray, " track"]) -> Population:
-        gone = self.people.keep(which & (self.people.id != NOBODY))
+    def drop(self, which: Bool[np.ndarray, " track"]) -> None:
+        """Delete the tracks `which`."""
         if which.any():
             self.people, self._ranges = self.people.keep(~which), self._ranges.keep(~which)
             self.support_s, self._key = self.support_s[~which], self._key[~which]
-        return gone
 
 
 def _worth_s(

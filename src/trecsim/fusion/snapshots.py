@@ -128,13 +128,18 @@ def _widen_along_rays(out: Reported, people: Population, which: Bool[np.ndarray,
 
 
 def velocity(
-    people: Population, grid: KnotGrid, t_s: float
+    R: Float64[np.ndarray, "track joint n n"],
+    c: Float64[np.ndarray, "track joint n"],
+    grid: KnotGrid,
+    t_s: float,
 ) -> tuple[Float64[np.ndarray, "track joint 3"], Float64[np.ndarray, "track joint 3 3"]]:
-    """Return the joints' velocities at one time [m/s], and their covariances [m^2/s^2]."""
-    velocity_mps, cov_m2ps2 = np.empty(people.xyz_m.shape), np.empty(people.cov_m2.shape)
-    kernels.velocity_all(
-        people.R, people.c, grid.knot_time(t_s), grid.knot_s, velocity_mps, cov_m2ps2
-    )
+    """Return the joints' velocities at one time [m/s], and their covariances [m^2/s^2].
+
+    `R` and `c` are the trajectories' square-root information and control points.
+    """
+    n, n_joint = c.shape[:2]
+    velocity_mps, cov_m2ps2 = np.empty((n, n_joint, 3)), np.empty((n, n_joint, 3, 3))
+    kernels.velocity_all(R, c, grid.knot_time(t_s), grid.knot_s, velocity_mps, cov_m2ps2)
     return velocity_mps, cov_m2ps2
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
@@ -264,6 +264,7 @@ class Tracker:
         candidates = list(birth.candidates(self._model, pool))
         births: list[Birth] = []
         named: set[int] = set()
+        claimed: set[int] = set()  # tracks of one camera that new ones replace
         places_m = completed(candidates, self._model) if candidates else ()
         for candidate, xyz_m in zip(candidates, places_m, strict=True):
             owners = {o for o in owner[candidate.member].tolist() if o >= 0}
@@ -286,12 +287,15 @@ class Tracker:
                 owners = set(np.flatnonzero(self._people.id == lost.id).tolist())
                 unnamed = sorted(owners)
                 velocity_mps = lost.velocity_to(torso_m, self._t_s)
-            claims = self._single.rows(pool.claim[candidate.member])
+            claims = [
+                k for k in self._single.rows(pool.claim[candidate.member]) if k not in claimed
+            ]
             identity, known = self._identify(xyz_m, unnamed, claims)
-            self._keep_for_lag(self._single.replace(claims), provisional=True)
+            claimed.update(claims)
             births.append(Birth(candidate, xyz_m, identity, known, velocity_mps))
             named.add(identity)
             replaced |= owners
+        self._drop_single_views(self._single.marked(claimed))
         self._add(births, pool)
         self._unassigned = pool.take(free)
         free[:n_old] = False
@@ -392,9 +396,9 @@ class Tracker:
         seen_s = np.where(died & people.confirmed, people.last_seen_s.max(axis=1), -np.inf)
         gone = lost_tracks(people, seen_s, self._knots, self._model, self._t_s)
         self._identities.note_dead(gone, self._t_s)
-        self._ground.note(people.keep(died))
+        self._ground.note(people, died)
         died[list(replaced)] = True
-        self._keep_for_lag(people.keep(died & people.confirmed))
+        self._keep_for_lag(people, died & people.confirmed)
         self._people = people.keep(alive & stays)
 
     def _follow_single_views(
@@ -403,22 +407,26 @@ class Tracker:
         """Begin, report and end tracks of people whom one camera alone sees."""
         if not len(left) and not len(self._single):
             return
-        company = Company(
-            self._people.xyz_m, association.match, self._clocks.looking(), step.look_back_s,
-            self._ground.expected(self._people),
-        )  # fmt: skip
+        company = Company(self._people.xyz_m, association.match, step.look_back_s)
         fresh = left.take(left.claim == NOBODY)
-        self._single.begin(fresh, images, company, step, self._knots)
-        self._keep_for_lag(self._single.end(company, self._t_s), provisional=True)
-        for k in self._single.due(company):
+        if len(fresh):
+            level = self._ground.expected(self._people)
+            self._single.begin(fresh, images, company, level, step, self._knots)
+        self._drop_single_views(self._single.dead(company, self._t_s))
+        for k in self._single.due(company, self._clocks.looking):
             self._single.people.id[k] = self._identities.new()
 
-    def _keep_for_lag(self, people: Population, *, provisional: bool = False) -> None:
-        """Keep dead tracks until the lag has reached their end; provisional ones if reported."""
-        if provisional and not self._provisional:
-            return
-        if self._lag_s > 0.0 and len(people) and self._grid is not None:
-            self._ended.append((self._t_s, self._grid, people))
+    def _drop_single_views(self, which: Bool[np.ndarray, " track"]) -> None:
+        """Delete tracks of one camera; with a lag, those that were reported are kept for it."""
+        if self._provisional:
+            people = self._single.people
+            self._keep_for_lag(people, which & (people.id != NOBODY))
+        self._single.drop(which)
+
+    def _keep_for_lag(self, people: Population, which: Bool[np.ndarray, " track"]) -> None:
+        """Keep the dead tracks `which` until the lag has reached their end."""
+        if self._lag_s > 0.0 and which.any() and self._grid is not None:
+            self._ended.append((self._t_s, self._grid, people.keep(which)))
 
     def _snapshot(self, now_s: float) -> Snapshot:
         """Return the tracks that were alive at `now_s` minus the lag, dead since or not."""
