@@ -9,6 +9,7 @@ therefore compiled anew (and the cache on disk is left alone), once per process.
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from functools import cache
 from importlib import import_module
 from types import CodeType, ModuleType
 from typing import Any
@@ -80,7 +81,7 @@ def _found(path: str) -> tuple[Any, str, Any]:
 
 
 def _like(old: Any, value: Any) -> Any:
-    return _njit(value) if _is_kernel(old) and not _is_kernel(value) else value
+    return _uncached(value) if _is_kernel(old) and not _is_kernel(value) else value
 
 
 def _uses(modules: list[ModuleType], old: Any, path: str) -> list[tuple[Any, str]]:
@@ -134,16 +135,38 @@ def _is_kernel(thing: object) -> bool:
     return isinstance(thing, Dispatcher)
 
 
-def _njit(function: Callable[..., Any], **options: Any) -> Any:
-    import numba
-
-    return numba.njit(**options)(function)
-
-
 def _fresh(kernel: Any) -> Any:
-    """Return a kernel that is not compiled yet, with the same arithmetic, for any caller.
+    """Return a kernel that is not compiled yet, with the same arithmetic, for any caller."""
+    return _uncached(kernel.py_func, bool(kernel.targetoptions.get("_nrt", True)))
 
-    Kernels that only others call have no wrapper for Python, so that a call would end the program.
+
+def _uncached(function: Callable[..., Any], allocates: bool = True) -> Any:
+    """Return a function as a kernel of the product's kind that neither reads nor fills its cache.
+
+    The cache tells versions of a kernel apart by the sources, which do not show what is replaced.
     """
-    options = {k: v for k, v in kernel.targetoptions.items() if k in ("nogil", "error_model")}
-    return _njit(kernel.py_func, **options)
+    from trecsim.compiler import kernel
+
+    made = kernel(function, allocates=allocates)
+    made.__class__ = _uncached_kind()
+    return made
+
+
+@cache
+def _uncached_kind() -> type:
+    """Return the kind of these kernels; numba is imported only now."""
+    from numba.core.caching import NullCache
+
+    from trecsim import compiler
+
+    class UncachedKernel(compiler.Kernel):
+        """A kernel whose entry for Python is compiled anew in every process."""
+
+        def __call__(self, *arguments: Any) -> Any:
+            """Call the version for Python."""
+            if "for_python" in self.__dict__:
+                return self.for_python(*arguments)
+            with patch.object(compiler, "KernelCache", lambda *_: NullCache()):
+                return super().__call__(*arguments)
+
+    return UncachedKernel
