@@ -17,6 +17,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from trecsim.assessing import assess as assess
     from trecsim.calibration import read_rig as read_rig
     from trecsim.calibration import write_rig as write_rig
     from trecsim.errors import CalibrationError as CalibrationError
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from trecsim.values import Snapshot as Snapshot
 
 _HOMES = {
+    "trecsim.assessing": ("assess",),
     "trecsim.calibration": ("read_rig", "write_rig"),
     "trecsim.sites.check": ("check_site",),
     "trecsim.errors": ("CalibrationError", "ConfigError", "Error", "InputError", "SetupError"),

@@ -99,7 +99,7 @@ def test_the_faults_of_all_stages_are_told_at_once(site: Path) -> None:
         "line 10: estimator: settings of the estimator 'movenet': long_side",
         "line 12: fusion: min_joints = 18 leaves nobody",
         "line 15: output.lag: unknown key; did you mean 'lag_s'?",
-        "line 16: rules: rules are not in this version of trecsim",
+        "line 16: rules.0.kind: is missing",
     ]
     lines = [line.strip() for line in told.splitlines()[1:]]
     assert len(lines) == len(expected)
@@ -114,7 +114,7 @@ def test_videos_are_looked_at_though_the_rig_cannot_be_read(site: Path) -> None:
     assert "line 7: sources.cam1.video: cannot read video" in told
 
 
-@pytest.mark.parametrize("key", ["volumes", "portals", "rules", "outputs", "alerts"])
+@pytest.mark.parametrize("key", ["volumes", "portals", "outputs", "alerts"])
 def test_what_is_to_come_is_not_taken_for_a_slip(site: Path, key: str) -> None:
     told = faults_of(site, "[sources.cam1]", f"[{key}.x]\n[sources.cam1]")
     assert "not in this version of trecsim" in told

@@ -26,6 +26,7 @@ COMMANDS = {
     "replay": "Play a recording on the live page.",
     "estimate": "Estimate 2D poses in videos.",
     "track": "Track people in 3D from 2D poses.",
+    "assess": "Judge the rules of a site file on recorded tracks; write the events.",
     "evaluate": "Evaluate tracks with or without ground truth.",
     "export": "Convert tracks to another format.",
     "backup": "Back up the recordings and the ledger of a site to one file, while the site runs.",
@@ -106,8 +107,8 @@ def command_line(called: Sequence[str] = ()) -> App:
 
 def _add(app: App, group: str, commands: Mapping[str, str], called: Sequence[str]) -> None:
     for name, text in commands.items():
-        module = f"{(group or name).rstrip(':')}_command:"
-        function = f"{name}_" if name == "list" else name  # `list` is a word of Python
+        module = f"{(group or name).rstrip(':').replace('-', '_')}_command:"
+        function = f"{name}_" if name == "list" else name.replace("-", "_")  # a word of Python
         help_text = None if [name] == list(called) else text
         app.command(f"trecsim.cli.{module}{function}", name=name, help=help_text)
 

@@ -164,7 +164,7 @@ def check_places(places: Mapping[str, Mapping[str, Any]]) -> None:
     from pydantic import TypeAdapter, ValidationError
 
     from trecsim.sites.places import EdgeTable, LineTable, ZoneTable
-    from trecsim.sites.site_file import Name
+    from trecsim.sites.ruled import Name
 
     kinds: dict[str, TypeAdapter[Any]] = {
         "zones": TypeAdapter(dict[Name, ZoneTable]),

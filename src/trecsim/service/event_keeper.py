@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterable, Mapping
 from threading import Condition, Thread
 from typing import Any, Protocol, Self
 
+from trecsim.cloud_events import numbered
 from trecsim.errors import Error, InputError
-from trecsim.store.ledger_events import numbered
 from trecsim.store.ledger_reading import LedgerEvent
 
 logger = logging.getLogger(__name__)

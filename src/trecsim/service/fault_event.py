@@ -5,10 +5,9 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from trecsim.cloud_events import derived_id, event_of
 from trecsim.service.site_parts import KINDS, LIMITS, PartState
-from trecsim.store.ledger_events import derived_id, rfc3339
 
-UNIX_FROM_S = 1e9  # times from here on are Unix times
 TYPES = tuple(f"trecsim.{kind}.v1" for kind in KINDS)
 """Types of these events."""
 
@@ -88,20 +87,6 @@ def ended(site: str, before: Mapping[str, Any], end_s: float, now_s: float) -> d
     end_s = max(round(end_s, 3), before["t_start_s"])
     data = {**before, "phase": "end", "t_detect_s": round(now_s, 3), "t_end_s": end_s}
     return event_of(site, data, now_s)
-
-
-def event_of(site: str, data: Mapping[str, Any], now_s: float) -> dict[str, Any]:
-    """Return an event, without its place in the episode, around its data."""
-    rule = data["rule"]
-    dated = {"time": rfc3339(now_s)} if now_s >= UNIX_FROM_S else {}
-    return {
-        "specversion": "1.0",
-        "type": f"trecsim.{rule['kind']}.v1",
-        "source": f"site/{site}",
-        "subject": f"rule/{rule['id']}",
-        **dated,
-        "data": dict(data),
-    }
 
 
 def _found(part: PartState) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
 from trecsim.sites.fusion_table import FusionTable
 from trecsim.sites.page_table import PageTable
-from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
+from trecsim.sites.ruled import Name, Ruled
 from trecsim.sources.poses_files import FPS_RANGE
 from trecsim.sources.streams.stream_address import (
     Transport,
@@ -25,9 +25,6 @@ from trecsim.sources.streams.stream_address import (
 )
 from trecsim.store.retention import Retention
 from trecsim.toml_models import FilePath, SizePx, Table, Vector
-
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-"""A name that may become a directory or part of an address."""
 
 
 class FloorTable(Table):
@@ -183,7 +180,7 @@ PosesPlace = Annotated[
 ]
 
 LATER = "not in this version of trecsim"
-LISTED = ("volumes", "portals", "rules", "outputs")
+LISTED = ("volumes", "portals", "outputs")
 NOT_YET = {
     **dict.fromkeys(
         ("reconnect_s", "reconnect"),
@@ -194,7 +191,7 @@ NOT_YET = {
 }
 
 
-class Site(Table):
+class Site(Ruled):
     """One site: cameras, sources, settings and output."""
 
     not_yet = NOT_YET
@@ -219,14 +216,6 @@ class Site(Table):
     """What is kept of a run."""
     retention: RetentionTable = RetentionTable()
     """How long a site with live cameras keeps what it stores."""
-    timezone: TimeZone = "UTC"
-    """Time zone of the site, for the page and reports: an IANA name as `Europe/Zurich`."""
-    zones: dict[Name, ZoneTable] = Field(default_factory=dict)
-    """Parts of the floor, by name; the page draws them."""
-    lines: dict[Name, LineTable] = Field(default_factory=dict)
-    """Directed lines on the floor, by name; the page draws them."""
-    edges: dict[Name, EdgeTable] = Field(default_factory=dict)
-    """Edges of drops, by name; the page draws them."""
     page: PageTable | None = None
     """The live page; without the table there is none."""
 

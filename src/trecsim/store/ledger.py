@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
+from trecsim.cloud_events import numbered
 from trecsim.errors import InputError
 from trecsim.store.audit import FIRST_HASH, next_hash
 from trecsim.store.ledger_events import (
@@ -22,7 +23,6 @@ from trecsim.store.ledger_events import (
     event_in,
     event_row,
     next_seq,
-    numbered,
 )
 from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
 from trecsim.store.ledger_reading import LedgerEvent, LedgerReading

@@ -1,12 +1,11 @@
 """What a ledger keeps of an event, and the event of what a person does to one."""
 
-import hashlib
 import json
 import math
-import time
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from trecsim.cloud_events import derived_id, event_text, rfc3339
 from trecsim.errors import InputError
 
 ACTS = ("ack", "shelve", "unshelve", "close", "reopen")
@@ -31,7 +30,7 @@ def event_row(event: Mapping[str, Any]) -> tuple[Any, ...]:
         raise InputError(f"expected an event with id and data, found {str(event)[:200]}")
     evidence = data.get("evidence") or {}
     try:
-        text = json.dumps(event, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        text = event_text(event)
     except (TypeError, ValueError) as error:
         raise InputError(f"event {event['id']!r} cannot be written as JSON: {error}") from None
     times = [data.get(key) for key in ("t_detect_s", "t_start_s", "t_end_s")]
@@ -152,47 +151,6 @@ def next_seq(earlier: Iterable[Mapping[str, Any]]) -> int:
     return 1 + max((int(one["data"].get("seq", 0)) for one in earlier), default=-1)
 
 
-def numbered(event: Mapping[str, Any], sequence: int) -> dict[str, Any]:
-    """Return an event with its place in its episode, and the `id` that follows from it.
-
-    Parameters
-    ----------
-    event
-        An event with `source`, and with `event` and `phase` in its data.
-    sequence
-        Its `seq`.
-
-    Examples
-    --------
-    >>> event = {"source": "site/hall", "data": {"event": "e", "phase": "end"}}
-    >>> numbered(event, 2)["data"]
-    {'event': 'e', 'phase': 'end', 'seq': 2}
-    >>> numbered(event, 2)["id"] == numbered(event, 2)["id"] != numbered(event, 3)["id"]
-    True
-    """
-    data = event["data"]
-    identity = derived_id(event.get("source"), data["event"], sequence, data["phase"])
-    return {**event, "id": identity, "data": {**data, "seq": sequence}}
-
-
-def derived_id(*facts: object) -> str:
-    """Return an id that the same facts always give."""
-    text = json.dumps(facts, sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:32]
-
-
 def without_act(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return what an event tells, without what a person did."""
     return {key: value for key, value in data.items() if key not in _SAID}
-
-
-def rfc3339(t_s: float) -> str:
-    """Return a Unix time [s] as events tell it.
-
-    Examples
-    --------
-    >>> rfc3339(1e9)
-    '2001-09-09T01:46:40.000Z'
-    """
-    whole, thousandths = divmod(round(t_s * 1000), 1000)
-    return f"{time.strftime('%Y-%m-%dT%H:%M:%S', time.gmtime(whole))}.{thousandths:03d}Z"

@@ -25,6 +25,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from trecsim.cloud_events import rfc3339
 from trecsim.errors import Error, SetupError
 from trecsim.health import StoreHealth
 from trecsim.recent import Recent
@@ -34,7 +35,6 @@ from trecsim.store.compact_file import write_compact
 from trecsim.store.compaction import changing, complete_segment, merge_parts, remove_parts
 from trecsim.store.gaps import Gap, add_gaps
 from trecsim.store.growing import KeepsPartial
-from trecsim.store.ledger_events import rfc3339
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, recording_segments
 from trecsim.store.segments import (

@@ -231,6 +231,25 @@ def read_tracks(
     return Tracks(_file_of(Path(path)), from_s, until_s, provisional)
 
 
+def every_moment(path: Path | str) -> Iterator[Snapshot]:
+    """Yield all snapshots that a recording holds, in order, as they were stored.
+
+    Provisional people are among them, as are, in recordings of live sites, times without people.
+
+    Parameters
+    ----------
+    path
+        What :func:`read_tracks` reads.
+
+    Raises
+    ------
+    InputError
+        When the file is missing or wrong.
+    """
+    file = _file_of(Path(path))
+    return read_csv(file, COCO17) if _suffix(file) == ".csv" else read_parquet(file)
+
+
 def export_tracks(
     path: Path | str,
     out: Path | str,

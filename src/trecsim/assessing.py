@@ -1,0 +1,223 @@
+"""Judge the rules of a site, on a recording or while it runs: the same code, the same events."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from itertools import chain, islice
+from pathlib import Path
+from typing import Any, TypedDict
+
+from trecsim.callbacks import Progress
+from trecsim.cloud_events import UNIX_FROM_S, event_of, event_text, numbered
+from trecsim.errors import InputError
+from trecsim.geometry import Rig
+from trecsim.safety.engine import Clock, RuleEngine
+from trecsim.safety.forecaster import Forecaster
+from trecsim.safety.rule import Rule
+from trecsim.sites.recorded_site import read_recorded_site
+from trecsim.sites.ruled import Ruled
+from trecsim.sites.rules import rules_of, zone_of
+from trecsim.store.atomic import atomic_write
+from trecsim.store.tracks import every_moment
+from trecsim.values import Snapshot
+
+Event = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSet:
+    """The rules of a site, and what is needed to judge them.
+
+    Attributes
+    ----------
+    site
+        Name of the site.
+    rules
+        Its rules.
+    clock
+        What the times of snapshots are.
+    rig
+        Its cameras, if they are known.
+    """
+
+    site: str
+    rules: tuple[Rule, ...]
+    clock: Clock
+    rig: Rig | None = None
+
+
+def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> RuleSet:
+    """Return the rules of a site file.
+
+    Parameters
+    ----------
+    name
+        Of the site.
+    site
+        What the file says.
+    rig
+        Its cameras, if they are known.
+    start_s
+        Is added to the times of snapshots to get Unix times [s].
+    """
+    clock = Clock(zone_of(site.timezone), start_s)
+    return RuleSet(name, rules_of(site.rules, site.places), clock, rig)
+
+
+class RuleEvents:
+    """Makes complete events of snapshots: each with its place in its episode, and its identity.
+
+    Parameters
+    ----------
+    rules
+        The rules.
+    forecaster
+        Tells where people will be, for rules that warn early.
+    """
+
+    def __init__(self, rules: RuleSet, forecaster: Forecaster | None = None) -> None:
+        self._site = rules.site
+        self._engine = RuleEngine(
+            rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster
+        )
+        self._next_seq: dict[str, int] = {}
+
+    def step(self, snapshot: Snapshot) -> list[dict[str, Any]]:
+        """Return the events that follow from the next moment."""
+        return [self._event(data, snapshot.t_s) for data in self._engine.step(snapshot)]
+
+    def change(self, rules: RuleSet, t_s: float) -> list[dict[str, Any]]:
+        """Take other rules from now on; return the ends of what has changed."""
+        ends = self._engine.change(rules.rules, rules.clock, t_s)
+        return [self._event(data, t_s) for data in ends]
+
+    def armed(self, t_s: float) -> int:
+        """Return how many rules are armed at a time [s]."""
+        return self._engine.armed(t_s)
+
+    def _event(self, data: Mapping[str, Any], t_s: float) -> dict[str, Any]:
+        episode = data["event"]
+        seq = self._next_seq.pop(episode, 0)
+        if data["t_end_s"] is None:
+            self._next_seq[episode] = seq + 1
+        return numbered(event_of(self._site, data, t_s), seq)
+
+
+class AssessSummary(TypedDict):
+    """What came of `assess`."""
+
+    out: Path
+    moments: int
+    people: int
+    events: int
+    episodes: int
+    by_rule: dict[str, int]
+    remarks: list[str]
+
+
+def assess(
+    tracks: Path,
+    site: Path,
+    out: Path,
+    *,
+    start: str | None = None,
+    progress: Progress | None = None,
+) -> AssessSummary:
+    """Judge the rules of a site file on recorded tracks; write the events.
+
+    The rules are advisory: they are no certified safety function.
+
+    Parameters
+    ----------
+    tracks
+        A CSV or Parquet file of tracks, or the folder of a recording.
+    site
+        The site file. Its sources and outputs may be missing and are not opened.
+    out
+        The file of events to write: ``*.jsonl``, one CloudEvent a line.
+    start
+        When the recording began, as ``2026-01-31T22:00``, in the local time of the site unless an
+        offset is given. Only for recordings that do not have Unix times.
+    progress
+        Told the number of moments done.
+
+    Raises
+    ------
+    InputError
+        When a file or an argument is wrong.
+    SetupError
+        When the disk has no room.
+    """
+    read, rig = read_recorded_site(site)
+    moments = every_moment(tracks)
+    first = list(islice(moments, 1))
+    start_s = _start_s(start, read.timezone, first)
+    events = RuleEvents(rule_set(read.name, read, rig, start_s))
+    remarks = [*early_remarks(read), *_schedule_remarks(read, first, start_s)]
+    tally = _Tally(progress)
+    with atomic_write(out, private=True) as file:
+        for event in tally.watch(chain(first, moments), events):
+            file.write(f"{event_text(event)}\n")
+    return AssessSummary(
+        out=out,
+        moments=tally.moments,
+        people=len(tally.people),
+        events=tally.events,
+        episodes=sum(tally.by_rule.values()),
+        by_rule={rule.id: tally.by_rule[rule.id] for rule in read.rules},
+        remarks=remarks,
+    )
+
+
+class _Tally:
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress = progress
+        self.moments = self.events = 0
+        self.people: set[int] = set()
+        self.by_rule: Counter[str] = Counter()
+
+    def watch(self, moments: Iterable[Snapshot], events: RuleEvents) -> Iterator[Event]:
+        """Yield the events of all moments."""
+        for snapshot in moments:
+            self.moments += 1
+            self.people.update(snapshot.id[snapshot.is_confirmed].tolist())
+            for event in events.step(snapshot):
+                self.events += 1
+                self.by_rule[event["data"]["rule"]["id"]] += event["data"]["phase"] == "new"
+                yield event
+            if self._progress is not None:
+                self._progress(self.moments, None)
+
+
+def _start_s(start: str | None, timezone: str, first: Sequence[Snapshot]) -> float:
+    """Return what has to be added to the times of a recording to get Unix times [s]."""
+    if start is None or not first:
+        return 0.0
+    if first[0].t_s >= UNIX_FROM_S:
+        raise InputError("--start: the times of these tracks are Unix times; leave it out")
+    try:
+        moment = datetime.fromisoformat(start)
+    except ValueError:
+        raise InputError(
+            "--start: expected a date and time, as 2026-01-31T22:00 (local time of the site) or "
+            f"2026-01-31T22:00+01:00, found {start!r}"
+        ) from None
+    local = moment if moment.tzinfo else moment.replace(tzinfo=zone_of(timezone))
+    return local.timestamp() - first[0].t_s
+
+
+def _schedule_remarks(site: Ruled, first: Sequence[Snapshot], start_s: float) -> Iterator[str]:
+    scheduled = [rule.id for rule in site.rules if rule.schedule is not None]
+    if scheduled and first and first[0].t_s + start_s < UNIX_FROM_S:
+        yield (
+            "the tracks have no date, so schedules do not apply and their rules are always armed "
+            f"({', '.join(scheduled)}); give --start DATE"
+        )
+
+
+def early_remarks(site: Ruled) -> Iterator[str]:
+    """Yield which rules shall warn early, which this version does not."""
+    for rule in site.rules:
+        if rule.early_s > 0.0 and "early_s" in rule.model_fields_set:
+            yield f"rule {rule.id}: early_s has no effect: this version does not warn early"

@@ -1,0 +1,1 @@
+"""What rules look for: one small condition for each kind, all behind one Protocol."""

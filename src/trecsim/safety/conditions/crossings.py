@@ -1,0 +1,228 @@
+"""Crossings of lines and borders, each counted once."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.safety.conditions.base import Judged
+from trecsim.safety.gaussian import below
+from trecsim.safety.lines import Line
+from trecsim.safety.machine import Finding
+from trecsim.safety.polygons import Polygon
+from trecsim.safety.scene import Scene
+
+MARGIN_M = 0.15
+"""A crossing counts once the floor point is so far on the other side [m]."""
+FORGET_S = 10.0
+"""Who is not seen for so long is forgotten [s]."""
+
+Direction = Literal["in", "out"]
+
+
+class Place(NamedTuple):
+    """Where somebody is with respect to a line or border.
+
+    Attributes
+    ----------
+    t_s
+        When [s].
+    distance_m
+        From it, positive on one side and negative on the other [m].
+    xy_m
+        On the floor [m].
+    """
+
+    t_s: float
+    distance_m: float
+    xy_m: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Passage:
+    """How somebody stands to a line or border.
+
+    Attributes
+    ----------
+    side
+        On which side the person counts: 1 or -1.
+    last
+        Where the person was last.
+    crossed
+        Where the path crossed it, if the person is on the other side now.
+    far_s
+        Since when the person is far enough on the other side [s].
+    """
+
+    side: int
+    last: Place
+    crossed: Place | None = None
+    far_s: float | None = None
+
+    def moved(self, here: Place, is_far: bool) -> "Passage":
+        """Return how the person stands to it a moment later.
+
+        Parameters
+        ----------
+        here
+            Where the person is now.
+        is_far
+            Whether that is surely far enough from it.
+        """
+        if here.distance_m * self.side > 0.0:
+            return Passage(self.side, here)
+        crossed = self.crossed or _between(self.last, here)
+        far_s = None
+        if is_far:
+            far_s = self.far_s if self.far_s is not None else here.t_s
+        return Passage(self.side, here, crossed, far_s)
+
+
+def _between(before: Place, after: Place) -> Place:
+    """Return where and when a straight way from one place to another is on the line."""
+    whole_m = before.distance_m - after.distance_m
+    share = before.distance_m / whole_m if whole_m else 0.0
+    x, y = (a + share * (b - a) for a, b in zip(before.xy_m, after.xy_m, strict=True))
+    return Place(before.t_s + share * (after.t_s - before.t_s), 0.0, (x, y))
+
+
+@dataclass(frozen=True, slots=True)
+class Crossed:
+    """What a crossing condition remembers.
+
+    Attributes
+    ----------
+    passages
+        By person.
+    counts
+        Crossings so far, by direction.
+    """
+
+    passages: Mapping[int, Passage] = field(default_factory=dict)
+    counts: Mapping[Direction, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class LineCrossed:
+    """The floor point crosses a line between its two points.
+
+    Attributes
+    ----------
+    line
+        The line; "in" is from its right to its left.
+    direction
+        Which crossings count.
+    delay_s
+        How long somebody must be on the other side [s].
+    p_on
+        How surely [probability].
+    """
+
+    line: Line
+    direction: Literal["in", "out", "both"]
+    delay_s: float
+    p_on: float
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        distances_m = self.line.distance_m(scene.floor.xy_m)
+        normals = np.broadcast_to(self.line.normal, scene.floor.xy_m.shape)
+        passed, crossings = followed(
+            memory or Crossed(), scene, distances_m, normals, self.delay_s, self.p_on
+        )
+        findings, counts = {}, dict(passed.counts)
+        for person, (sure, passage) in crossings.items():
+            crossed = passage.crossed
+            assert crossed is not None
+            direction: Direction = "in" if passage.side < 0 else "out"
+            if not 0.0 <= self.line.share(np.array([crossed.xy_m]))[0] <= 1.0:
+                continue  # around its end
+            if self.direction not in (direction, "both"):
+                continue
+            counts[direction] = counts.get(direction, 0) + 1
+            findings[person] = Finding(
+                sure, since_s=crossed.t_s, direction=direction, count=counts[direction]
+            )
+        return Judged(findings, replace(passed, counts=counts))
+
+
+@dataclass(frozen=True, slots=True)
+class ZoneLeft:
+    """The floor point leaves the polygon of a zone.
+
+    Somebody who is not tracked any more has not left.
+
+    Attributes
+    ----------
+    polygon
+        Of the zone.
+    delay_s, p_on
+        See `LineCrossed`.
+    """
+
+    polygon: Polygon
+    delay_s: float
+    p_on: float
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        xy_m = scene.floor.xy_m
+        distances_m, normals = self.polygon.distance_m(xy_m), self.polygon.normals(xy_m)
+        passed, crossings = followed(
+            memory or Crossed(), scene, distances_m, normals, self.delay_s, self.p_on
+        )
+        findings = {
+            person: Finding(sure, since_s=passage.crossed.t_s)
+            for person, (sure, passage) in crossings.items()
+            if passage.side > 0 and passage.crossed is not None
+        }
+        return Judged(findings, passed)
+
+
+def followed(
+    before: Crossed,
+    scene: Scene,
+    distances_m: Float64[np.ndarray, " person"],
+    normals: Float64[np.ndarray, "person 2"],
+    delay_s: float,
+    p_on: float,
+) -> tuple[Crossed, dict[int, tuple[float, Passage]]]:
+    """Follow everybody's side; return who has just got to the other one, and how surely.
+
+    Parameters
+    ----------
+    before
+        What is remembered.
+    scene
+        The moment.
+    distances_m, normals
+        Of each person from the line or border, and in which direction it is measured.
+    delay_s, p_on
+        See `LineCrossed`.
+    """
+    passages, sure = dict(before.passages), dict[int, float]()
+    variances = np.einsum("pi,pij,pj->p", normals, scene.floor.cov_m2, normals)
+    sigmas_m = np.sqrt(np.maximum(np.nan_to_num(variances), 0.0)).tolist()
+    for row in scene.seen:
+        if not np.isfinite(distances_m[row]):
+            continue
+        person, distance_m = int(scene.people.id[row]), float(distances_m[row])
+        x, y = scene.floor.xy_m[row].tolist()
+        here = Place(scene.t_s, distance_m, (x, y))
+        old = passages.get(person)
+        if old is None:
+            passages[person] = Passage(1 if distance_m > 0.0 else -1, here)
+            continue
+        sure[person] = 1.0 - below(0.0, abs(distance_m), sigmas_m[row])
+        is_far = abs(distance_m) > MARGIN_M and sure[person] >= p_on
+        passages[person] = old.moved(here, is_far)
+    crossings = {}
+    for person, passage in sorted(passages.items()):
+        if passage.far_s is not None and scene.t_s - passage.far_s >= delay_s:
+            crossings[person] = sure.get(person, p_on), passage
+            passages[person] = Passage(-passage.side, passage.last)
+        elif scene.t_s - passage.last.t_s > FORGET_S:
+            del passages[person]
+    return replace(before, passages=passages), crossings

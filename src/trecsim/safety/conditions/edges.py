@@ -1,0 +1,61 @@
+"""The condition at the edge of a drop."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.safety.conditions.base import LEAST, Judged
+from trecsim.safety.gaussian import normal_cdf
+from trecsim.safety.lines import Edge
+from trecsim.safety.machine import LIKELY, Finding
+from trecsim.safety.polygons import LEAST_SIGMA_M
+from trecsim.safety.scene import Scene
+from trecsim.skeleton import COCO17
+
+
+@dataclass(frozen=True, slots=True)
+class AtEdge:
+    """A joint that a camera supports is near the edge of a drop; graver: it is beyond the edge.
+
+    Attributes
+    ----------
+    edge
+        The edge.
+    distance_m
+        So near is near [m].
+    depth_m
+        Joints that are farther beyond the edge are on the other side of the drop [m].
+    """
+
+    edge: Edge
+    distance_m: float
+    depth_m: float
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        rows = scene.seen
+        xyz_m, supported = scene.people.xyz_m[rows], scene.people.support[rows] > 0
+        counts = supported & np.isfinite(xyz_m).all(axis=-1)
+        near: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
+        beyond, from_edge_m = near.copy(), np.full(counts.shape, np.inf)
+        here_m, normal = self.edge.nearest(xyz_m[counts][:, :2])
+        cov_m2 = np.nan_to_num(scene.people.cov_m2[rows][counts][:, :2, :2])
+        sigma_m = np.sqrt(np.einsum("ji,jik,jk->j", normal, cov_m2, normal)) + LEAST_SIGMA_M
+        beside = here_m >= -self.depth_m  # not where it is NaN
+        near[counts] = np.where(beside, normal_cdf((self.distance_m - here_m) / sigma_m), 0.0)
+        beyond[counts] = np.where(beside, normal_cdf(-here_m / sigma_m), 0.0)
+        from_edge_m[counts] = np.where(beside, here_m, np.inf)
+        findings = {}
+        for n in np.flatnonzero((near > LEAST).any(axis=1)):
+            grave = float(beyond[n].max())
+            there = beyond[n] if grave >= LIKELY else near[n]
+            joints = tuple(COCO17.joints[j] for j in np.flatnonzero(there >= LIKELY))
+            findings[int(scene.people.id[rows[n]])] = Finding(
+                float(near[n].max()),
+                {"distance_m": float(from_edge_m[n].min())},
+                graver=grave,
+                joints=joints,
+            )
+        return Judged(findings)

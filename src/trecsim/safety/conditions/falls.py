@@ -1,0 +1,90 @@
+"""Conditions on people on the floor: who has fallen, and who is down."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from trecsim.safety.bodies import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
+from trecsim.safety.conditions.base import LEAST, Judged, inside_of
+from trecsim.safety.gaussian import below
+from trecsim.safety.machine import Finding
+from trecsim.safety.polygons import Polygon
+from trecsim.safety.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Fallen:
+    """Somebody lies, and came down with the movement of a fall (see `Trace.fall`).
+
+    The hips are below 0.35 m, and the head is below 0.6 m or the trunk leans more than 60 degrees.
+
+    Attributes
+    ----------
+    polygon
+        Where it counts; None for everywhere.
+    """
+
+    polygon: Polygon | None
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = inside_of(scene, self.polygon)
+        findings = {}
+        for row, person, trace in scene.seen_traces():
+            if trace.fall is None or not inside[row] > LEAST:
+                continue
+            measures = {
+                **_measures(scene, row),
+                "drop_m": trace.fall.drop_m,
+                "v_down_mps": trace.fall.v_down_mps,
+            }
+            sure = min(_hips_down(scene, row), _flat(scene, row)) * float(inside[row])
+            findings[person] = Finding(sure, measures)
+        return Judged(findings)
+
+
+@dataclass(frozen=True, slots=True)
+class Down:
+    """The hips are on the floor, without a fall that was seen: somebody sits or lies there.
+
+    Attributes
+    ----------
+    polygon
+        Where it counts; None for everywhere.
+    """
+
+    polygon: Polygon | None
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = inside_of(scene, self.polygon)
+        findings = {}
+        for row, person, trace in scene.seen_traces():
+            if trace.down_since_s is None or trace.fall is not None:
+                continue
+            sure = _hips_down(scene, row) * float(inside[row])
+            if sure > LEAST:
+                findings[person] = Finding(sure, _measures(scene, row))
+        return Judged(findings)
+
+
+def _hips_down(scene: Scene, row: int) -> float:
+    body = scene.body
+    return below(DOWN_HIP_M, float(body.hip_m[row, 2]), float(body.hip_sigma_m[row, 2]))
+
+
+def _flat(scene: Scene, row: int) -> float:
+    """Return the probability that the head is low or the trunk lies; 0 where neither is known."""
+    body = scene.body
+    head = below(DOWN_HEAD_M, float(body.head_z_m[row]), float(body.head_sigma_m[row]))
+    lean = 1.0 - below(LYING_RAD, float(body.trunk_rad[row]), float(body.trunk_sigma_rad[row]))
+    known = np.isfinite([body.head_z_m[row], body.trunk_rad[row]])
+    return max(head if known[0] else 0.0, lean if known[1] else 0.0)
+
+
+def _measures(scene: Scene, row: int) -> dict[str, float]:
+    return {
+        "hip_height_m": float(scene.body.hip_m[row, 2]),
+        "trunk_deg": float(np.degrees(scene.body.trunk_rad[row])),
+    }

@@ -1,0 +1,141 @@
+"""Conditions on movement: running, and going the wrong way."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Bool
+
+from trecsim.safety.conditions.base import LEAST, Judged, inside_of
+from trecsim.safety.gaussian import below
+from trecsim.safety.machine import Finding
+from trecsim.safety.polygons import Polygon
+from trecsim.safety.scene import Scene
+from trecsim.safety.traces import Moved, Trace
+
+MEDIAN_S = 1.0
+"""The speed is the median over so long [s]."""
+LEAST_S = 0.2
+"""Somebody must have been seen for so long before a speed is judged [s]."""
+LEAST_SHARE = 0.25
+"""Who has moved less than this share of what the limit allows is not looked at more closely."""
+_IN_A_ROW = 3
+
+AGAINST_MPS = 0.5
+"""Somebody who goes faster than this against the allowed heading goes the wrong way [m/s]."""
+AGAINST_M = 1.5
+"""The way against the allowed heading must be so long [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Running:
+    """The hips move faster than a limit: the median over the last second.
+
+    Attributes
+    ----------
+    speed_mps
+        The limit [m/s].
+    polygon
+        Where it counts; None for everywhere.
+    """
+
+    speed_mps: float
+    polygon: Polygon | None
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = inside_of(scene, self.polygon)
+        findings = {}
+        for row, person, trace in scene.seen_traces():
+            moved = trace.since(scene.t_s - MEDIAN_S - 1e-6)
+            if not inside[row] > LEAST or len(moved.t_s) < 2:
+                continue
+            if moved.farthest_m() < LEAST_SHARE * self.speed_mps * (moved.t_s[-1] - moved.t_s[0]):
+                continue
+            if moved.t_s[-1] - moved.t_s[0] >= LEAST_S - 1e-6:
+                found = self._found(moved, float(inside[row]))
+                if found is not None:
+                    findings[person] = found
+        return Judged(findings)
+
+    def _found(self, moved: Moved, inside: float) -> Finding | None:
+        velocity_mps = moved.velocity_mps()
+        speeds_mps = np.hypot(velocity_mps[:, 0], velocity_mps[:, 1])
+        fast = speeds_mps > self.speed_mps
+        if not fast.any():
+            return None
+        median_mps = float(np.median(speeds_mps))
+        over_s = float(moved.t_s[-1] - moved.t_s[0])
+        sigma_mps = math.sqrt(moved.variance_m2[0] + moved.variance_m2[-1]) / over_s
+        sure = 1.0 - below(self.speed_mps, median_mps, sigma_mps)
+        began = _first_in_a_row(fast & _holds(self.polygon, moved))
+        return Finding(
+            sure * inside,
+            {"speed_mps": median_mps},
+            since_s=None if began is None else float(moved.t_s[began]),
+            until_s=float(moved.t_s[min(np.flatnonzero(fast)[-1] + 1, len(fast) - 1)]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class WrongWay:
+    """The hips move against the allowed heading of a zone, for some way.
+
+    Attributes
+    ----------
+    polygon
+        Of the zone.
+    heading
+        The allowed direction, of length 1.
+    """
+
+    polygon: Polygon
+    heading: tuple[float, float]
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = inside_of(scene, self.polygon)
+        findings = {}
+        for row, person, trace in scene.seen_traces():
+            if inside[row] > LEAST and len(trace) > 1 and self._may_go(trace):
+                found = self._found(trace.since(-math.inf), float(inside[row]))
+                if found is not None:
+                    findings[person] = found
+        return Judged(findings)
+
+    def _may_go(self, trace: Trace) -> bool:
+        """Tell whether the last moments are against the heading: most people's are not."""
+        way_m = trace.last_way_m()
+        return way_m[0] * self.heading[0] + way_m[1] * self.heading[1] < 0.0
+
+    def _found(self, moved: Moved, inside: float) -> Finding | None:
+        against = -(moved.xyz_m[:, :2] @ np.array(self.heading))
+        against_mps = -(moved.velocity_mps()[:, :2] @ np.array(self.heading))
+        goes = (against_mps > AGAINST_MPS) & _holds(self.polygon, moved)
+        if not goes[-1]:
+            return None
+        stops = np.flatnonzero(~goes)
+        began = int(stops[-1]) + 1 if len(stops) else 0
+        way_m = float(against[-1] - against[began])
+        sigma_m = math.sqrt(moved.variance_m2[began] + moved.variance_m2[-1])
+        sure = 1.0 - below(AGAINST_M, way_m, sigma_m)
+        return Finding(
+            sure * inside,
+            {"way_m": way_m, "speed_mps": float(against_mps[began:].mean())},
+            since_s=float(moved.t_s[began]),
+        )
+
+
+def _holds(polygon: Polygon | None, moved: Moved) -> Bool[np.ndarray, " sample"]:
+    if polygon is None:
+        return np.ones(len(moved.t_s), bool)
+    holds: Bool[np.ndarray, " sample"] = polygon.distance_m(moved.floor_m) > 0.0
+    return holds
+
+
+def _first_in_a_row(fast: Bool[np.ndarray, " sample"]) -> int | None:
+    """Return the first of several in a row; single ones are noise."""
+    row = min(_IN_A_ROW, len(fast))
+    starts = np.flatnonzero(np.lib.stride_tricks.sliding_window_view(fast, row).all(axis=1))
+    return int(starts[0]) if len(starts) else None

@@ -1,0 +1,92 @@
+"""Conditions on zones: who is inside, with the floor point or with any joint, and how many."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.safety.conditions.base import HERE, LEAST, Judged
+from trecsim.safety.machine import LIKELY, Finding
+from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.scene import Scene
+from trecsim.skeleton import COCO17
+
+
+@dataclass(frozen=True, slots=True)
+class InZone:
+    """The floor point is inside the polygon of a zone."""
+
+    polygon: Polygon
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        rows = scene.seen
+        xy_m = scene.floor.xy_m[rows]
+        inside = self.polygon.probability(xy_m, scene.floor.cov_m2[rows])
+        distances_m = self.polygon.distance_m(xy_m)
+        findings = {}
+        for n in np.flatnonzero(inside > LEAST):
+            found = Finding(float(inside[n]), {"inside_m": float(distances_m[n])})
+            findings[int(scene.people.id[rows[n]])] = found
+        return Judged(findings)
+
+
+@dataclass(frozen=True, slots=True)
+class JointInZone:
+    """A joint that a camera supports is inside the prism of a zone."""
+
+    prism: Prism
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        rows = scene.seen
+        xyz_m, supported = scene.people.xyz_m[rows], scene.people.support[rows] > 0
+        counts = supported & np.isfinite(xyz_m).all(axis=-1)
+        inside: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
+        inside[counts] = self.prism.probability(xyz_m[counts], scene.people.cov_m2[rows][counts])
+        findings = {}
+        for n in np.flatnonzero((inside > LEAST).any(axis=1)):
+            joints = tuple(COCO17.joints[j] for j in np.flatnonzero(inside[n] >= LIKELY))
+            found = Finding(float(inside[n].max()), {}, joints=joints)
+            findings[int(scene.people.id[rows[n]])] = found
+        return Judged(findings)
+
+
+@dataclass(frozen=True, slots=True)
+class Occupancy:
+    """At least so many people are inside a zone, with their floor points.
+
+    People who are coasting count where they are predicted, as somebody who is hidden by others is
+    still there. Whether each is inside counts as independent of the others.
+    """
+
+    polygon: Polygon
+    limit: int
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = self.polygon.probability(*scene.floor)
+        inside = np.where(np.isnan(inside), 0.0, inside)
+        there = np.flatnonzero(inside >= LIKELY)
+        people = tuple(int(scene.people.id[row]) for row in there)
+        found = Finding(at_least(self.limit, inside), people=people, count=len(people))
+        return Judged({HERE: found})
+
+
+def at_least(limit: int, probabilities: Float64[np.ndarray, " person"]) -> float:
+    """Return the probability that at least so many of independent things are so.
+
+    Examples
+    --------
+    >>> at_least(1, np.array([0.5, 0.5])), at_least(2, np.array([0.5, 0.5]))
+    (0.75, 0.25)
+    """
+    exactly = np.zeros(limit + 1)  # the last one: so many or more
+    exactly[0] = 1.0
+    for p in probabilities[probabilities > 0.0]:
+        reached = exactly[-1] + exactly[-2] * p
+        exactly[1:] = exactly[1:] * (1.0 - p) + exactly[:-1] * p
+        exactly[0] *= 1.0 - p
+        exactly[-1] = reached
+    return float(min(exactly[-1], 1.0))

@@ -1,0 +1,176 @@
+"""The table of all kinds of rules: their keys, their defaults, and where the numbers come from."""
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from trecsim.safety.conditions.base import Condition
+from trecsim.safety.conditions.crossings import LineCrossed, ZoneLeft
+from trecsim.safety.conditions.edges import AtEdge
+from trecsim.safety.conditions.falls import Down, Fallen
+from trecsim.safety.conditions.movement import Running, WrongWay
+from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy
+from trecsim.safety.lines import Edge, Line
+from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.rule import Key, Kind, Rule
+
+
+def _prism(rule: Rule) -> Prism:
+    assert rule.place is not None
+    assert isinstance(rule.place.shape, Prism)
+    return rule.place.shape
+
+
+def _polygon(rule: Rule) -> Polygon:
+    return _prism(rule).polygon
+
+
+def _polygon_or_none(rule: Rule) -> Polygon | None:
+    return None if rule.place is None else _polygon(rule)
+
+
+def _in_zone(rule: Rule) -> Condition:
+    return InZone(_polygon(rule))
+
+
+def _joint_in_zone(rule: Rule) -> Condition:
+    return JointInZone(_prism(rule))
+
+
+def _left(rule: Rule) -> Condition:
+    return ZoneLeft(_polygon(rule), rule.timing.on_delay_s, rule.timing.p_on)
+
+
+def _crossed(rule: Rule) -> Condition:
+    assert rule.place is not None
+    assert isinstance(rule.place.shape, Line)
+    direction: Literal["in", "out", "both"] = rule.keys["direction"]
+    return LineCrossed(rule.place.shape, direction, rule.timing.on_delay_s, rule.timing.p_on)
+
+
+def _occupied(rule: Rule) -> Condition:
+    return Occupancy(_polygon(rule), rule.keys["limit"])
+
+
+def _running(rule: Rule) -> Condition:
+    return Running(rule.keys["speed_mps"], _polygon_or_none(rule))
+
+
+def _wrong_way(rule: Rule) -> Condition:
+    heading_rad = math.radians(rule.keys["heading_deg"])
+    return WrongWay(_polygon(rule), (float(np.cos(heading_rad)), float(np.sin(heading_rad))))
+
+
+def _at_edge(rule: Rule) -> Condition:
+    assert rule.place is not None
+    assert isinstance(rule.place.shape, Edge)
+    return AtEdge(rule.place.shape, rule.keys["distance_m"], rule.keys["depth_m"])
+
+
+def _fallen(rule: Rule) -> Condition:
+    return Fallen(_polygon_or_none(rule))
+
+
+def _down(rule: Rule) -> Condition:
+    return Down(_polygon_or_none(rule))
+
+
+_SECONDS = {"gt": 0.0, "le": 86400.0}
+
+_ALL = (
+    Kind(
+        "zone.enter",
+        "The floor point is inside the zone.",
+        "delay: NVIDIA behaviour analytics, 0.1 to 0.5 s",
+        _in_zone, place="zone", on_delay_s=0.2,
+    ),
+    Kind(
+        "zone.exit",
+        "The floor point has left the zone: it is 0.15 m outside.",
+        "delay as of zone.enter; distance: ours",
+        _left, place="zone", on_delay_s=0.2, at_once=True,
+    ),
+    Kind(
+        "zone.dwell",
+        "The floor point has been inside the zone for `dwell_s`; gaps up to 2 s are bridged.",
+        "60 s as i-LIDS for parked vehicles; three times as long raises the severity: ours",
+        _in_zone, place="zone", off_delay_s=2.0, gap_s=2.0, escalate_s=3.0, hold_key="dwell_s",
+        keys=(Key("dwell_s", float, "How long somebody may be in the zone [s].", 60.0, _SECONDS),),
+    ),
+    Kind(
+        "zone.restricted",
+        "Any joint that a camera supports is inside the prism of the zone.",
+        "delay: restricted area of NVIDIA behaviour analytics, 0.1 s",
+        _joint_in_zone, place="zone", on_delay_s=0.1, early_s=2.0,
+    ),
+    Kind(
+        "line.cross",
+        "The floor point has crossed the line: it is 0.15 m on the other side.",
+        "distance: ours",
+        _crossed, place="line", at_once=True,
+        keys=(
+            Key(
+                "direction", Literal["in", "out", "both"],
+                'Which crossings count; "in" is from the right of the line to its left.', "both",
+            ),
+        ),
+    ),
+    Kind(
+        "occupancy.limit",
+        "At least `limit` people are inside the zone.",
+        "delay: field-of-view count of NVIDIA behaviour analytics, 2 s",
+        _occupied, place="zone", on_delay_s=2.0, is_about_place=True,
+        keys=(Key("limit", int, "So many people.", limits={"ge": 1, "le": 10_000}),),
+    ),
+    Kind(
+        "speed.running",
+        "The median speed of the hips over the last second is above `speed_mps`.",
+        "2.2 m/s: pedestrians walk at 1.5 m/s (median), nine in ten below 1.8 m/s in ETH/UCY",
+        _running, place="zone", place_is_optional=True, on_delay_s=0.8,
+        keys=(Key("speed_mps", float, "The speed [m/s].", 2.2, {"gt": 0.0, "le": 20.0}),),
+    ),
+    Kind(
+        "flow.wrong_way",
+        "The hips move against `heading_deg` in the zone: faster than 0.5 m/s, over 1.5 m.",
+        "ours",
+        _wrong_way, place="zone", on_delay_s=1.0,
+        keys=(
+            Key(
+                "heading_deg", float,
+                "The allowed heading [degrees]: 0 is +x, 90 is +y.",
+                limits={"ge": -360.0, "le": 360.0},
+            ),
+        ),
+    ),
+    Kind(
+        "edge.platform",
+        "Any joint that a camera supports is within `distance_m` of the edge; beyond the edge "
+        "it counts at once, with a higher severity.",
+        "distance and delay: ours",
+        _at_edge, place="edge", on_delay_s=2.0, early_s=2.0,
+        keys=(
+            Key("distance_m", float, "So near is near [m].", 0.5, {"gt": 0.0, "le": 100.0}),
+            Key(
+                "depth_m", float,
+                "How wide the drop is: joints farther beyond the edge do not count [m].",
+                1000.0, {"gt": 0.0, "le": 1000.0},
+            ),
+        ),
+    ),
+    Kind(
+        "body.fall",
+        "Somebody lies who came down with the movement of a fall.",
+        "posture and height rate: Yao 2017, Bourke 2008; heights and speeds: ours",
+        _fallen, place="zone", place_is_optional=True, on_delay_s=1.0,
+    ),
+    Kind(
+        "body.down",
+        "Somebody is on the floor, hips below 0.35 m, and no fall was seen.",
+        "ours; 30 s on the floor raises the severity",
+        _down, place="zone", place_is_optional=True, on_delay_s=10.0, escalate_s=30.0,
+    ),
+)  # fmt: skip
+
+KINDS = {kind.name: kind for kind in _ALL}
+"""All kinds of rules, by name."""

@@ -1,0 +1,110 @@
+"""What the rules see of one moment."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from trecsim.safety.bodies import Bodies, bodies
+from trecsim.safety.floor_points import HIPS, FloorPoints, floor_points
+from trecsim.safety.forecaster import Forecast
+from trecsim.safety.traces import KEEP_S, Trace
+from trecsim.values import COASTING, Snapshot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """One moment, with what is remembered of the people in it.
+
+    Provisional people are left out: a track that is not confirmed may be a false positive.
+
+    Attributes
+    ----------
+    people
+        Confirmed and coasting people.
+    is_seen
+        Whom a camera supports; where others are is predicted, so no rule judges them.
+    floor
+        Their floor points.
+    body
+        What rules on bodies look at.
+    traces
+        Their last seconds, by identity.
+    forecasts
+        Where they will be, for rules that warn early.
+    """
+
+    people: Snapshot
+    is_seen: Bool[np.ndarray, " person"]
+    floor: FloorPoints
+    body: Bodies
+    traces: Mapping[int, Trace]
+    forecasts: Sequence[Forecast] = field(default=())
+
+    @property
+    def t_s(self) -> float:
+        """The moment [s]."""
+        return self.people.t_s
+
+    @property
+    def seen(self) -> Int64[np.ndarray, " seen"]:
+        """Rows of the people whom a camera supports."""
+        return np.flatnonzero(self.is_seen)
+
+    def seen_traces(self) -> Iterator[tuple[int, int, Trace]]:
+        """Yield row, identity and trace of each person whose trace goes up to this moment."""
+        for row in self.seen:
+            person = int(self.people.id[row])
+            trace = self.traces.get(person)
+            if trace is not None and trace.last_s == self.t_s:
+                yield int(row), person, trace
+
+    def speed_mps(self, row: int) -> float:
+        """Return the speed of a person over the floor [m/s]; NaN where it is not known."""
+        velocity: Float64[np.ndarray, " 3"] = self.people.velocity_mps[row, HIPS].mean(axis=0)
+        if np.isfinite(velocity[:2]).all():
+            return float(np.hypot(*velocity[:2]))
+        trace = self.traces.get(int(self.people.id[row]))
+        return float("nan") if trace is None else trace.speed_mps()
+
+
+class Memory:
+    """Remembers people from moment to moment; the only state beside that of the rules."""
+
+    def __init__(self) -> None:
+        self._traces: dict[int, Trace] = {}
+        self._last: dict[int, Scene] = {}
+
+    def last_of(self, person: int) -> Scene | None:
+        """Return the last moment in which a person was seen, if that is not long ago."""
+        return self._last.get(person)
+
+    def take(self, snapshot: Snapshot, forecasts: Sequence[Forecast] = ()) -> Scene:
+        """Return what the rules see of a moment.
+
+        Parameters
+        ----------
+        snapshot
+            The moment.
+        forecasts
+            Made of it and of what was before.
+        """
+        people = snapshot.confirmed()
+        seen = (people.state != COASTING) & (people.support > 0).any(axis=1)
+        floor, body = floor_points(people), bodies(people)
+        self._forget(people.t_s - KEEP_S)
+        variance_m2 = np.square(body.hip_sigma_m[:, :2]).mean(axis=1)
+        for row in np.flatnonzero(seen & np.isfinite(body.hip_m).all(axis=1)):
+            self._traces.setdefault(int(people.id[row]), Trace()).add(
+                people.t_s, body.hip_m[row], float(variance_m2[row]), floor.xy_m[row],
+                float(body.trunk_rad[row]), float(body.standing_m[row]),
+            )  # fmt: skip
+        scene = Scene(people, seen, floor, body, self._traces, forecasts)
+        self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
+        return scene
+
+    def _forget(self, before_s: float) -> None:
+        for person in [one for one, scene in self._last.items() if scene.t_s < before_s]:
+            del self._last[person]
+            self._traces.pop(person, None)

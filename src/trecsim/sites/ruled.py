@@ -1,0 +1,40 @@
+"""What rules need of a site file: its time zone, its places, and the rules themselves."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
+from trecsim.sites.rule_tables import MOST_RULES, AnyRule
+from trecsim.sites.rules import Places, refuse, rule_faults
+from trecsim.toml_models import Table
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+"""A name that may become a directory or part of an address."""
+
+
+class Ruled(Table):
+    """A site file with places and rules."""
+
+    timezone: TimeZone = "UTC"
+    """Time zone of the site, for the page and reports: an IANA name as `Europe/Zurich`."""
+    zones: dict[Name, ZoneTable] = Field(default_factory=dict)
+    """Parts of the floor, by name; the page draws them."""
+    lines: dict[Name, LineTable] = Field(default_factory=dict)
+    """Directed lines on the floor, by name; the page draws them."""
+    edges: dict[Name, EdgeTable] = Field(default_factory=dict)
+    """Edges of drops, by name; the page draws them."""
+    rules: Annotated[list[AnyRule], Field(max_length=MOST_RULES)] = Field(default_factory=list)
+    """What to tell of the people: see the kinds of rules."""
+
+    @property
+    def places(self) -> Places:
+        """Zones, lines and edges, by kind and name."""
+        return {"zone": self.zones, "line": self.lines, "edge": self.edges}
+
+    @model_validator(mode="after")
+    def _rules_fit(self) -> Self:
+        faults = list(rule_faults(self.rules, self.places))
+        if faults:
+            refuse("Site", faults)
+        return self

@@ -1,0 +1,105 @@
+"""The rules of a site: what is wrong with them, and the values that the rules are judged by."""
+
+import hashlib
+import json
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import tzinfo
+from typing import Any, NoReturn
+from zoneinfo import ZoneInfo
+
+import numpy as np
+from pydantic import ValidationError
+from pydantic_core import InitErrorDetails, PydanticCustomError
+
+from trecsim.safety.lines import Edge, Line
+from trecsim.safety.machine import Timing
+from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.rule import Place, Rule
+from trecsim.safety.schedules import read_hours
+from trecsim.sites.places import EdgeTable, LineTable, ZoneTable
+from trecsim.sites.rule_tables import RuleTable
+from trecsim.toml_models.toml_reading import Fault, nearest
+
+Places = Mapping[str, Mapping[str, ZoneTable | LineTable | EdgeTable]]
+"""Zones, lines and edges, by kind ("zone") and name."""
+
+
+def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
+    """Yield what is wrong with rules together, and with the places that they name."""
+    counted = Counter(rule.id for rule in rules)
+    for number, rule in enumerate(rules):
+        first = next(n for n, one in enumerate(rules) if one.id == rule.id)
+        if counted[rule.id] > 1 and number != first:
+            yield (
+                ("rules", number, "id"),
+                (f"expected a name of its own, found {rule.id!r} as in rule {first + 1}"),
+            )
+        kind, name = rule.of_kind.place, rule.place
+        if kind is None or name is None or name in places[kind]:
+            continue
+        known = places[kind]
+        hint = nearest(name, known) if known else f"the site file has no [{kind}s.NAME]"
+        yield ("rules", number, kind), f"there is no {kind} {name!r}; {hint}"
+
+
+def refuse(title: str, faults: Sequence[Fault]) -> NoReturn:
+    """Raise faults from a validator of pydantic, each with the keys that lead to it."""
+    details = [
+        InitErrorDetails(
+            type=PydanticCustomError("value_error", "{text}", {"text": text}), loc=key, input=None
+        )
+        for key, text in faults
+    ]
+    raise ValidationError.from_exception_data(title, details)
+
+
+def rules_of(tables: Sequence[RuleTable], places: Places) -> tuple[Rule, ...]:
+    """Return rules as they are judged."""
+    return tuple(_rule(table, places) for table in tables)
+
+
+def zone_of(name: str) -> tzinfo:
+    """Return the time zone of a site."""
+    return ZoneInfo(name)
+
+
+def _rule(table: RuleTable, places: Places) -> Rule:
+    kind, name = table.of_kind, table.place
+    place = None
+    if kind.place is not None and name is not None:
+        place = Place(kind.place, name, _shape(places[kind.place][name]))
+    keys = table.keys()
+    hold_s = keys[kind.hold_key] if kind.hold_key is not None else 0.0
+    escalate_s = math.inf if kind.escalate_s is None else kind.escalate_s * (hold_s or 1.0)
+    timing = Timing(
+        table.on_delay_s,
+        table.off_delay_s,
+        table.cooldown_s,
+        table.p_on,
+        table.p_off,
+        hold_s,
+        kind.gap_s,
+        escalate_s,
+        kind.at_once,
+    )
+    hours = None if table.schedule is None else tuple(map(read_hours, table.schedule))
+    config = _digest(table, None if place is None else places[place.kind][place.name])
+    return Rule(table.id, kind, table.severity, place, hours, timing, table.early_s, keys, config)
+
+
+def _shape(table: ZoneTable | LineTable | EdgeTable) -> Prism | Line | Edge:
+    if isinstance(table, ZoneTable):
+        return Prism(Polygon(np.array(table.polygon_m)), table.z_m)
+    points_m = np.array(table.points_m)
+    return Line(points_m) if isinstance(table, LineTable) else Edge(points_m)
+
+
+def _digest(rule: RuleTable, place: ZoneTable | LineTable | EdgeTable | None) -> str:
+    """Return the SHA-256 of a rule and its place, with all that is left out at its default."""
+    facts: dict[str, Any] = {
+        "rule": rule.model_dump(mode="json"),
+        "place": None if place is None else place.model_dump(mode="json"),
+    }
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
