@@ -15,6 +15,7 @@ from trecsim.geometry import Rig
 from trecsim.safety.engine import Clock, RuleEngine
 from trecsim.safety.forecaster import Forecaster
 from trecsim.safety.rule import Rule
+from trecsim.safety.schedules import armed
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
 from trecsim.sites.rules import rules_of, zone_of
@@ -63,6 +64,12 @@ def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> R
     """
     clock = Clock(zone_of(site.timezone), start_s)
     return RuleSet(name, rules_of(site.rules, site.places), clock, rig)
+
+
+def armed_rules(site: Ruled, now_s: float) -> int:
+    """Return how many rules of a site are armed at a Unix time [s]."""
+    now = Clock(zone_of(site.timezone)).local(now_s)
+    return sum(armed(rule.schedule, now) for rule in rules_of(site.rules, site.places))
 
 
 class RuleEvents:

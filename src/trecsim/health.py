@@ -160,6 +160,28 @@ class StoreHealth:
 
 
 @dataclass(frozen=True, slots=True)
+class RulesHealth:
+    """How well the rules on people work.
+
+    Attributes
+    ----------
+    armed, total
+        How many rules are armed now, and how many there are.
+    fault
+        What is wrong; None where nothing is.
+    """
+
+    armed: int = 0
+    total: int = 0
+    fault: str | None = None
+
+    @property
+    def said(self) -> str | None:
+        """What is wrong with the rules in a few words; None where nothing is."""
+        return None if self.fault is None else f"the rules fail: {self.fault}"
+
+
+@dataclass(frozen=True, slots=True)
 class Stage:
     """Where the time from an image to the page goes.
 
@@ -187,7 +209,7 @@ class Health:
         The moment, Unix time [s].
     cameras
         All cameras of the site, from the start.
-    fusion, store
+    fusion, store, rules
         These stages.
     stages
         Time of each stage by name, in their order. "image to ..." are ages at one point of the way;
@@ -202,12 +224,13 @@ class Health:
     store: StoreHealth = StoreHealth()
     stages: Mapping[str, Stage] = field(default_factory=dict)
     restarts: Mapping[str, int] = field(default_factory=dict)
+    rules: RulesHealth = RulesHealth()
 
     @property
     def faults(self) -> tuple[str, ...]:
         """What is wrong, each in a few words."""
         cameras = [camera.said(name) for name, camera in self.cameras.items()]
-        return tuple(filter(None, [*cameras, self.fusion.said, self.store.said]))
+        return tuple(filter(None, [*cameras, self.fusion.said, self.store.said, self.rules.said]))
 
     @property
     def is_well(self) -> bool:
@@ -216,6 +239,7 @@ class Health:
             all(camera.state != "down" for camera in self.cameras.values())
             and self.fusion.state in ("running", "ended")
             and self.store.state != "failing"
+            and self.rules.fault is None
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -229,4 +253,5 @@ class Health:
             "store": asdict(self.store),
             "stages": {name: asdict(stage) for name, stage in self.stages.items()},
             "restarts": dict(self.restarts),
+            "rules": asdict(self.rules),
         }

@@ -19,6 +19,8 @@ import pytest
 import trecsim
 from made_recording import make_recording
 from made_site import make_site
+from trecsim.cloud_events import event_text
+from trecsim.store.ledger import Ledger
 from trecsim.store.tracks import export_tracks, read_tracks
 from trecsim.values import Snapshot
 
@@ -144,6 +146,35 @@ def test_sighup_takes_over_what_may_change_and_keeps_the_old_where_the_new_is_wr
             assert any("polygon: unknown key" in line for line in site.said)
     finally:
         long_site.write_text(good)
+
+
+RULES = """
+[zones.ahead]
+polygon_m = [[-1.0, 0.2], [1.0, 0.2], [1.0, 3.0], [-1.0, 3.0]]
+[[rules]]
+id = "ahead"
+kind = "zone.enter"
+zone = "ahead"
+"""
+
+
+def test_events_of_rules_reach_the_page_and_the_recording_gives_them_again_to_the_byte(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "out"
+    path = make_site(tmp_path, moments=3000, more=PAGE + RULES)
+    with running(path, "--out", str(out)) as site:
+        site.until(lambda: len(site.get("api/events").json()["events"]) >= 3)
+        assert site.get("api/health").json()["rules"] == {"armed": 1, "total": 1, "fault": None}
+        site.process.send_signal(signal.SIGTERM)
+        assert site.process.wait(WAIT_S) == 0
+    with Ledger(out) as ledger:
+        kept = [one.event for one in ledger.events() if one.event["subject"] == "rule/ahead"]
+    trecsim.assess(out, path, tmp_path / "events.jsonl")
+    lines = (tmp_path / "events.jsonl").read_text().splitlines()
+    assert lines == [event_text(event) for event in kept]
+    assert [event["data"]["phase"] for event in kept[:2]] == ["new", "end"]
+    assert kept[0]["data"]["evidence"]["cameras"] == ["cam0", "cam1", "cam2"]
 
 
 def test_it_ends_by_itself_after_the_seconds_that_it_is_given(long_site: Path) -> None:

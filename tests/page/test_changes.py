@@ -223,7 +223,7 @@ def test_a_draft_is_checked_kept_and_made_live_once(changing: RunningPage, folde
     assert client.get("/api/site/draft").json()["zones"] == {"strip": ZONE}
     tried = client.post("/api/site/draft/try", json={"based_on": live})
     assert tried.status_code == 409
-    assert "no rules yet" in tried.json()["error"]
+    assert "trecsim assess RECORDING" in tried.json()["error"]
     changing.process.requests()
     made = client.post("/api/site/draft/live", json={"based_on": live, "revision": 1})
     assert made.status_code == 200, made.text

@@ -52,7 +52,7 @@ def test_a_viewer_gets_the_people_that_the_tracking_process_wrote(page: RunningP
         np.testing.assert_allclose(person["xyz_m"], xyz_m, atol=0.0005)
         np.testing.assert_allclose(person["sigma_m"], sigma_m, atol=0.00005)
         assert person["support"] == [3] * 17
-        assert (person["state"], person["seen_s"], person["posture"]) == ("confirmed", 0, "unknown")
+        assert (person["state"], person["seen_s"], person["posture"]) == ("confirmed", 0, "lying")
     assert abs(got["sent_s"] - time()) < 60
 
 

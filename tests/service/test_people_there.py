@@ -4,7 +4,8 @@ import json
 
 import numpy as np
 
-from trecsim.service.people_there import ANKLES, HIPS, people_of
+from trecsim.safety.floor_points import ANKLES, HIPS
+from trecsim.service.people_there import people_of
 from trecsim.values import PROVISIONAL, Snapshot
 
 
@@ -25,7 +26,7 @@ def test_the_floor_point_is_the_mean_of_the_ankles_and_the_speed_that_of_the_hip
     (found,) = people_of(snapshot())
     assert found == {
         "person": 14, "floor_m": [1.1, 2.2], "floor_cov_m2": [0.02, 0.005, 0.04],
-        "speed_mps": 1.0, "posture": "unknown",
+        "speed_mps": 1.0, "posture": "upright",
     }  # fmt: skip
 
 

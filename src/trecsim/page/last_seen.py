@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from trecsim.page.link import SnapshotPart
+from trecsim.safety.bodies import bodies
 from trecsim.values import Snapshot
 
 
@@ -39,6 +40,7 @@ def snapshot_part(
         sigma_m=snapshot.sigma_m.astype("float64").tobytes(),
         support=snapshot.support.astype("int64").tobytes(),
         state=snapshot.state.tolist(),
+        posture=bodies(snapshot).postures.tolist(),
         seen_s=seen_s,
         written_s=written_s,
     )

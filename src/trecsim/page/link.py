@@ -46,7 +46,7 @@ class SnapshotPart(msgspec.Struct, frozen=True, tag="snapshot"):
         int64.
     xyz_m, sigma_m
         float64.
-    state
+    state, posture
         Per person.
     seen_s
         Per person, how long ago a camera last supported a joint [s].
@@ -60,6 +60,7 @@ class SnapshotPart(msgspec.Struct, frozen=True, tag="snapshot"):
     sigma_m: bytes
     support: bytes
     state: list[str]
+    posture: list[str]
     seen_s: list[float]
     written_s: float = math.nan
 

@@ -11,7 +11,6 @@ from trecsim.skeleton import COCO17
 
 DECIMALS = 3  # of metres and seconds; snapshots come rounded, see trecsim.store.precision
 SIGMA_DECIMALS = 4
-POSTURE = "unknown"  # until there are rules that tell it
 _JOINTS = len(COCO17.joints)
 
 _encode = msgspec.json.Encoder().encode
@@ -27,17 +26,17 @@ def snapshot_body(part: SnapshotPart) -> dict[str, Any]:
     sigma_m = np.frombuffer(part.sigma_m).reshape(people, _JOINTS).round(SIGMA_DECIMALS)
     support = np.frombuffer(part.support, np.int64).reshape(people, _JOINTS)
     columns = zip(
-        np.frombuffer(part.id, np.int64).tolist(), part.state, part.seen_s, xyz_m.tolist(),
-        sigma_m.tolist(), support.tolist(), strict=True,
+        np.frombuffer(part.id, np.int64).tolist(), part.state, part.seen_s, part.posture,
+        xyz_m.tolist(), sigma_m.tolist(), support.tolist(), strict=True,
     )  # fmt: skip
     return {
         "t_s": part.t_s,
         "people": [
             {
                 "person": person, "state": state, "seen_s": round(seen_s, DECIMALS),
-                "posture": POSTURE, "xyz_m": xyz, "sigma_m": sigma, "support": joint_support,
+                "posture": posture, "xyz_m": xyz, "sigma_m": sigma, "support": joint_support,
             }
-            for person, state, seen_s, xyz, sigma, joint_support in columns
+            for person, state, seen_s, posture, xyz, sigma, joint_support in columns
         ],
     }  # fmt: skip
 

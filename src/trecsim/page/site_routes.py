@@ -23,7 +23,8 @@ from trecsim.page.site_draft import ConflictError, Draft, DraftDesk
 
 LARGEST_DRAFT = 500_000  # bytes
 NO_RULES = (
-    "this version of trecsim has no rules yet: there is nothing to try, and no mode to change"
+    "this version of trecsim cannot try rules from the page, and has no modes; try them with "
+    "trecsim assess RECORDING SITE.toml"
 )
 
 Result = TypeVar("Result")

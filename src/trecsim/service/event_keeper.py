@@ -158,5 +158,5 @@ class EventKeeper:
         data = event["data"]
         with self._changed:
             self._seq[data["event"]] = int(data["seq"])
-            if data["phase"] == "end":
+            if data.get("t_end_s") is not None:
                 del self._seq[data["event"]]

@@ -3,15 +3,18 @@
 ::
 
     streams ──> run (estimate, sync, fuse, files) ──> monitor ──> pulse ──> page, service manager
-                                                └──────────────────────────> page
+                                                ├──────────────────────────> page
+                                                └──> rules ──> ledger, page
 """
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
+from trecsim.assessing import RuleSet, rule_set
 from trecsim.feed import Feed
 from trecsim.geometry import Rig
 from trecsim.health import Health
@@ -26,6 +29,8 @@ from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
 from trecsim.service.reloading import Reloading
+from trecsim.service.rule_watch import TYPES as RULE_TYPES
+from trecsim.service.rule_watch import RuleWatch, ends_of
 from trecsim.service.systemd import Heartbeat, notify
 from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.service.viewing import shows_pictures, site_view
@@ -89,8 +94,10 @@ class SiteService:
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        self._reloading = Reloading(checked.file, lambda file: self._show(file, checked.rig))
+        rules = RuleWatch(_rules_of(checked.file, checked.rig), self._put_event)
+        self._reloading = Reloading(checked.file, partial(self._apply, rules, checked.rig))
         watchers = monitor.sinks()
+        watchers = replace(watchers, snapshots=[*watchers.snapshots, rules])
         told: list[Callable[[Health], None]] = [self._reloading]
         if self._page is not None:
             watchers = replace(watchers, snapshots=[*watchers.snapshots, self._page])
@@ -98,7 +105,8 @@ class SiteService:
 
         def judged() -> Health:
             self._take_in(monitor, feed)
-            return monitor.health()
+            health = monitor.health()
+            return replace(health, rules=rules.health(health.t_s))
 
         def asked() -> bool:
             self._heartbeat.beat()
@@ -116,6 +124,8 @@ class SiteService:
                     checked, store, feed, monitor.people, self._show_event
                 )
                 ending.enter_context(self._keeper)
+                for event in _left_open(checked, store):
+                    self._keeper.put(event)
                 told += [FaultLog(), faults]
             if self._pictures is not None:
                 ending.enter_context(self._pictures)
@@ -135,6 +145,18 @@ class SiteService:
             )
             notify("STOPPING=1")
         return summary
+
+    def _apply(self, rules: RuleWatch, rig: Rig, file: SiteFile) -> None:
+        """Take over what has changed in a site file."""
+        rules.change(_rules_of(file, rig))
+        self._show(file, rig)
+
+    def _put_event(self, event: dict[str, Any]) -> None:
+        """Keep and show an event of a rule; of a recording, only show it."""
+        if self._keeper is not None:
+            self._keeper.put(event)
+        else:
+            self._show_event(event, False)
 
     def _show(self, file: SiteFile, rig: Rig) -> None:
         """Show a site on the page, if there is one."""
@@ -189,9 +211,20 @@ def _fault_events(
 ) -> tuple[EventKeeper, FaultEvents]:
     """Return who keeps events, and who makes them of faults: those that were open go on."""
     open_events = [one.event for one in store.ledger.open_events(TYPES)]
-    keeper = EventKeeper(store.ledger, tell, open_events)
+    of_rules = [one.event for one in store.ledger.open_events(RULE_TYPES)]
+    keeper = EventKeeper(store.ledger, tell, [*open_events, *of_rules])
     watch = FaultWatch(checked.file.site.name, open_events, people=people)
     return keeper, FaultEvents(watch, keeper.put, lambda: feed.is_read)
+
+
+def _rules_of(file: SiteFile, rig: Rig) -> RuleSet:
+    return rule_set(file.site.name, file.site, rig)
+
+
+def _left_open(checked: CheckedSite, store: SiteStore) -> list[dict[str, Any]]:
+    """Return the ends of episodes of rules that were open when the site ran last."""
+    open_events = [one.event for one in store.ledger.open_events(RULE_TYPES)]
+    return ends_of(checked.file.site.name, open_events)
 
 
 def _feed(inputs: LiveInputs, monitor: Monitor, pictures: PictureMaker | None) -> Feed:

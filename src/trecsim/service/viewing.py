@@ -1,8 +1,10 @@
 """What the page shows of a site."""
 
+import time
 from hashlib import sha256
 from pathlib import Path
 
+from trecsim.assessing import armed_rules
 from trecsim.errors import Error
 from trecsim.geometry import Rig
 from trecsim.page.page_data import PageData
@@ -38,6 +40,7 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         lines={name: line.model_dump(mode="json") for name, line in site.lines.items()},
         edges={name: edge.model_dump(mode="json") for name, edge in site.edges.items()},
         floor_m=floor_of(rig, outlines_m=outlines_m),
+        rules={"armed": armed_rules(site, time.time()), "total": len(site.rules)},
         pictures=shows_pictures(file),
     )
 

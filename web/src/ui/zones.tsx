@@ -27,7 +27,7 @@ export function Zones() {
     <div class="zones">
       <section class="bar" aria-label="Version">
         <h2>Zones</h2><span class="tagged">Live version</span>
-        <p>What is in force now. Zones are drawn in the site file; there are no rules in this version yet.</p>
+        <p>What is in force now. Zones and rules are written in the site file.</p>
       </section>
       <section class="names" aria-label="Zones, lines and edges">
         <Group title="Zones" icon="area" names={site?.zones.map((one) => one.name) ?? []} />
@@ -44,10 +44,12 @@ export function Zones() {
           ]} />
         )}
         {path && <Sheet name={path.name} rows={[["Length", `${length(path.points).toFixed(2)} m`]]} />}
-        <div class="none">
-          <strong>No rules yet</strong>
-          <p>A rule says when someone in a zone, at an edge or over a line is an alert. Zones, lines and edges are read from the site file.</p>
-        </div>
+        {(site?.rules ?? 0) === 0 && (
+          <div class="none">
+            <strong>No rules yet</strong>
+            <p>A rule says when someone in a zone, at an edge or over a line is an alert. Zones, lines, edges and rules are read from the site file.</p>
+          </div>
+        )}
       </aside>
     </div>
   );
