@@ -18,7 +18,7 @@ from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
-from trecsim.sites.rules import rules_of, zone_of
+from trecsim.sites.rules import rule_remarks, rules_of, zone_of
 from trecsim.store.atomic import atomic_write
 from trecsim.store.tracks import every_moment
 from trecsim.values import Snapshot
@@ -161,7 +161,9 @@ def assess(
     first = list(islice(moments, 1))
     start_s = _start_s(start, read.timezone, first)
     events = RuleEvents(rule_set(read.name, read, rig, start_s))
-    remarks = [*early_remarks(read), *_schedule_remarks(read, first, start_s)]
+    remarks = [*rule_remarks(read.rules), *_schedule_remarks(read, first, start_s)]
+    if not read.rules:
+        remarks.append(f"{site}: there are no [[rules]], so there are no events")
     tally = _Tally(progress)
     with atomic_write(out, private=True) as file:
         for event in tally.watch(chain(first, moments), events):
@@ -221,10 +223,3 @@ def _schedule_remarks(site: Ruled, first: Sequence[Snapshot], start_s: float) ->
             "the tracks have no date, so schedules do not apply and their rules are always armed "
             f"({', '.join(scheduled)}); give --start DATE"
         )
-
-
-def early_remarks(site: Ruled) -> Iterator[str]:
-    """Yield which rules shall warn early, which this version does not."""
-    for rule in site.rules:
-        if rule.early_s > 0.0 and "early_s" in rule.model_fields_set:
-            yield f"rule {rule.id}: early_s has no effect: this version does not warn early"

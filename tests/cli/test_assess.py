@@ -84,6 +84,17 @@ def test_a_date_makes_schedules_apply_and_without_one_that_is_said(
     assert len(events_in(folder / "e.jsonl")) == 3
 
 
+def test_what_a_rule_asks_for_and_does_not_get_is_said(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "early.toml").write_text(PLACES + RULES + "early_s = 2.0\n")
+    assert called(folder / "tracks.csv", folder / "early.toml", "--out", folder / "e.jsonl") == 0
+    assert "rule count: early_s has no effect" in capsys.readouterr().err
+    (folder / "none.toml").write_text(PLACES)
+    assert called(folder / "tracks.csv", folder / "none.toml", "--out", folder / "e.jsonl") == 0
+    assert "there are no [[rules]]" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

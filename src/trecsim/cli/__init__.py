@@ -28,6 +28,7 @@ COMMANDS = {
     "track": "Track people in 3D from 2D poses.",
     "assess": "Judge the rules of a site file on recorded tracks; write the events.",
     "evaluate": "Evaluate tracks with or without ground truth.",
+    "evaluate-events": "Evaluate events of rules against true events.",
     "export": "Convert tracks to another format.",
     "backup": "Back up the recordings and the ledger of a site to one file, while the site runs.",
     "restore": "Restore a backup to a new folder.",

@@ -44,6 +44,13 @@ def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
         yield ("rules", number, kind), f"there is no {kind} {name!r}; {hint}"
 
 
+def rule_remarks(rules: Sequence[RuleTable]) -> Iterator[str]:
+    """Yield what rules ask for and do not get."""
+    for rule in rules:
+        if rule.early_s > 0.0 and "early_s" in rule.model_fields_set:
+            yield f"rule {rule.id}: early_s has no effect: this version does not warn early"
+
+
 def refuse(title: str, faults: Sequence[Fault]) -> NoReturn:
     """Raise faults from a validator of pydantic, each with the keys that lead to it."""
     details = [

@@ -1,0 +1,129 @@
+"""Files of events, put together to episodes: what happened when, to whom."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from trecsim.errors import InputError
+from trecsim.store.atomic import opened_for_reading
+
+LONGEST_LINE = 1 << 20  # bytes
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeTold:
+    """One episode, as the events of a file tell it.
+
+    Attributes
+    ----------
+    rule, kind
+        Which rule it is of.
+    direction
+        Of a crossing.
+    start_s, detect_s, end_s
+        When it began, when that was decided, and when it ended [s]; `end_s` is None where that is
+        not told.
+    floor_m
+        Where the first person stood when it was told [m].
+    is_warning
+        Whether it was only predicted, and did not happen.
+    """
+
+    rule: str
+    kind: str
+    direction: str | None
+    start_s: float
+    detect_s: float
+    end_s: float | None
+    floor_m: tuple[float, float] | None
+    is_warning: bool = False
+
+
+def read_episodes(path: Path) -> list[EpisodeTold]:
+    """Read a file of events, and put its episodes together, in the order of their first events.
+
+    What people did to an event is left out.
+
+    Parameters
+    ----------
+    path
+        ``*.jsonl`` with one CloudEvent a line.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or a line is no event; the message names the line.
+    """
+    episodes: dict[str, EpisodeTold] = {}
+    for number, data in _read(path):
+        try:
+            _take(episodes, data)
+        except (KeyError, TypeError, ValueError) as error:
+            what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+            raise InputError(
+                f"{path}: line {number}: expected the event of a rule, as in events.jsonl: {what}"
+            ) from None
+    return list(episodes.values())
+
+
+def _read(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    with opened_for_reading(path) as file:
+        number = 0
+        while line := file.readline(LONGEST_LINE + 1):
+            number += 1
+            if len(line) > LONGEST_LINE:
+                raise InputError(f"{path}: line {number} is longer than 1 MiB: it is no event")
+            if not line.strip():
+                continue
+            try:
+                event = json.loads(line)
+            except (ValueError, RecursionError):
+                raise InputError(
+                    f"{path}: line {number}: expected one JSON object, found {line[:40]!r}"
+                ) from None
+            if not isinstance(event, dict) or not isinstance(event.get("data"), dict):
+                raise InputError(f"{path}: line {number}: expected an event with data")
+            yield number, event["data"]
+
+
+def _take(episodes: dict[str, EpisodeTold], data: Mapping[str, Any]) -> None:
+    phase, identity = str(data["phase"]), str(data["event"])
+    if phase not in ("new", "update", "end"):
+        return
+    if phase == "new" or identity not in episodes:
+        episodes[identity] = _begun(data)
+        return
+    known = episodes[identity]
+    if phase == "update" and known.is_warning and not data.get("predicted", False):
+        episodes[identity] = _begun(data)  # what was predicted has begun
+    elif phase == "end":
+        episodes[identity] = replace(known, end_s=_number(data["t_end_s"]))
+
+
+def _begun(data: Mapping[str, Any]) -> EpisodeTold:
+    rule = data["rule"]
+    start_s = float(data["t_start_s"])
+    detect_s, end_s = data.get("t_detect_s"), data.get("t_end_s")
+    return EpisodeTold(
+        rule=str(rule["id"]),
+        kind=str(rule["kind"]),
+        direction=data.get("direction"),
+        start_s=start_s,
+        detect_s=start_s if detect_s is None else float(detect_s),
+        end_s=None if end_s is None else _number(end_s),
+        floor_m=_floor_m(data.get("people") or []),
+        is_warning=bool(data.get("predicted", False)),
+    )
+
+
+def _floor_m(people: Any) -> tuple[float, float] | None:
+    xy_m = people[0].get("floor_m") if people else None
+    if xy_m is None or None in xy_m:
+        return None
+    return float(xy_m[0]), float(xy_m[1])
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
