@@ -144,3 +144,39 @@ def test_detections_are_free_taken_or_of_a_track_that_one_camera_alone_supports(
     free, taken = kernels.FREE, kernels.TAKEN
     assert owner.tolist() == [taken, 1, free, 1, free, taken]
     assert open_ == 4
+
+
+@given(SEEDS)
+def test_detections_of_further_cameras_join_as_by_the_reference(seed):
+    rng = np.random.default_rng(seed)
+    xyz, _ = somebody(rng)
+    xyz[rng.random(17) < 0.2] = np.nan
+    cam, t_s, taken_s = rng.integers(4, size=8), rng.uniform(1.0, 1.1, 8), 1.05
+    off_m = rng.choice([0.03, 0.06, 3.0], 8)
+    drawn = [seen(rng, MODEL.cameras.P[c], xyz + off) for c, off in zip(cam, off_m, strict=True)]
+    xy, factor = map(np.stack, zip(*drawn, strict=True))
+    free, joined, flip = rng.random(8) < 0.8, np.array([7, -1, -1, -1]), np.zeros(4, np.int64)
+    kernels.join_all(
+        MODEL.cameras, MODEL.noise, (cam, t_s, xy, factor), xyz, taken_s, free, joined, flip
+    )
+    assert joined[0] == 7
+    for c in range(1, 4):
+        here = np.flatnonzero((cam == c) & free)
+        if not len(here):
+            assert joined[c] == -1
+            continue
+        cov = np.tile(np.eye(3) * (0.08**2 + (t_s[here[0]] - taken_s) ** 2), (17, 1, 1))
+        ratio = np.array([
+            [
+                reference.score_pair(
+                    MODEL.cameras.P[c], MODEL.cameras.focal_px[c], xyz, cov, xy[d], factor[d],
+                    MODEL.noise, MODEL.cameras.error_px2[c], SETTINGS.outlier_share,
+                    SETTINGS.outlier_area_m2, f,
+                )
+                for f in range(2)
+            ]
+            for d in here
+        ])  # fmt: skip
+        best = ratio.max(axis=1).argmax()
+        assert joined[c] == (here[best] if ratio[best].max() >= 3.0 else -1)
+        assert joined[c] < 0 or flip[c] == ratio[best].argmax()

@@ -114,7 +114,7 @@ def test_time_with_two_cameras_and_time_read_mirrored_add_up():
 
 def test_a_camera_with_few_images_supports_until_its_next_one_is_overdue():
     last_s = np.array([9.8, 9.8])
-    slow, fast = look_back(np.array([0.2, 0.04])).look_back_s
+    slow, fast = look_back([0.2, 0.04]).look_back_s
     assert supporting(last_s, 10.0, np.array([slow, slow])) == 2
     assert supporting(last_s, 10.0, np.array([slow, fast])) == 1
     counts = np.empty((1, 1), np.int64)
@@ -129,7 +129,7 @@ def test_the_second_newest_time_tells_until_when_two_cameras_saw_a_track():
 
 def test_time_that_passes_does_not_confirm_what_two_cameras_saw_once():
     """At 5 images per second a camera's support lasts longer than `confirm_s`."""
-    look_back_s = look_back(np.array([0.2, 0.2])).look_back_s
+    look_back_s = look_back([0.2, 0.2]).look_back_s
     duration_s, seen_s = np.zeros(1), np.array([[9.8, 9.8]])
     seen = sightings(seen_s, np.array([9.8]), None, duration_s)
     missed = matched(np.full((1, 2), -1))

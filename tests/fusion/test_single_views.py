@@ -8,9 +8,10 @@ from trecsim.fusion import Tracker
 from trecsim.fusion.ground_prior import KnownGround
 from trecsim.fusion.images import Detections
 from trecsim.fusion.initialisation import first_states
+from trecsim.fusion.kernels.body_size import ankle_drop, usual_size_m
 from trecsim.fusion.model import build
-from trecsim.fusion.ranging import sizes
 from trecsim.fusion.settings import FusionSettings
+from trecsim.fusion.single_views import first_ranges
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import MOST_SINGLE_VIEWS
 from trecsim.lab.simulation.detector_errors import PERFECT, Detector
@@ -185,11 +186,13 @@ def test_a_body_of_usual_size_in_the_upright_plane_is_at_its_distance():
     xy_px = np.full((1, 17, 2), np.nan)
     homogeneous = xyz_m[known] @ model.cameras.P[0, :, :3].T + model.cameras.P[0, :, 3]
     xy_px[0, known] = homogeneous[:, :2] / homogeneous[:, 2:]
-    told = sizes(
-        model, Detections(np.zeros(1, int), np.zeros(1), xy_px, np.ones((1, 17)), -np.ones(1, int))
-    )
-    assert told.size_m[0] == pytest.approx(4.0, rel=0.01)
-    assert (eye_m[2] - 0.08) / told.drop[0] == pytest.approx(4.0, rel=1e-3)
+    found = Detections(np.zeros(1, int), np.zeros(1), xy_px, np.ones((1, 17)), -np.ones(1, int))
+    _, agrees, at_one_m = first_ranges(found, (0.0, 0.01), model)
+    assert agrees.all()
+    assert usual_size_m(model.ruler, at_one_m[0]) == pytest.approx(4.0, rel=0.01)
+    drop, _, n_ankle = ankle_drop(model.ruler, at_one_m[0], np.ones(17))
+    assert n_ankle == 2
+    assert (eye_m[2] - 0.08) / drop == pytest.approx(4.0, rel=1e-3)
 
 
 def test_the_ground_under_newcomers_is_learnt_from_people_before_them():

@@ -43,6 +43,18 @@ def test_velocity_is_the_difference_of_positions_over_a_short_time(seed, place):
     np.testing.assert_allclose(velocity_mps, (around[1] - around[0]) / (2e-5 * KNOT_S), atol=1e-3)
 
 
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 4.999))
+def test_a_torso_moves_as_its_joints_do_on_average(seed, place):
+    rng = np.random.default_rng(seed)
+    c, motion, torso = rng.normal(size=(5, 24)), np.empty((2, 3)), np.array([1, 2, 4])
+    kernels.torso_motion(c, torso, place, KNOT_S, motion)
+    R = reference.banded(rng)
+    expected_mps = np.mean([reference.velocity(R, c[j], place, KNOT_S)[0] for j in torso], axis=0)
+    points = c[torso].mean(axis=0).reshape(-1, 3)
+    np.testing.assert_allclose(motion[0], reference.basis_rows([place], 0, 1, 8)[0] @ points)
+    np.testing.assert_allclose(motion[1], expected_mps, rtol=1e-9, atol=1e-9)
+
+
 def test_who_walks_at_a_known_speed_is_said_to_walk_at_it():
     scene = made([path((0, -2.5, 0), (4, 2.5, 0))], detector=NOISE, seconds=4.0)
     tracker = Tracker(scene.rig)

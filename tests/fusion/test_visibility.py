@@ -9,7 +9,7 @@ import reference_fusion as reference
 from fusion.somebody import MODEL, somebody
 from often import often
 from trecsim.fusion import kernels, visibility
-from trecsim.fusion.kernels.visibility_kernels import gap_m2, hidden_share, in_image
+from trecsim.fusion.kernels.visibility_kernels import extents, gap_m2, hidden_share, in_image
 from trecsim.geometry import Camera, Rig
 from trecsim.lab.simulation.camera_placement import look_at
 from trecsim.skeleton import COCO17, Skeleton
@@ -150,9 +150,9 @@ def test_whoever_hides_half_a_body_hides_about_half_of_its_joints():
     rig = looking_from((-4, 0, 1.5))
     # Half a shoulder's width aside: one arm and one side of the trunk stay visible.
     x_m = np.stack([standing(-1.0, 0.14), standing(0.2, 0.0)])
-    share = hidden_share(
-        rig.cameras[0].position_m, visibility.silhouette(COCO17), MODEL.torso, x_m, 1
-    )
+    silhouette = visibility.silhouette(COCO17)
+    bodies = extents(silhouette, MODEL.torso, x_m)
+    share = hidden_share(rig.cameras[0].position_m, silhouette, bodies, x_m, 1)
     assert 0.3 < share < 0.8
 
 

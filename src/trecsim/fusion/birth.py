@@ -11,14 +11,11 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.association import score
 from trecsim.fusion.images import Detections
 from trecsim.fusion.model import Model
 from trecsim.fusion.tuning import (
     BIRTH_SCORE,
-    CANDIDATE_SIGMA_M,
     FEWEST_JOINTS,
-    JOIN_SCORE,
     MEETING_GAP_M,
     MOST_UNASSIGNED,
     PAIR_MPS,
@@ -116,18 +113,14 @@ def _absorb(
     member: dict[int, int],
 ) -> None:
     """Add free detections of the same person in other cameras to `member`, with mirror state."""
-    taken_s = pool.t_s[list(member)].mean()
-    taken = {int(pool.cam[d]) for d in member}
-    for cam in sorted(set(pool.cam.tolist()) - taken):
-        here = np.flatnonzero((pool.cam == cam) & free)
-        if not len(here):
-            continue
-        moved_m = PAIR_MPS * (pool.t_s[here[0]] - taken_s)
-        var_m2 = CANDIDATE_SIGMA_M**2 + moved_m**2
-        cov = np.tile(np.eye(3) * var_m2, (1, len(xyz_m), 1, 1))
-        ratio, mirrored = score(
-            model, cam, pool.xy_px[here], pool.sigma_scale[here], xyz_m[None], cov
-        )
-        d = int(np.argmax(ratio[0]))
-        if ratio[0, d] >= JOIN_SCORE:
-            member[int(here[d])] = int(mirrored[0, d])
+    first = list(member)
+    joined = np.full(len(model.rig), -1)
+    joined[pool.cam[first]] = first
+    flip = np.zeros_like(joined)
+    kernels.join_all(
+        model.cameras, model.noise, (pool.cam, pool.t_s, pool.xy_px, pool.sigma_scale), xyz_m,
+        float(pool.t_s[first].mean()), free, joined, flip,
+    )  # fmt: skip
+    for d, mirrored in zip(joined.tolist(), flip.tolist(), strict=True):
+        if d >= 0:
+            member.setdefault(d, mirrored)

@@ -6,6 +6,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.fusion.kernels import Ruler
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.tuning import LENGTH_SPREAD
 from trecsim.skeleton import Skeleton
@@ -58,6 +59,8 @@ _SHARED = {
 }  # fmt: skip
 
 
+# The limbs that are across the line of sight of somebody who stands or walks.
+_UPRIGHT = ({"shoulder", "hip"}, {"hip", "knee"}, {"knee", "ankle"})
 # Height of a joint above the ground when the body rests on it [m].
 _CONTACT_HEIGHT_M = {
     "ankle": 0.08, "knee": 0.06, "hip": 0.10, "shoulder": 0.10, "elbow": 0.05, "wrist": 0.04,
@@ -163,6 +166,22 @@ def chain(skeleton: Skeleton, usual: UsualBody) -> Int64[np.ndarray, "bone 3"]:
     ]
     rows = [(*pair, limb_of[frozenset(pair)]) for pair in pairs]
     return np.array(rows, np.int64).reshape(-1, 3)
+
+
+def ruler(skeleton: Skeleton, usual: UsualBody) -> Ruler:
+    """Return what measures how far away somebody is whom one camera sees; see `Ruler`."""
+    kinds = [_part(joint) for joint in skeleton.joints]
+    upright = [
+        limb
+        for limb in np.flatnonzero(usual.bone).tolist()
+        if {kinds[j] for j in usual.joints[limb]} in _UPRIGHT
+    ]
+    ankles = np.array([j for j, kind in enumerate(kinds) if kind == "ankle"], np.int64)
+    height_m = float(contact_height_m(skeleton)[ankles].mean()) if len(ankles) else 0.0
+    return Ruler(
+        np.ascontiguousarray(usual.joints[upright]), usual.length_m[upright],
+        np.array(upright, np.int64), ankles, height_m,
+    )  # fmt: skip
 
 
 def stiffness(skeleton: Skeleton, settings: FusionSettings) -> Float64[np.ndarray, " joint"]:

@@ -66,11 +66,13 @@ def update(
     model: Model,
     *,
     check: bool,
+    is_single: bool = False,
 ) -> Update:
     """Take a frame set into `people`, in place.
 
     Their trajectories are extended, the detections associated with them and fitted, and joints
-    that too few cameras see are constrained by limbs and ground.
+    that too few cameras see are constrained by limbs and ground. Whom one camera alone sees is held
+    at the distance that body and ground tell.
 
     Parameters
     ----------
@@ -79,11 +81,15 @@ def update(
     check
         Whether to collect evidence that tracks mix two people or that others explain them. A
         detector's errors persist, so that checks within `CHECK_S` would not be independent.
+    is_single
+        Whether the tracks are those of people whom two cameras have never seen.
     """
     shape = (len(people), len(images))
     matches = Matches(np.empty(shape, np.int64), np.empty(shape, np.int64), np.empty(shape))
     owner = np.empty(len(images.xy_px), np.int64)
-    n_open, is_mirrored = _run(people, images, step, model, matches, owner, (False, check))
+    n_open, is_mirrored = _run(
+        people, images, step, model, matches, owner, (False, check, is_single)
+    )
     return Update(Association(*matches), owner, n_open, is_mirrored)
 
 
@@ -96,7 +102,7 @@ def fit(
 ) -> None:
     """Fit new tracks, in place, to the detections that are theirs."""
     owner = np.empty(len(images.xy_px), np.int64)
-    _run(people, images, step, model, association.matches, owner, (True, False))
+    _run(people, images, step, model, association.matches, owner, (True, False, False))
 
 
 def _run(
@@ -106,16 +112,16 @@ def _run(
     model: Model,
     matches: Matches,
     owner: Int64[np.ndarray, " person"],
-    only_fit_and_check: tuple[bool, bool],
+    kind: tuple[bool, bool, bool],
 ) -> tuple[int, bool]:
     taken = Taken(
         images.t_s, np.array(step.since_s, np.float64), step.look_back_s,
-        model.errors.applied[images.cam, 3], np.array(step.is_apart, np.bool_),
+        model.errors.applied[:, 3].take(images.cam), np.array(step.is_apart, np.bool_),
     )  # fmt: skip
     found: tuple[int, bool] = kernels.update_all(
-        model.cameras, model.noise, model.bones, model.limbs, model.motion, people.trajectories,
-        people.bodies, people.sightings, people.waiting, people.confirmed, people.doubts,
-        model.errors, images.measurements, taken, step.now, matches, owner,
-        (step.appended, *only_fit_and_check),
+        model.cameras, model.noise, model.bones, model.limbs, model.ruler, model.motion,
+        people.trajectories, people.bodies, people.sightings, people.waiting, people.confirmed,
+        people.doubts, people.ranges, model.errors, images.measurements, taken, step.now, matches,
+        owner, (step.appended, *kind),
     )  # fmt: skip
     return found

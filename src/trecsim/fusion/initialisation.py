@@ -152,9 +152,10 @@ def first_states(births: Sequence[Birth], t_s: float, grid: KnotGrid, model: Mod
         limb_m=np.tile(model.body.length_m, (n, 1)),
         limb_m2=np.tile(model.body.spread_m**2, (n, 1)),
         ground_level=np.tile([0.0, FIRST_LEVEL_SIGMA_M**2], (n, 1)),
-        range_from_m=np.zeros((n, 3)),
-        range_sigma=np.zeros(n),
-        range_rate_sigma=np.zeros(n),
+        range_cam=np.full(n, -1, np.int64),
+        range_mean=np.zeros((n, 4)),
+        range_cov=np.zeros((n, 4, 4)),
+        range_upright=np.zeros(n, bool),
     )
     for k, birth in enumerate(births):
         kernels.start_all(

@@ -1,6 +1,6 @@
 """Confirmation and death of tracks (thesis section 3.6.4)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +21,21 @@ from trecsim.fusion.tuning import (
 
 # Number of missing cameras that no support makes up for.
 ON_TRIAL = 1000
+
+
+class Looks(NamedTuple):
+    """When the cameras looked.
+
+    Attributes
+    ----------
+    newest_s
+        Time of each camera's newest image [s].
+    look_back_s
+        For how long what each camera supported counts as supported now [s].
+    """
+
+    newest_s: Float64[np.ndarray, " cam"]
+    look_back_s: Float64[np.ndarray, " cam"]
 
 
 class Judgement(NamedTuple):
@@ -45,8 +60,7 @@ def judge(
     n_compared: int,
     looking: Callable[[], Bool[np.ndarray, " cam"]],
     t_s: float,
-    look_back_s: Float64[np.ndarray, " cam"],
-    newest_s: Float64[np.ndarray, " cam"],
+    looks: Looks,
 ) -> Judgement:
     """Confirm tracks, in place, and tell which live on.
 
@@ -60,10 +74,8 @@ def judge(
         Returns which cameras deliver images; called only if it matters.
     t_s
         Time of the frame set [s].
-    look_back_s
-        For how long each camera's support counts as now [s].
-    newest_s
-        Time of each camera's newest image [s].
+    looks
+        When the cameras looked.
 
     Notes
     -----
@@ -79,9 +91,9 @@ def judge(
     - when for `single_view_death_s` only one of three or more cameras that should detect it does;
     - when other tracks explain all of its detections in `REDUNDANT_CHECKS` checks.
     """
-    n = len(people)
+    n, (newest_s, look_back_s) = len(people), looks
     asked, alive, missing = np.empty(n, bool), np.empty(n, bool), np.zeros(n, np.int64)
-    if not people.confirmed.all():
+    if np.count_nonzero(people.confirmed) < n:
         missing = missing_cameras(people, model, looking(), t_s - look_back_s)
     close, some_asked, all_alive = kernels.judge_all(
         people.sightings, people.who, people.doubts, missing, people.xyz_m, model.torso,
@@ -178,17 +190,21 @@ class LookBack(NamedTuple):
     waiting_s: Float64[np.ndarray, " cam"]
 
 
-def look_back(usual_s: Float64[np.ndarray, " cam"]) -> LookBack:
+def look_back(usual_s: Sequence[float]) -> LookBack:
     """Return how far back images count for cameras with these usual intervals [s].
 
     Examples
     --------
-    >>> two = look_back(np.array([0.04, 0.2, 1.0]))
+    >>> two = look_back([0.04, 0.2, 1.0])
     >>> two.look_back_s.round(3).tolist(), two.waiting_s.round(3).tolist()
     ([0.12, 0.3, 0.5], [0.1, 0.3, 0.5])
     """
-    long_s = (LOOK_BACK * usual_s).clip(max=LONGEST_SUPPORT_S)
-    return LookBack(np.maximum(long_s, SUPPORT_S), np.maximum(long_s, UNASSIGNED_S))
+    # Plain numbers: for a dozen cameras NumPy takes longer to begin than this takes to end.
+    long_s = [min(LOOK_BACK * one_s, LONGEST_SUPPORT_S) for one_s in usual_s]
+    return LookBack(
+        np.array([max(one_s, SUPPORT_S) for one_s in long_s], np.float64),
+        np.array([max(one_s, UNASSIGNED_S) for one_s in long_s], np.float64),
+    )
 
 
 def expected_cameras(

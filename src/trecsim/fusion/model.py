@@ -18,6 +18,7 @@ from trecsim.fusion.kernels import (
     Limits,
     Motion,
     Noise,
+    Ruler,
     Silhouette,
     Undistortion,
 )
@@ -56,6 +57,8 @@ class Model:
         Prior knowledge of the distances between joints.
     limbs
         The same, for the kernels.
+    ruler
+        What measures how far away somebody is whom one camera sees.
     torso
         The joints whose mean is the person's position: shoulders and hips.
     """
@@ -75,6 +78,7 @@ class Model:
     bones: Bones
     body: UsualBody
     limbs: Limbs
+    ruler: Ruler
     torso: Int64[np.ndarray, " joint_of_torso"]
 
 
@@ -107,6 +111,7 @@ def build(
             body.contact_height_m(skeleton),
             body.chain(skeleton, usual),
         ),
+        ruler=body.ruler(skeleton, usual),
         torso=torso,
     )
 

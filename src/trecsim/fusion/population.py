@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.fusion.kernels import Bodies, Doubts, Sightings, Trajectories, Waiting, Who
+from trecsim.fusion.kernels import Bodies, Doubts, Ranges, Sightings, Trajectories, Waiting, Who
 
 
 @dataclass(eq=False)
@@ -53,10 +53,9 @@ class Population:
         Learnt distances between the body's joints, and their variances [m, m^2].
     ground_level
         Learnt height of the ground under the person, and its variance [m, m^2].
-    range_from_m, range_sigma, range_rate_sigma
-        Camera that alone sees the person [m], standard deviation of the distance from it, as a
-        share of the distance, and of its rate [1/s]: errors that all joints have in common, and
-        that are not in the covariances of the trajectories. Zero where two cameras see the person.
+    range_cam, range_mean, range_cov, range_upright
+        How far the person is from the camera that alone sees it; see `Ranges`. The errors of the
+        distance are common to all joints, and not in the covariances of the trajectories.
     """
 
     R: Float64[np.ndarray, "track joint n n"]
@@ -84,9 +83,10 @@ class Population:
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
     ground_level: Float64[np.ndarray, "track 2"]
-    range_from_m: Float64[np.ndarray, "track 3"]
-    range_sigma: Float64[np.ndarray, " track"]
-    range_rate_sigma: Float64[np.ndarray, " track"]
+    range_cam: Int64[np.ndarray, " track"]
+    range_mean: Float64[np.ndarray, "track 4"]
+    range_cov: Float64[np.ndarray, "track 4 4"]
+    range_upright: Bool[np.ndarray, " track"]
 
     @cached_property
     def trajectories(self) -> Trajectories:
@@ -118,6 +118,11 @@ class Population:
     def doubts(self) -> Doubts:
         """What speaks against the tracks."""
         return Doubts(self.swap_evidence, self.redundant_count)
+
+    @cached_property
+    def ranges(self) -> Ranges:
+        """How far people are from the camera that alone sees them."""
+        return Ranges(self.range_cam, self.range_mean, self.range_cov, self.range_upright)
 
     @cached_property
     def who(self) -> Who:
@@ -154,9 +159,10 @@ class Population:
             limb_m=np.empty((0, n_limb)),
             limb_m2=np.empty((0, n_limb)),
             ground_level=np.empty((0, 2)),
-            range_from_m=np.empty((0, 3)),
-            range_sigma=np.empty(0),
-            range_rate_sigma=np.empty(0),
+            range_cam=np.empty(0, np.int64),
+            range_mean=np.empty((0, 4)),
+            range_cov=np.empty((0, 4, 4)),
+            range_upright=np.empty(0, bool),
         )
 
     def __len__(self) -> int:

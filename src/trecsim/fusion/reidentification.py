@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from trecsim.fusion import kernels
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.snapshots import evaluated, velocity
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import (
     EXTRAPOLATE_S,
@@ -154,7 +154,7 @@ class Identities:
 def lost_since(
     last_seen_s: Float64[np.ndarray, "track cam"],
     cam: Int64[np.ndarray, " member"],
-    match: Int64[np.ndarray, "track view"],
+    match: Int64[np.ndarray, "known view"],
     view_cam: Int64[np.ndarray, " view"],
     lately_s: Float64[np.ndarray, " cam"],
 ) -> Float64[np.ndarray, " track"]:
@@ -163,7 +163,8 @@ def lost_since(
     Parameters
     ----------
     last_seen_s
-        When each camera last supported each track [s].
+        When each camera last supported each track [s]; tracks that are newer than the frame set
+        come last, and are not lost.
     cam
         The cameras of the new track's detections.
     match, view_cam
@@ -177,11 +178,13 @@ def lost_since(
     track supported it until the last image, and shows the new one in its place now: then the same
     motion was within the gate of the other cameras' earlier images.
     """
+    out = np.full(len(last_seen_s), -np.inf)
+    last_seen_s = last_seen_s[: len(match)]
     unseen = (match < 0).all(axis=1)
     gone_here = (match[:, np.isin(view_cam, cam)] < 0).all(axis=1)
     torn = gone_here & (last_seen_s[:, cam] > lately_s[cam]).all(axis=1)
     since_s = np.where(unseen, last_seen_s.max(axis=1), last_seen_s[:, cam].max(axis=1))
-    out: Float64[np.ndarray, " track"] = np.where(unseen | torn, since_s, -np.inf)
+    out[: len(match)] = np.where(unseen | torn, since_s, -np.inf)
     return out
 
 
@@ -199,10 +202,9 @@ def lost_tracks(
     lost = []
     for k in np.flatnonzero(np.isfinite(seen_s)).tolist():
         then_s = max(float(seen_s[k]), t_s - model.settings.window_s)
-        R, c = people.R[k : k + 1], people.c[k : k + 1]
-        xyz_m = evaluated(c, grid, [then_s])[0, 0, model.torso].mean(axis=0)
-        velocity_mps = velocity(R, c, grid, then_s)[0][0, model.torso].mean(axis=0)
+        motion = np.empty((2, 3))
+        kernels.torso_motion(people.c[k], model.torso, grid.knot_time(then_s), grid.knot_s, motion)
         known = then_s - people.born_s[k] > YOUNG_S
         reach_mps = UNSEEN_MPS if known else YOUNG_MPS
-        lost.append(LostTrack(int(people.id[k]), then_s, xyz_m, velocity_mps, reach_mps))
+        lost.append(LostTrack(int(people.id[k]), then_s, motion[0], motion[1], reach_mps))
     return lost

@@ -11,14 +11,13 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import evidence, fitting, kernels
-from trecsim.fusion.along_rays import log_range, move_along_rays, relative_sigma
 from trecsim.fusion.birth import Candidate
 from trecsim.fusion.fitting import Step, Update
 from trecsim.fusion.images import Detections, Images
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
+from trecsim.fusion.kernels import Ranges
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
-from trecsim.fusion.ranging import Ranges, above_ankle_m, believed, sizes
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import (
     CROWDED,
@@ -73,7 +72,6 @@ class SingleViews:
             len(model.skeleton.joints), live, len(model.rig), len(model.body.joints)
         )
         self.support_s: Float64[np.ndarray, " track"] = np.empty(0)
-        self._ranges = Ranges.none()
         self._key: Int64[np.ndarray, " track"] = np.empty(0, np.int64)
         self._next_key = 0
 
@@ -81,21 +79,21 @@ class SingleViews:
         """Return the number of tracks."""
         return len(self.people)
 
-    @property
-    def reported(self) -> Population:
-        """The tracks that are reported, as provisional."""
-        return self.people.keep(self.people.id != NOBODY)
-
-    def take(self, images: Images, update: Update, step: Step) -> Int64[np.ndarray, " person"]:
+    def take(
+        self, images: Images, update: Update, step: Step
+    ) -> Int64[np.ndarray, " person"] | None:
         """Take the detections that are nobody's into the tracks, in place.
 
-        Return which track each detection of `images` supports: its key, or `NOBODY`.
+        Return which track each detection of `images` supports: its key, or `NOBODY`; None if there
+        are no tracks.
         """
-        claim = np.full(len(images.xy_px), NOBODY)
         if not len(self):
-            return claim
+            return None
+        claim = np.full(len(images.xy_px), NOBODY)
         free = update.owner == kernels.FREE
-        found = fitting.update(self.people, images.only(free), step, self.model, check=False)
+        found = fitting.update(
+            self.people, images.only(free), step, self.model, check=False, is_single=True
+        )
         if found.is_mirrored:
             evidence.unmirror(self.people, self.model)
         match = found.association.match
@@ -105,46 +103,7 @@ class SingleViews:
         since_s = np.array(step.since_s)[view]
         taken = images.detections(np.ones(len(claim), bool), claim).take(row)
         np.add.at(self.support_s, track, _worth_s(taken, since_s))
-        self._ranges.predict(step.now.elapsed_s)
-        self._measure(taken, track, since_s, found.association.flip[track, view])
-        self._place(taken, track, step)
         return claim
-
-    def _measure(
-        self,
-        found: Detections,
-        track: Int64[np.ndarray, " person"],
-        since_s: Float64[np.ndarray, " person"],
-        flip: Int64[np.ndarray, " person"],
-    ) -> None:
-        """Measure how far away people are whom `found` shows."""
-        m, people = self.model, self.people
-        for d, k in enumerate(track.tolist()):
-            cam, one = int(found.cam[d]), found.take(np.array([d]))
-            if cam == self._ranges.cam[k]:
-                told = sizes(m, believed(people, k, one, int(flip[d]), m.noise.mirror))
-                above_m = above_ankle_m(m, cam, people.ground_level[k, 0])
-                self._ranges.look(k, told, 0, above_m, float(since_s[d]))
-
-    def _place(self, found: Detections, track: Int64[np.ndarray, " person"], step: Step) -> None:
-        """Put everybody at the distance that has been measured, in place.
-
-        Who moves from one camera's image into another one's is measured from there.
-        """
-        m, people, ranges = self.model, self.people, self._ranges
-        for k in range(len(self)):
-            seen_by = set(found.cam[track == k].tolist())
-            if seen_by and ranges.cam[k] not in seen_by:
-                ranges.cam[k] = min(seen_by)
-            origin_m = m.cameras.position_m[ranges.cam[k]]
-            if len(seen_by) > 1 or (seen_by and (people.range_from_m[k] != origin_m).any()):
-                log_m, rate = log_range(people, k, origin_m, step.now, m)
-                ranges.set(k, log_m, rate, relative_sigma(people, k, origin_m, m))
-            log_m, rate = ranges.mean[k, :2].tolist()
-            move_along_rays(people, k, origin_m, log_m, rate, step.now, m)
-            people.range_from_m[k] = origin_m
-        people.range_sigma[:] = ranges.sigma
-        people.range_rate_sigma[:] = ranges.rate_sigma
 
     def rows(self, claim: Int64[np.ndarray, " some"]) -> list[int]:
         """Return the tracks that detections support by their claims."""
@@ -170,31 +129,19 @@ class SingleViews:
         found = found.take(found.best(MOST_SINGLE_VIEWS - len(self)))
         if not len(found):
             return
-        ranges, at_one_m = self._first_ranges(found, level)
-        good = (ranges.sigma < MOST_RANGE_SIGMA) & ranges.agree
+        ranges, agrees, at_one_m = first_ranges(found, level, self.model)
+        good = (ranges.cov[:, 0, 0] < MOST_RANGE_SIGMA**2) & agrees
         if not good.any():
             return
-        found, ranges, at_one_m = found.take(good), ranges.keep(good), at_one_m[good]
-        new = self._first_states(found, ranges, at_one_m, step, grid)
+        found, ranges = found.take(good), Ranges(*(values[good] for values in ranges))
+        new = self._first_states(found, ranges, at_one_m[good], step, grid)
         new.ground_level[:] = level
         since_s = dict(zip(images.cam.tolist(), step.since_s, strict=True))
         worth_s = _worth_s(found, np.array([since_s[cam] for cam in found.cam.tolist()]))
-        self.people, self._ranges = self.people.joined(new), self._ranges.joined(ranges)
+        self.people = self.people.joined(new)
         self.support_s = np.append(self.support_s, worth_s)
         self._key = np.append(self._key, self._next_key + np.arange(len(new)))
         self._next_key += len(new)
-
-    def _first_ranges(
-        self, found: Detections, level: tuple[float, float]
-    ) -> tuple[Ranges, Float64[np.ndarray, "person joint 3"]]:
-        """Return how far away new people are, and their joints at the distance of 1 m."""
-        told, (level_m, level_m2) = sizes(self.model, found), level
-        above_m = [above_ankle_m(self.model, cam, level_m) for cam in found.cam.tolist()]
-        spread = np.sqrt(level_m2) / np.maximum(above_m, 0.1)
-        ranges = Ranges.begun(found.cam, np.log(told.size_m), spread)
-        for d in range(len(found)):
-            ranges.look(d, told, d, above_m[d], np.inf)
-        return ranges, told.at_one_m
 
     def _first_states(
         self,
@@ -206,7 +153,7 @@ class SingleViews:
     ) -> Population:
         """Return tracks upright at their distances, fitted to their detections."""
         m = self.model
-        origin_m = m.cameras.position_m[found.cam]
+        origin_m = m.cameras.position_m[ranges.cam]
         xyz_m = origin_m[:, None] + np.exp(ranges.mean[:, 0])[:, None, None] * at_one_m
         none = np.zeros(1, np.int64)
         alone = [Candidate(np.array([d]), none, xyz_m[d], sure=False) for d in range(len(found))]
@@ -224,8 +171,8 @@ class SingleViews:
             [False] * len(shown),
         )
         fitting.fit(new, shown, association, now, m)
-        new.range_from_m[:] = origin_m
-        new.range_sigma[:], new.range_rate_sigma[:] = ranges.sigma, ranges.rate_sigma
+        for mine, values in zip(new.ranges, ranges, strict=True):
+            mine[:] = values
         return new
 
     def _explained(
@@ -273,7 +220,7 @@ class SingleViews:
             return np.zeros(0, bool)
         people, s = self.people, self.model.settings
         unseen_s = t_s - people.last_seen_s.max(axis=1)
-        least_s = np.maximum(SINGLE_VIEW_PATIENCE_S, company.look_back_s[self._ranges.cam])
+        least_s = np.maximum(SINGLE_VIEW_PATIENCE_S, company.look_back_s[people.range_cam])
         patience_s = np.maximum(np.minimum(self.support_s, s.death_s), least_s)
         return np.asarray(
             (unseen_s > patience_s) | ~np.isfinite(people.xyz_m).all(axis=(1, 2)), np.bool_
@@ -309,9 +256,10 @@ class SingleViews:
         asked = np.append(which, np.zeros(len(company.xyz_m), bool))
         found = np.zeros((3, n), np.int64)
         leaving, should = np.zeros(n, bool), np.zeros((n, len(m.rig)), bool)
-        ray_m = mine.xyz_m - mine.range_from_m[:, None]
+        ray_m = mine.xyz_m - m.cameras.position_m[mine.range_cam, None]
+        sigma = np.sqrt(mine.range_cov[:, 0, 0])
         for expected, way in zip(found, (-1.0, 0.0, 1.0), strict=True):
-            there_m = mine.xyz_m + way * mine.range_sigma[:, None, None] * ray_m
+            there_m = mine.xyz_m + way * sigma[:, None, None] * ray_m
             xyz_m = np.concatenate([there_m, company.xyz_m])
             kernels.expect_all(
                 m.lenses, m.silhouette, looking, m.torso, xyz_m, np.zeros((n, 3)), asked,
@@ -328,7 +276,7 @@ class SingleViews:
     def drop(self, which: Bool[np.ndarray, " track"]) -> None:
         """Delete the tracks `which`."""
         if which.any():
-            self.people, self._ranges = self.people.keep(~which), self._ranges.keep(~which)
+            self.people = self.people.keep(~which)
             self.support_s, self._key = self.support_s[~which], self._key[~which]
 
 
@@ -342,3 +290,30 @@ def _worth_s(
     seen = np.isfinite(found.xy_px[..., 0])
     quality = np.where(seen, 1.0 / found.sigma_scale, 0.0).sum(axis=1) / seen.sum(axis=1)
     return np.asarray(np.minimum(since_s, LONGEST_STEP_S) * quality**2)
+
+
+def first_ranges(
+    found: Detections, level: tuple[float, float], model: Model
+) -> tuple[Ranges, Bool[np.ndarray, " person"], Float64[np.ndarray, "person joint 3"]]:
+    """Return how far away people are of whom one detection each is known.
+
+    Parameters
+    ----------
+    found, level, model
+        The detections, height of the ground under somebody new, and its variance [m, m^2], and
+        constants of the run.
+
+    Returns
+    -------
+    The distances, whether all that was told of each was believed, and the joints at 1 m.
+    """
+    n, n_joint = found.sigma_scale.shape
+    ranges = Ranges(
+        np.empty(n, np.int64), np.empty((n, 4)), np.empty((n, 4, 4)), np.empty(n, np.bool_)
+    )
+    agrees, at_one_m = np.empty(n, np.bool_), np.empty((n, n_joint, 3))
+    kernels.first_distances(
+        model.cameras, model.ruler, found.cam, (found.xy_px, found.sigma_scale), level, ranges,
+        agrees, at_one_m,
+    )  # fmt: skip
+    return ranges, agrees, at_one_m

@@ -1,33 +1,18 @@
 """Snapshots: evaluate the trajectories at one time."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool
 
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels import Now, Reported, Sights
+from trecsim.fusion.lifecycle import Looks
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import SAME_S
 from trecsim.values import PROVISIONAL, STATES, Snapshot
-
-
-class Looks(NamedTuple):
-    """When the cameras looked.
-
-    Attributes
-    ----------
-    newest_s
-        Time of each camera's newest image [s].
-    look_back_s
-        For how long what each camera supported counts as supported now [s].
-    """
-
-    newest_s: Float64[np.ndarray, " cam"]
-    look_back_s: Float64[np.ndarray, " cam"]
 
 
 def snapshot_of(
@@ -93,15 +78,13 @@ def _part(
     sights = Sights(*looks, people.joint_last_seen_s, people.joint_off_m2, people.joint_quality)
     n_reported = kernels.snapshot_all(
         model.cameras, model.noise, model.limbs, people.who, people.trajectories, people.bodies,
-        sights, Now(t_s, 0.0, *grid.place), (provisional, t_s == now_s), out,
+        people.ranges, sights, Now(t_s, 0.0, *grid.place), (provisional, t_s == now_s), out,
     )  # fmt: skip
     if n_reported < n:
         out = Reported(*(values[:n_reported] for values in out))
-    if people.range_sigma.any():
-        _widen_along_rays(out, people, _reported(people, t_s, provisional))
     state = STATES.take(out.is_supported)
     if provisional:
-        confirmed = people.confirmed[_reported(people, t_s, provisional)]
+        confirmed = people.confirmed[_reported(people, t_s)]
         state = state if confirmed.all() else np.where(confirmed, state, PROVISIONAL)
     return Snapshot(
         t_s, out.id, out.xyz_m, out.cov_m2, out.support, velocity_mps=out.velocity_mps,
@@ -109,47 +92,9 @@ def _part(
     )  # fmt: skip
 
 
-def _reported(people: Population, t_s: float, provisional: bool) -> Bool[np.ndarray, " track"]:
-    """Return which tracks `kernels.snapshot_all` reports."""
-    return (people.confirmed | provisional) & (people.born_s <= t_s + SAME_S)
-
-
-def _widen_along_rays(out: Reported, people: Population, which: Bool[np.ndarray, " track"]) -> None:
-    """Add to the covariances, in place, how far off people are along the rays of one camera.
-
-    Notes
-    -----
-    A distance that is off by a share moves each joint on its ray by that share of its own distance.
-    """
-    ray_m = out.xyz_m - people.range_from_m[which, None]
-    along_m2 = ray_m[..., :, None] * ray_m[..., None, :]
-    out.cov_m2[:] += people.range_sigma[which, None, None, None] ** 2 * along_m2
-    out.velocity_cov_m2ps2[:] += people.range_rate_sigma[which, None, None, None] ** 2 * along_m2
-
-
-def velocity(
-    R: Float64[np.ndarray, "track joint n n"],
-    c: Float64[np.ndarray, "track joint n"],
-    grid: KnotGrid,
-    t_s: float,
-) -> tuple[Float64[np.ndarray, "track joint 3"], Float64[np.ndarray, "track joint 3 3"]]:
-    """Return the joints' velocities at one time [m/s], and their covariances [m^2/s^2].
-
-    `R` and `c` are the trajectories' square-root information and control points.
-    """
-    n, n_joint = c.shape[:2]
-    velocity_mps, cov_m2ps2 = np.empty((n, n_joint, 3)), np.empty((n, n_joint, 3, 3))
-    kernels.velocity_all(R, c, grid.knot_time(t_s), grid.knot_s, velocity_mps, cov_m2ps2)
-    return velocity_mps, cov_m2ps2
-
-
-def evaluated(
-    c: Float64[np.ndarray, "track joint n"], grid: KnotGrid, t_s: Sequence[float]
-) -> Float64[np.ndarray, "time track joint 3"]:
-    """Return the joints at several times, from their control points [m]."""
-    xyz_m = np.empty((len(t_s), *c.shape[:2], 3))
-    kernels.evaluate_all(c, np.array([grid.knot_time(t) for t in t_s]), xyz_m)
-    return xyz_m
+def _reported(people: Population, t_s: float) -> Bool[np.ndarray, " track"]:
+    """Return which tracks `kernels.snapshot_all` reports, with provisional ones."""
+    return (people.id >= 0) & (people.born_s <= t_s + SAME_S)
 
 
 def nobody_at(t_s: float, n_joint: int) -> Snapshot:

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Int64
 
+from trecsim.fusion.lifecycle import Looks
 from trecsim.fusion.population import Population
-from trecsim.fusion.snapshots import Looks
 from trecsim.fusion.tuning import SAME_S
 from trecsim.values import Snapshot
 

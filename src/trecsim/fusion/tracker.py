@@ -18,8 +18,8 @@ from trecsim.fusion.ground_prior import KnownGround
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
 from trecsim.fusion.kernels import Cameras, Now
+from trecsim.fusion.lifecycle import Looks
 from trecsim.fusion.model import build
-from trecsim.fusion.one_view_ranges import OneViewRanges
 from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import (
     Identities,
@@ -28,12 +28,11 @@ from trecsim.fusion.reidentification import (
     lost_tracks,
     nearest_unseen,
 )
+from trecsim.fusion.reports import Reports
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.single_views import NOBODY, Company, SingleViews
-from trecsim.fusion.snapshots import Looks, snapshot_of
 from trecsim.fusion.spline import ORDER, KnotGrid
-from trecsim.fusion.support_history import SupportHistory
-from trecsim.fusion.tuning import CHECK_S, SAME_S
+from trecsim.fusion.tuning import CHECK_S
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
@@ -115,8 +114,8 @@ class Tracker:
         self._errors = CameraErrors(rig)
         self._model = build(rig, skeleton, settings or FusionSettings(), self._errors.known)
         s = self._model.settings
-        self._lag_s = lag_s
         self._provisional = provisional
+        self._reports = Reports(lag_s, provisional)
         self._live = ORDER + int(np.ceil(max(s.window_s, lag_s + s.knot_s) / s.knot_s))
         self._clocks = Clocks(len(rig))
         self._times = lifecycle.look_back(self._clocks.usual_s())
@@ -140,13 +139,11 @@ class Tracker:
         elapsed_s = max(0.0, self._t_s - before_s) if math.isfinite(before_s) else 0.0
         images = prepare(views, self._model)
         step, update = self._update(images, min(elapsed_s, JUMP_S))
-        self._one_view.take(self._people, images, update.association, step, self._model)
         claim = self._single.take(images, update, step)
         replaced, left = self._start_tracks(images, update, claim)
         self._follow_single_views(images, update.association, step, left)
         self._end_tracks(update.association, replaced)
-        if self._lag_s > 0.0:
-            self._supports.note(self._t_s, (self._people, self._single.reported), self._looks)
+        self._reports.note(self._t_s, (self._people, self._single.people), self._looks)
         return self._snapshot(self._t_s)
 
     @property
@@ -154,7 +151,7 @@ class Tracker:
         """How much the tracker keeps in memory."""
         return Held(
             len(self._people), len(self._single), len(self._unassigned),
-            len(self._identities.dead), len(self._duplicates), len(self._ended),
+            len(self._identities.dead), len(self._duplicates), len(self._reports),
         )  # fmt: skip
 
     @property
@@ -186,15 +183,13 @@ class Tracker:
         m = self._model
         n_joint = len(m.skeleton.joints)
         self._people = Population.empty(n_joint, self._live, len(m.rig), len(m.body.joints))
-        self._one_view = OneViewRanges()
         self._single, self._ground = SingleViews(m, self._live), KnownGround()
         self._unassigned = Detections.nothing(n_joint)
         self._checked_s = -math.inf
         self._grid: KnotGrid | None = None
         self._identities.dead = []
-        self._ended: list[tuple[float, KnotGrid, Population]] = []
+        self._reports.forget()
         self._duplicates = Duplicates()
-        self._supports = SupportHistory()
         # After a jump back, what is known of the cameras is forgotten from the new time on.
         self._errors.learned_s[:] = np.minimum(self._errors.learned_s, self._t_s)
 
@@ -219,12 +214,11 @@ class Tracker:
         if self._grid is None:
             knot_s = m.settings.knot_s
             self._grid = KnotGrid(t_s - (self._live - ORDER) * knot_s, knot_s, self._live)
-        reach_s = max(
-            t_s, float((images.t_s - self._errors.applied[images.cam, 3]).max(initial=t_s))
-        )
+        cam, taken_s = images.cam.tolist(), images.t_s.tolist()
+        late_s = self._errors.applied[:, 3].tolist()
+        reach_s = max([t_s, *(t - late_s[c] for c, t in zip(cam, taken_s, strict=True))])
         appended = self._grid.steps_to(reach_s)
         self._grid = self._grid.moved_on(appended)
-        cam, taken_s = images.cam.tolist(), images.t_s.tolist()
         since_s = self._clocks.since_s(cam, taken_s)
         check = t_s - self._checked_s >= CHECK_S
         if check:
@@ -248,7 +242,7 @@ class Tracker:
         self._single.model = self._model
 
     def _start_tracks(
-        self, images: Images, update: Update, claim: Int64[np.ndarray, " person"]
+        self, images: Images, update: Update, claim: Int64[np.ndarray, " person"] | None
     ) -> tuple[set[int], Detections]:
         """Start tracks where unassigned detections of two or more cameras meet.
 
@@ -302,7 +296,7 @@ class Tracker:
         return replaced, pool.take(free)
 
     def _open_detections(
-        self, images: Images, update: Update, claim: Int64[np.ndarray, " person"]
+        self, images: Images, update: Update, claim: Int64[np.ndarray, " person"] | None
     ) -> tuple[int, Detections, Int64[np.ndarray, " person"]]:
         """Return the detections that may start a track, and the track that each would replace.
 
@@ -345,13 +339,9 @@ class Tracker:
         Its person has moved further than the association allows, as in a fall. Tracks whose
         identities are `named` already do not count.
         """
-        people, known = self._people, len(association.match)
-        seen_s = np.full(len(people), -np.inf)
-        seen_s[:known] = lost_since(
-            people.last_seen_s[:known], cam, association.match, images.cam,
-            self._t_s - self._times.look_back_s,
-        )  # fmt: skip
-        seen_s[np.isin(people.id, list(named))] = -np.inf
+        people, since_s = self._people, self._t_s - self._times.look_back_s
+        seen_s = lost_since(people.last_seen_s, cam, association.match, images.cam, since_s)
+        seen_s[[identity in named for identity in people.id.tolist()]] = -np.inf
         if not np.isfinite(seen_s).any():
             return None
         tracks = lost_tracks(people, seen_s, self._knots, self._model, self._t_s)
@@ -381,9 +371,7 @@ class Tracker:
         """Confirm tracks; delete those that are dead, duplicates or replaced."""
         people = self._people
         n_compared, looking = len(association.match), self._clocks.looking
-        found = lifecycle.judge(
-            people, self._model, n_compared, looking, self._t_s, *self._looks[::-1]
-        )
+        found = lifecycle.judge(people, self._model, n_compared, looking, self._t_s, self._looks)
         duplicates = self._duplicates.found(
             people, self._model, association, self._t_s, found.some_close
         )
@@ -398,7 +386,7 @@ class Tracker:
         self._identities.note_dead(gone, self._t_s)
         self._ground.note(people, died)
         died[list(replaced)] = True
-        self._keep_for_lag(people, died & people.confirmed)
+        self._reports.keep(people, died & people.confirmed, self._knots, self._t_s)
         self._people = people.keep(alive & stays)
 
     def _follow_single_views(
@@ -420,22 +408,12 @@ class Tracker:
         """Delete tracks of one camera; with a lag, those that were reported are kept for it."""
         if self._provisional:
             people = self._single.people
-            self._keep_for_lag(people, which & (people.id != NOBODY))
+            self._reports.keep(people, which & (people.id != NOBODY), self._knots, self._t_s)
         self._single.drop(which)
-
-    def _keep_for_lag(self, people: Population, which: Bool[np.ndarray, " track"]) -> None:
-        """Keep the dead tracks `which` until the lag has reached their end."""
-        if self._lag_s > 0.0 and which.any() and self._grid is not None:
-            self._ended.append((self._t_s, self._grid, people.keep(which)))
 
     def _snapshot(self, now_s: float) -> Snapshot:
         """Return the tracks that were alive at `now_s` minus the lag, dead since or not."""
-        t_s = now_s - self._lag_s
-        self._ended = [one for one in self._ended if one[0] > t_s + SAME_S]
-        there = [(one[1], one[2]) for one in self._ended]
-        if self._grid is not None:
-            there.append((self._grid, self._people))
-            if self._provisional and len(self._single):
-                there.append((self._grid, self._single.reported))
-        snapshot = snapshot_of(there, t_s, self._t_s, self._looks, self._model, self._provisional)
-        return self._supports.at_its_time(snapshot) if self._lag_s > 0.0 else snapshot
+        alive = [] if self._grid is None else [(self._grid, self._people)]
+        if self._grid is not None and self._provisional and len(self._single):
+            alive.append((self._grid, self._single.people))
+        return self._reports.snapshot(alive, now_s, self._t_s, self._looks, self._model)

@@ -52,23 +52,27 @@ def warm_up(
 def _follow_somebody(losing: bool) -> None:
     """Follow one person with three cameras, then with one, so that limbs and ground place it.
 
-    If it is to be lost, no camera delivers anything in the end.
+    That one sees somebody else beside, too. If people are to be lost, no camera delivers anything
+    in the end.
     """
     rig = Rig((_camera("first", 0.0), _camera("second", 1.2), _camera("third", 2.4)))
     tracker = Tracker(rig)
     xyz_m = np.array([(x, 0.0, z) for x, z in _STANDING_M])
+    both_m = np.stack([xyz_m, xyz_m + np.array([1.5, 0.0, 0.0])])
     for n in range(12):
+        alone = n >= 8
+        seen_m = both_m if alone else both_m[:1]
         views = tuple(
             Poses2D(
                 camera.name,
                 0.04 * n,
-                camera.project(xyz_m)[None],
-                np.full((1, len(xyz_m)), 0.9),
-                np.ones(1),
+                np.array([camera.project(one_m) for one_m in seen_m]),
+                np.full(seen_m.shape[:2], 0.9),
+                np.ones(len(seen_m)),
             )
-            for camera in rig
+            for camera in rig.cameras[: 1 if alone else 3]
         )
-        tracker.step(FrameSet(0.04 * n, views if n < 8 else views[:1]))
+        tracker.step(FrameSet(0.04 * n, views))
     if losing:
         for n in range(12, 30):
             tracker.step(FrameSet(0.04 * n, ()))

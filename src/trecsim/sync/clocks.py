@@ -68,10 +68,10 @@ class Clocks:
             ]
         )
 
-    def usual_s(self) -> Float64[np.ndarray, " cam"]:
+    def usual_s(self) -> list[float]:
         """Return the usual time between two images of each camera; 0 while unknown [s]."""
         heard = self._time.heard
-        return np.array([heard(c).usual_s for c in range(len(self._last_s))], np.float64)
+        return [heard(c).usual_s for c in range(len(self._last_s))]
 
     def move_on(self, t_s: float) -> bool:
         """Let time pass without an image; return whether it passed for so long that it starts anew.

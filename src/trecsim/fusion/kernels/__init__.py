@@ -7,13 +7,12 @@ Importing this package imports numba; only the fusion does.
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all, start_all
 from trecsim.fusion.kernels.curve import evaluate_all, locate
+from trecsim.fusion.kernels.distances import first_distances
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import (
-    Bodies,
     Bones,
     CameraErrors,
     Cameras,
-    Doubts,
     Fitted,
     Limits,
     Matches,
@@ -23,12 +22,8 @@ from trecsim.fusion.kernels.groups import (
     Prediction,
     Rays,
     Reported,
-    Sightings,
-    Sights,
+    Ruler,
     Taken,
-    Trajectories,
-    Waiting,
-    Who,
 )
 from trecsim.fusion.kernels.information import (
     control_points,
@@ -36,6 +31,7 @@ from trecsim.fusion.kernels.information import (
     fold_gaussian,
     fold_row,
 )
+from trecsim.fusion.kernels.joining import join_all
 from trecsim.fusion.kernels.lengths import Limbs
 from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.locating import Observed, located, scratch
@@ -64,9 +60,19 @@ from trecsim.fusion.kernels.presence import (
 )
 from trecsim.fusion.kernels.reported_covariance import report_all
 from trecsim.fusion.kernels.snapshot_kernels import snapshot_all
+from trecsim.fusion.kernels.track_groups import (
+    Bodies,
+    Doubts,
+    Ranges,
+    Sightings,
+    Sights,
+    Trajectories,
+    Waiting,
+    Who,
+)
 from trecsim.fusion.kernels.undistortion_kernels import Undistortion, undistort
 from trecsim.fusion.kernels.updating import update_all
-from trecsim.fusion.kernels.velocity import velocity_all
+from trecsim.fusion.kernels.velocity import torso_motion, velocity_all
 from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, Views, expect_all
 
 __all__ = [
@@ -88,8 +94,10 @@ __all__ = [
     "Now",
     "Observed",
     "Prediction",
+    "Ranges",
     "Rays",
     "Reported",
+    "Ruler",
     "Sightings",
     "Sights",
     "Silhouette",
@@ -112,11 +120,13 @@ __all__ = [
     "evaluate_all",
     "expect_all",
     "extend_all",
+    "first_distances",
     "fit_all",
     "fold_gaussian",
     "fold_row",
     "image_covariance",
     "inlier_odds",
+    "join_all",
     "judge_all",
     "locate",
     "located",
@@ -137,6 +147,7 @@ __all__ = [
     "snapshot_all",
     "start_all",
     "survive_all",
+    "torso_motion",
     "undistort",
     "update_all",
     "velocity_all",

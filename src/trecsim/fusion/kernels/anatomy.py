@@ -10,7 +10,6 @@ from trecsim.fusion.kernels.body_equations import Shifts, gather
 from trecsim.fusion.kernels.cholesky import cholesky, invert_cholesky, joint_block, solve_cholesky
 from trecsim.fusion.kernels.curve import BLOCK, locate, point
 from trecsim.fusion.kernels.ground import ground_contact, learn_level
-from trecsim.fusion.kernels.groups import Bodies, Trajectories
 from trecsim.fusion.kernels.information import (
     control_points,
     curve_covariance,
@@ -19,6 +18,7 @@ from trecsim.fusion.kernels.information import (
 )
 from trecsim.fusion.kernels.lengths import learn
 from trecsim.fusion.kernels.small_matrices import invert3
+from trecsim.fusion.kernels.track_groups import Bodies, Trajectories
 from trecsim.fusion.tuning import BODY_S, BODY_STEPS, REACH_M2, WEAK_M2
 
 

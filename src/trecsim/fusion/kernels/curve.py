@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 
 BLOCK = 3
 ORDER = 4
@@ -78,7 +78,7 @@ def point(c, span, weights, xyz_m):
         )
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def evaluate_all(c, knot_time, xyz_m):
     """Write everybody's joints at several times to `xyz_m` (time, track, joint, 3).
 

@@ -136,40 +136,6 @@ class CameraErrors(NamedTuple):
     centre_px: Float64[np.ndarray, "cam 2"]
 
 
-class Trajectories(NamedTuple):
-    """The joints' trajectories, and where they are at the time of the frame set.
-
-    Attributes
-    ----------
-    R, z, c
-        Square-root information of the control points, and these: the solution of ``R c = z``.
-    x_m, cov_m2
-        Joints and covariances.
-    """
-
-    R: Float64[np.ndarray, "track joint n n"]
-    z: Float64[np.ndarray, "track joint n"]
-    c: Float64[np.ndarray, "track joint n"]
-    x_m: Float64[np.ndarray, "track joint 3"]
-    cov_m2: Float64[np.ndarray, "track joint 3 3"]
-
-
-class Bodies(NamedTuple):
-    """What is learnt of each person's body.
-
-    Attributes
-    ----------
-    limb_m, limb_m2
-        Lengths of the limbs and their variances.
-    level
-        Height of the ground under the person, and its variance.
-    """
-
-    limb_m: Float64[np.ndarray, "track limb"]
-    limb_m2: Float64[np.ndarray, "track limb"]
-    level: Float64[np.ndarray, "track 2"]
-
-
 class Bones(NamedTuple):
     """The limbs of the skeleton.
 
@@ -181,103 +147,6 @@ class Bones(NamedTuple):
 
     joints: Int64[np.ndarray, "bone 2"]
     length_m: Float64[np.ndarray, " bone"]
-
-
-class Sightings(NamedTuple):
-    """When cameras supported the tracks [s].
-
-    Attributes
-    ----------
-    camera_s, joint_s
-        Last time that each camera supported each track, and each joint.
-    two_view_s, two_view_duration_s
-        Last time that two cameras supported it, and for how long they have, in all.
-    mirrored_duration_s
-        For how long most cameras have read it with left and right exchanged.
-    joint_off_m2, joint_quality
-        Squared distance of each camera's newest key point from the joint, at the person's distance
-        [m^2], and its measurement information relative to a good one; 0 where there is no key
-        point.
-    view_off_px
-        Mean innovation of the key points of each camera, averaged over time.
-    """
-
-    camera_s: Float64[np.ndarray, "track cam"]
-    joint_s: Float64[np.ndarray, "track joint cam"]
-    two_view_s: Float64[np.ndarray, " track"]
-    two_view_duration_s: Float64[np.ndarray, " track"]
-    mirrored_duration_s: Float64[np.ndarray, " track"]
-    joint_off_m2: Float64[np.ndarray, "track joint cam"]
-    joint_quality: Float64[np.ndarray, "track joint cam"]
-    view_off_px: Float64[np.ndarray, "track cam 2"]
-
-
-class Waiting(NamedTuple):
-    """Key points of one image per camera and track that wait until the trajectory is smoothed.
-
-    Attributes
-    ----------
-    t_s, is_pending
-        Time of the image [s], and whether it still waits.
-    xy_px, weight
-        Undistorted key points, and their weight in the fit [1/px^2]; 0 where there is none.
-    """
-
-    t_s: Float64[np.ndarray, "track cam"]
-    is_pending: Bool[np.ndarray, "track cam"]
-    xy_px: Float64[np.ndarray, "track joint cam 2"]
-    weight: Float64[np.ndarray, "track joint cam"]
-
-
-class Sights(NamedTuple):
-    """How cameras see the joints of the tracks now.
-
-    Attributes
-    ----------
-    newest_s
-        Time of each camera's newest image [s].
-    look_back_s
-        For how long what each camera supported counts as supported now [s].
-    joint_s
-        Last time that each camera supported each joint [s].
-    off_m2, quality
-        See `Sightings`.
-    """
-
-    newest_s: Float64[np.ndarray, " cam"]
-    look_back_s: Float64[np.ndarray, " cam"]
-    joint_s: Float64[np.ndarray, "track joint cam"]
-    off_m2: Float64[np.ndarray, "track joint cam"]
-    quality: Float64[np.ndarray, "track joint cam"]
-
-
-class Doubts(NamedTuple):
-    """What speaks against the tracks.
-
-    Attributes
-    ----------
-    swap_evidence
-        Evidence that its detections of two cameras are of two people [log likelihood ratio].
-    redundant_count
-        Number of checks in which other tracks explain all of its detections.
-    """
-
-    swap_evidence: Float64[np.ndarray, " track"]
-    redundant_count: Float64[np.ndarray, " track"]
-
-
-class Who(NamedTuple):
-    """Whom the tracks follow.
-
-    Attributes
-    ----------
-    id, born_s, confirmed
-        Identity, when the track began [s], and whether it is reported.
-    """
-
-    id: Int64[np.ndarray, " track"]
-    born_s: Float64[np.ndarray, " track"]
-    confirmed: Bool[np.ndarray, " track"]
 
 
 class Reported(NamedTuple):
@@ -391,3 +260,24 @@ class Rays(NamedTuple):
     direction: Float64[np.ndarray, "person joint 3"]
     sigma_scale: Float64[np.ndarray, "person joint"]
     t_s: Float64[np.ndarray, " person"]
+
+
+class Ruler(NamedTuple):
+    """What measures how far away somebody is whom one camera sees: body and ground.
+
+    Attributes
+    ----------
+    joints, length_m
+        The limbs that are across the line of sight of somebody who stands or walks: the two joints
+        of each, and its usual length.
+    limb
+        Which of the lengths of `Bodies` they are.
+    ankles, ankle_height_m
+        The ankles, and how high they are when they rest on the ground; there may be none.
+    """
+
+    joints: Int64[np.ndarray, "upright 2"]
+    length_m: Float64[np.ndarray, " upright"]
+    limb: Int64[np.ndarray, " upright"]
+    ankles: Int64[np.ndarray, " ankle"]
+    ankle_height_m: float

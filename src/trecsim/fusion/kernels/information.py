@@ -90,26 +90,41 @@ def curve_covariance(R, span, weights, y, cov_m2):
     Notes
     -----
     With ``B`` the row of basis weights, ``cov = B (R^T R)^-1 B^T = |R^-T B^T|^2``; control points
-    older than the span drop out of it. `y` is scratch, (n, 3).
+    older than the span drop out of it. `y` is scratch, (n, 3). Three rows at a time, as for
+    `control_points`.
     """
     n = R.shape[0]
     first = BLOCK * span
     xx = xy = xz = yy = yz = zz = 0.0  # sums that do not wait for each other
-    for i in range(first, n):
+    for i in range(first, n, BLOCK):
         m = i // BLOCK - span
-        weight, axis = weights[m] if m < ORDER else 0.0, i % BLOCK
-        p = weight if axis == 0 else 0.0
-        q = weight if axis == 1 else 0.0
-        r = weight if axis == 2 else 0.0
-        for k in range(max(first, (i // BLOCK - 3) * BLOCK), i):
-            p -= R[k, i] * y[k, 0]
-            q -= R[k, i] * y[k, 1]
-            r -= R[k, i] * y[k, 2]
-        by_pivot = 1.0 / R[i, i]
-        p, q, r = p * by_pivot, q * by_pivot, r * by_pivot
-        y[i, 0], y[i, 1], y[i, 2] = p, q, r
-        xx, xy, xz = xx + p * p, xy + p * q, xz + p * r
-        yy, yz, zz = yy + q * q, yz + q * r, zz + r * r
+        a = e = j = weights[m] if m < ORDER else 0.0
+        b = c = d = f = g = h = 0.0
+        for k in range(max(first, i + BLOCK - REACH), i):
+            u, v, w = y[k, 0], y[k, 1], y[k, 2]
+            s, t, r = R[k, i], R[k, i + 1], R[k, i + 2]
+            a, b, c = a - s * u, b - s * v, c - s * w
+            d, e, f = d - t * u, e - t * v, f - t * w
+            g, h, j = g - r * u, h - r * v, j - r * w
+        by = 1.0 / R[i, i]
+        a, b, c = a * by, b * by, c * by
+        s, by = R[i, i + 1], 1.0 / R[i + 1, i + 1]
+        d, e, f = (d - s * a) * by, (e - s * b) * by, (f - s * c) * by
+        s, t, by = R[i, i + 2], R[i + 1, i + 2], 1.0 / R[i + 2, i + 2]
+        g, h, j = (g - s * a - t * d) * by, (h - s * b - t * e) * by, (j - s * c - t * f) * by
+        y[i, 0], y[i, 1], y[i, 2] = a, b, c
+        y[i + 1, 0], y[i + 1, 1], y[i + 1, 2] = d, e, f
+        y[i + 2, 0], y[i + 2, 1], y[i + 2, 2] = g, h, j
+        xx, xy, xz = (
+            xx + a * a + d * d + g * g,
+            xy + a * b + d * e + g * h,
+            xz + a * c + d * f + g * j,
+        )
+        yy, yz, zz = (
+            yy + b * b + e * e + h * h,
+            yz + b * c + e * f + h * j,
+            zz + c * c + f * f + j * j,
+        )
     cov_m2[0, 0], cov_m2[0, 1], cov_m2[0, 2] = xx, xy, xz
     cov_m2[1, 0], cov_m2[1, 1], cov_m2[1, 2] = xy, yy, yz
     cov_m2[2, 0], cov_m2[2, 1], cov_m2[2, 2] = xz, yz, zz

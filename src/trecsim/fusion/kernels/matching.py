@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.mixture import image_covariance, inlier_odds, project, widened
 from trecsim.fusion.tuning import NEAR_M, TEMPER
@@ -82,7 +82,7 @@ def gap_px(box, other):
     return max(across, down)
 
 
-@kernel(allocates=True)
+@inner(allocates=True)
 def score_view(cameras, noise, cam, people, points, reach_m, scores):
     """Score every detection of one image against every track: log likelihood ratio to clutter.
 
@@ -107,8 +107,7 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
     P, focal_px = cameras.P, cameras.focal_px
     n_joint = xyz_m.shape[1]
     uv, S, depth_m = np.empty((n_joint, 2)), np.empty((n_joint, 3)), np.empty(n_joint)
-    focal = focal_px[cam]
-    camera = focal, cameras.error_px2[cam]
+    camera = focal_px[cam], cameras.error_px2[cam]
     mine, boxes = np.empty(4), np.empty((xy_px.shape[0], 4))
     for d in range(xy_px.shape[0]):
         box_of(xy_px[d], boxes[d])
@@ -120,15 +119,26 @@ def score_view(cameras, noise, cam, people, points, reach_m, scores):
             out[k, d] = -math.inf
             flip[k, d] = 0
             # Boxes so far apart say the same as the mean distance, at a fraction of the cost.
-            if gap_px(mine, boxes[d]) * least_m > reach_m * focal:
-                continue
-            if not mean_distance_m(uv, depth_m, focal, xy_px[d]) <= reach_m:
-                continue
-            for f in range(2):
-                ratio = person_log_ratio(uv, S, depth_m, camera, xy_px[d], sigma_scale[d], noise, f)
-                if ratio > out[k, d]:
-                    out[k, d] = ratio
-                    flip[k, d] = f
+            if gap_px(mine, boxes[d]) * least_m <= reach_m * camera[0]:
+                out[k, d], flip[k, d] = pair_log_ratio(
+                    uv, S, depth_m, camera, xy_px[d], sigma_scale[d], noise, reach_m
+                )
+
+
+@inner
+def pair_log_ratio(uv, S, depth_m, camera, xy_px, sigma_scale, noise, reach_m):
+    """Return the log likelihood ratio of one detection and one person, and the likelier reading.
+
+    The ratio is -inf where the key points lie further away than `reach_m` on average. The reading
+    is 1 with left and right exchanged, else 0. Other parameters as for `person_log_ratio`.
+    """
+    best, flipped = -math.inf, 0
+    if mean_distance_m(uv, depth_m, camera[0], xy_px) <= reach_m:
+        for f in range(2):
+            ratio = person_log_ratio(uv, S, depth_m, camera, xy_px, sigma_scale, noise, f)
+            if ratio > best:
+                best, flipped = ratio, f
+    return best, flipped
 
 
 @inner

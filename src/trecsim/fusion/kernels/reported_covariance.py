@@ -5,10 +5,11 @@ import math
 import numpy as np
 
 from trecsim.compiler import inner
-from trecsim.fusion.kernels.groups import Bodies
+from trecsim.fusion.kernels.distance_filter import LOG, RATE
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import project
 from trecsim.fusion.kernels.small_matrices import invert3, sandwich3
+from trecsim.fusion.kernels.track_groups import Bodies
 from trecsim.fusion.tuning import (
     BIAS_WANDER_PER_S,
     NEAR_M,
@@ -255,3 +256,26 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
                 cov_m2[k, j, p, p] += common_m2[j]
                 for q in range(3):
                     cov_m2[k, j, p, q] += of_cameras_m2[j, p, q]
+
+
+@inner
+def widen_along_rays(origin_m, cov, x, cov_m2, velocity_cov_m2ps2):
+    """Add to a person's covariances, in place, how far off it may be along the rays of one camera.
+
+    Parameters
+    ----------
+    origin_m, cov
+        The camera, (3,), and the covariance of the distance's filter, (4, 4).
+    x, cov_m2, velocity_cov_m2ps2
+        Joints (joint, 3), their covariances and those of their velocities, (joint, 3, 3).
+
+    Notes
+    -----
+    A distance that is off by a share moves each joint on its ray by that share of its own distance.
+    """
+    for j in range(x.shape[0]):
+        for a in range(3):
+            for b in range(3):
+                along_m2 = (x[j, a] - origin_m[a]) * (x[j, b] - origin_m[b])
+                cov_m2[j, a, b] += cov[LOG, LOG] * along_m2
+                velocity_cov_m2ps2[j, a, b] += cov[RATE, RATE] * along_m2

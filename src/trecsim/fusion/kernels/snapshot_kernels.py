@@ -4,25 +4,26 @@ import numpy as np
 
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.curve import evaluate_all, knots
-from trecsim.fusion.kernels.groups import Bodies, Sights
 from trecsim.fusion.kernels.information import covariance_all
 from trecsim.fusion.kernels.presence import count_supporting, supporting
-from trecsim.fusion.kernels.reported_covariance import report_all
+from trecsim.fusion.kernels.reported_covariance import report_all, widen_along_rays
 from trecsim.fusion.kernels.small_matrices import copy
+from trecsim.fusion.kernels.track_groups import Bodies, Sights
 from trecsim.fusion.kernels.velocity import velocity_all
 from trecsim.fusion.tuning import SAME_S
 
 
 @kernel(allocates=True)
-def snapshot_all(cameras, noise, limbs, who, tracks, bodies, sights, now, kind, out):
+def snapshot_all(cameras, noise, limbs, who, tracks, bodies, ranges, sights, now, kind, out):
     """Report the tracks that had been born at one time; return how many they are.
 
     Parameters
     ----------
     cameras, noise, limbs
         Constants: `Cameras`, `Noise` and `Limbs`.
-    who, tracks, bodies
-        All tracks: `Who`, `Trajectories` and `Bodies`; they stay as they are.
+    who, tracks, bodies, ranges
+        All tracks: `Who`, `Trajectories`, `Bodies` and `Ranges`; they stay as they are. Those
+        without an identity are not reported.
     sights
         `Sights`.
     now
@@ -39,7 +40,7 @@ def snapshot_all(cameras, noise, limbs, who, tracks, bodies, sights, now, kind, 
         x_m, cov_m2 = placed(tracks, here)
     n = 0
     for k in range(x_m.shape[0]):
-        if not (who.confirmed[k] or provisional) or who.born_s[k] > now.t_s + SAME_S:
+        if not is_reported(who, k, provisional, now.t_s):
             continue
         out.id[n] = who.id[k]
         copy(x_m[k], out.xyz_m[n])
@@ -60,10 +61,22 @@ def snapshot_all(cameras, noise, limbs, who, tracks, bodies, sights, now, kind, 
             cameras, noise, limbs, body, seen, now.t_s,
             (out.xyz_m[row], out.cov_m2[row], velocity_cov_m2ps2),
         )  # fmt: skip
+        if ranges.cam[k] >= 0:
+            origin_m = cameras.position_m[ranges.cam[k]]
+            widen_along_rays(
+                origin_m, ranges.cov[k], out.xyz_m[n], out.cov_m2[n], out.velocity_cov_m2ps2[n]
+            )
         count_supporting(seen, now.t_s, out.support[row])
         out.is_supported[n] = any_supported(seen.joint_s[0], now.t_s, seen.look_back_s)
         n += 1
     return n
+
+
+@inner
+def is_reported(who, k, provisional, t_s):
+    """Return whether a snapshot at `t_s` reports track `k`."""
+    known = who.confirmed[k] or (provisional and who.id[k] >= 0)
+    return known and who.born_s[k] <= t_s + SAME_S
 
 
 @inner(allocates=True)

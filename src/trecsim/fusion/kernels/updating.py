@@ -9,6 +9,7 @@ from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all
 from trecsim.fusion.kernels.camera_error_kernels import keep_key_points, note_camera_errors
 from trecsim.fusion.kernels.curve import evaluate_all, knots
+from trecsim.fusion.kernels.distances import Shown, hold_distances
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import Fitted, Matches, Prediction
 from trecsim.fusion.kernels.information import covariance_all
@@ -22,18 +23,18 @@ from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_
 
 @kernel(allocates=True)
 def update_all(
-    cameras, noise, bones, limbs, motion, tracks, bodies, sightings, waiting, confirmed, doubts,
-    errors, measured, taken, now, matches, owner, work,
+    cameras, noise, bones, limbs, ruler, motion, tracks, bodies, sightings, waiting, confirmed,
+    doubts, ranges, errors, measured, taken, now, matches, owner, work,
 ):  # fmt: skip
     """Take the detections of one frame set into all tracks, in place.
 
     Parameters
     ----------
-    cameras, noise, bones, limbs, motion
-        Constants: `Cameras`, `Noise`, `Bones`, `Limbs` and `Motion`.
-    tracks, bodies, sightings, waiting, confirmed, doubts
+    cameras, noise, bones, limbs, ruler, motion
+        Constants: `Cameras`, `Noise`, `Bones`, `Limbs`, `Ruler` and `Motion`.
+    tracks, bodies, sightings, waiting, confirmed, doubts, ranges
         The tracks: `Trajectories`, `Bodies`, `Sightings`, `Waiting`, which are reported, (track,),
-        and `Doubts`.
+        `Doubts` and `Ranges`.
     errors
         `CameraErrors`, changed in place.
     measured, taken, now
@@ -44,13 +45,14 @@ def update_all(
         Result, (person,): see `owners`.
     work
         How many control points are appended first, whether the matches are given (then the tracks
-        are fitted and nothing else), and whether to check the tracks for swaps.
+        are fitted and nothing else), whether to check the tracks for swaps, and whether they are
+        those of people whom two cameras have never seen.
 
     Returns
     -------
     How many detections may start a track, and whether any track is to be mirrored.
     """
-    steps, given, check = work
+    steps, given, check, is_single = work
     if steps:
         append(tracks, sightings, motion, taken, now, steps)
     prediction = predict(tracks, sightings, taken, now)
@@ -82,6 +84,8 @@ def update_all(
     n_seen = np.empty(tracks.x_m.shape[:2], np.int64)
     count_supported(sightings.joint_s, now.t_s, taken.look_back_s, n_seen)
     constrain_all(tracks, bodies, n_seen, limbs, noise.white_share, prediction.now, now.elapsed_s)
+    shown = Shown(cameras, noise.mirror, motion.torso, ruler, measured, taken)
+    hold_distances(shown, tracks, bodies, sightings, confirmed, ranges, matches, now, is_single)
     two_view_s = trusted_two_view_s(sightings.two_view_s, doubts.swap_evidence)
     n_open = owners(matches.match, two_view_s, now.t_s, SUPPORT_S, owner)
     return n_open, largest(sightings.mirrored_duration_s) > MIRROR_S

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.compiler import inner, kernel
+from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import (
     AHEAD_M,
     ASIDE_M,
@@ -85,7 +86,7 @@ class Views(NamedTuple):
     should: Bool[np.ndarray, "track cam"]
 
 
-@kernel
+@kernel(allocates=True)
 def expect_all(lenses, silhouette, looking, torso, x_m, step_m, asked, views):
     """Write which of the cameras that are looking should find people, and who is about to leave.
 
@@ -107,7 +108,7 @@ def expect_all(lenses, silhouette, looking, torso, x_m, step_m, asked, views):
         Result: `Views`.
     """
     expected, leaving, should = views
-    nowhere = (0.0, 0.0, 0.0)
+    nowhere, bodies = (0.0, 0.0, 0.0), extents(silhouette, torso, x_m)
     for k in range(x_m.shape[0]):
         if not asked[k]:
             continue
@@ -121,7 +122,7 @@ def expect_all(lenses, silhouette, looking, torso, x_m, step_m, asked, views):
             ahead += later
             if has_in_view(lenses, c, x_m[k], nowhere, torso):
                 before += 1
-                free = hidden_share(lenses.position_m[c], silhouette, torso, x_m, k) < HIDDEN_SHARE
+                free = hidden_share(lenses.position_m[c], silhouette, bodies, x_m, k) < HIDDEN_SHARE
                 should[k, c] = free
                 visible += free
                 stay += free and later
@@ -180,51 +181,97 @@ def bent(kind, k, x, y):
 
 
 @inner(allocates=True)
-def hidden_share(eye_m, silhouette, torso, x_m, k):
-    """Return which share of the joints of person `k` others hide from a camera at `eye_m`."""
-    hidden = np.empty(x_m.shape[1], np.int64)
-    for j in range(hidden.shape[0]):
-        hidden[j] = 0
-    own_m, other_m = np.empty(3), np.empty(3)
-    middle_from(eye_m, x_m[k], torso, own_m)
-    far_m = math.sqrt(own_m[0] ** 2 + own_m[1] ** 2 + own_m[2] ** 2)
-    for i in range(x_m.shape[0]):
-        if i == k:
-            continue
-        middle_from(eye_m, x_m[i], torso, other_m)
-        near_m = math.sqrt(other_m[0] ** 2 + other_m[1] ** 2 + other_m[2] ** 2)
-        if near_m < far_m - BEFORE_M and gap_m2(own_m, other_m, other_m) < ASIDE_M**2:
-            hide(eye_m, silhouette, x_m[i], x_m[k], hidden)
-    count = 0
-    for j in range(hidden.shape[0]):
-        count += hidden[j]
-    return count / hidden.shape[0]
+def extents(silhouette, torso, x_m):
+    """Return the middles of all torsos, and how far from it each body may hide something.
 
+    Parameters
+    ----------
+    silhouette, torso, x_m
+        See `expect_all`.
 
-@inner
-def middle_from(eye_m, x_m, torso, out):
-    """Write the way from `eye_m` to the middle of a torso to `out`."""
-    for a in range(3):
-        out[a] = -eye_m[a]
-        for j in torso:
-            out[a] += x_m[j, a] / torso.shape[0]
+    Returns
+    -------
+    Middles, (track, 3), and radii of balls about them that hold the capsules, (track,) [m].
+    """
+    middle_m, radius_m = np.empty((x_m.shape[0], 3)), np.empty(x_m.shape[0])
+    thickest_m = largest(silhouette.radius_m)
+    for k in range(x_m.shape[0]):
+        for a in range(3):
+            middle_m[k, a] = 0.0
+            for j in torso:
+                middle_m[k, a] += x_m[k, j, a] / torso.shape[0]
+        most_m2 = 0.0
+        for j in range(x_m.shape[1]):
+            off_m2 = 0.0
+            for a in range(3):
+                off_m2 += (x_m[k, j, a] - middle_m[k, a]) ** 2
+            most_m2 = max(most_m2, off_m2)
+        radius_m[k] = math.sqrt(most_m2) + max(thickest_m, 0.0)
+    return middle_m, radius_m
 
 
 @inner(allocates=True)
-def hide(eye_m, silhouette, other_m, x_m, hidden):
-    """Mark, in place, the joints `x_m` that the body with the joints `other_m` hides."""
-    start, end, to_joint = np.empty(3), np.empty(3), np.empty(3)
-    for p in range(silhouette.radius_m.shape[0]):
-        e = silhouette.ends[p]
+def hidden_share(eye_m, silhouette, bodies, x_m, k):
+    """Return which share of the joints of person `k` others hide from a camera at `eye_m`.
+
+    `bodies` are the `extents` of everybody, `x_m` everybody's joints.
+    """
+    (middle_m, radius_m), n_joint = bodies, x_m.shape[1]
+    hidden, rays_m = np.empty(n_joint, np.bool_), np.empty((n_joint, 3))
+    for j in range(n_joint):
+        hidden[j] = False
         for a in range(3):
-            start[a] = 0.5 * (other_m[e[0], a] + other_m[e[1], a]) - eye_m[a]
-            end[a] = 0.5 * (other_m[e[2], a] + other_m[e[3], a]) - eye_m[a]
-        for j in range(x_m.shape[0]):
-            if hidden[j]:
-                continue
+            rays_m[j, a] = x_m[k, j, a] - eye_m[a]
+    own_m, other_m = np.empty(3), np.empty(3)
+    far_m = way_to(eye_m, middle_m[k], own_m)
+    for i in range(x_m.shape[0]):
+        if i == k:
+            continue
+        near_m = way_to(eye_m, middle_m[i], other_m)
+        if near_m < far_m - BEFORE_M and gap_m2(own_m, other_m, other_m) < ASIDE_M**2:
+            hide(eye_m, silhouette, x_m[i], (other_m, radius_m[i]), rays_m, hidden)
+    count = 0
+    for j in range(n_joint):
+        count += hidden[j]
+    return count / n_joint
+
+
+@inner
+def way_to(eye_m, x_m, out):
+    """Write the way from `eye_m` to `x_m` to `out`; return its length."""
+    length_m2 = 0.0
+    for a in range(3):
+        out[a] = x_m[a] - eye_m[a]
+        length_m2 += out[a] * out[a]
+    return math.sqrt(length_m2)
+
+
+@inner(allocates=True)
+def hide(eye_m, silhouette, other_m, ball, rays_m, hidden):
+    """Mark, in place, the joints that a body hides.
+
+    Parameters
+    ----------
+    eye_m, silhouette
+        The camera's place, and `Silhouette`.
+    other_m, ball
+        The joints of the body, and a ball that holds its capsules: middle, from the eye, and
+        radius. A ray that misses the ball misses them all.
+    rays_m, hidden
+        Ways from the eye to the joints that may be hidden, (joint, 3), and result (joint,).
+    """
+    (middle_m, radius_m), ends, capsule_m = ball, silhouette.ends, silhouette.radius_m
+    start, end = np.empty(3), np.empty(3)
+    for j in range(rays_m.shape[0]):
+        if hidden[j] or gap_m2(rays_m[j], middle_m, middle_m) > radius_m * radius_m:
+            continue
+        for p in range(capsule_m.shape[0]):
             for a in range(3):
-                to_joint[a] = x_m[j, a] - eye_m[a]
-            hidden[j] = gap_m2(to_joint, start, end) < silhouette.radius_m[p] ** 2
+                start[a] = 0.5 * (other_m[ends[p, 0], a] + other_m[ends[p, 1], a]) - eye_m[a]
+                end[a] = 0.5 * (other_m[ends[p, 2], a] + other_m[ends[p, 3], a]) - eye_m[a]
+            if gap_m2(rays_m[j], start, end) < capsule_m[p] ** 2:
+                hidden[j] = True
+                break
 
 
 @inner
