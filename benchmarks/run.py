@@ -29,6 +29,7 @@ _IN_ORDER = (
     "shared_errors",
     "noise",
     "speed",
+    "forecast",
     "simulating",
     "evaluating",
     "reading",

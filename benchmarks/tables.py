@@ -11,6 +11,7 @@ from functools import partial
 import ablation_tables as ablation
 import exactness_tables as exact
 import figures as all_figures
+import forecast_tables as ahead
 import movement_tables as moving
 import settings_table
 import speed_tables as fast
@@ -96,12 +97,14 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "others": (ANY, others),
     "targets": (ANY, targets),
     "truth": (ANY, truth_of_claims),
+    "forecast": ("forecast", partial(ahead.forecast, short=False)),
+    "forecast-short": ("forecast", partial(ahead.forecast, short=True)),
     "machine": (ANY, machine),
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))
         for name in ("memory", "arrival", "soak", "simulating", "evaluating", "real_video",
                      "pipeline_cost", "reading", "storing", "live", "soak_live", "page",
-                     "page_start", "streams")
+                     "page_start", "streams", "forecast")
     },
 }  # fmt: skip
 """Every table: the benchmark it needs, and what makes it."""

@@ -237,7 +237,18 @@ FUSION: tuple[Target, ...] = (*_shelf(), *_thesis(), *_rooms(), *_speed())
 
 _VIDEO, _COST, _LONG = "real video", "pipeline", "an hour of failing cameras"
 _LIVE, _PAGE, _STORE = "live site", "live page", "storing"
+_AHEAD = "forecasts on ETH/UCY, table of the other scenes"
 OTHERS: tuple[Target, ...] = (
+    Target(_AHEAD, "ADE, published protocol",
+           ("forecast", "mean, published protocol", "ADE"), "<=", 0.515, "m"),
+    Target(_AHEAD, "FDE, published protocol",
+           ("forecast", "mean, published protocol", "FDE"), "<=", 1.09, "m"),
+    Target(_AHEAD, "ADE, true time", ("forecast", "mean, true time", "ADE"), "<=", 0.445, "m"),
+    Target(_AHEAD, "FDE, true time", ("forecast", "mean, true time", "FDE"), "<=", 0.93, "m"),
+    Target(_AHEAD, "largest error of coverage of a level and horizon, true time",
+           ("forecast", "mean, true time", "largest coverage error*", "*"), "<=", 0.02),
+    Target(_AHEAD, "4.8 s for 50 people, thread time",
+           ("forecast", "cost, 50 people", "thread time*"), "<=", 2, "ms"),
     Target("simulating", "4 cameras x 4 people",
            ("simulating", "4 cameras, 4 people", "times real time"), ">=", 50, "x real time"),
     Target("simulating", "12 cameras x 50 people",

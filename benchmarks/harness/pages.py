@@ -14,6 +14,7 @@ PAGES = (
     ROOT / "README.md",
     ROOT / "docs" / "benchmarks.md",
     ROOT / "docs" / "ablation.md",
+    ROOT / "docs" / "forecasts.md",
     ROOT / "docs" / "reference" / "fusion-settings.md",
     ROOT / "docs" / "reference" / "simulated-detector.md",
 )

@@ -31,7 +31,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
     ("arguments", "message"),
     [
         (["trakc"], "there is no command 'trakc'; did you mean 'track'? See: trecsim --help"),
-        (["xyzzy"], "there is no command 'xyzzy'; there are: audit, backup, demo, doctor, "),
+        (["xyzzy"], "there is no command 'xyzzy'; there are: assess, audit, backup, demo, "),
         (["rig", "shoow"], "there is no command 'shoow'; did you mean 'show'? See: trecsim rig"),
         (["--quickly"], "there is no option '--quickly'. See: trecsim --help"),
         (["export", "a.csv"], 'Command "export" parameter OUT requires an argument.'),

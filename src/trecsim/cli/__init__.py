@@ -29,6 +29,8 @@ COMMANDS = {
     "assess": "Judge the rules of a site file on recorded tracks; write the events.",
     "evaluate": "Evaluate tracks with or without ground truth.",
     "evaluate-events": "Evaluate events of rules against true events.",
+    "forecast": "Forecast where people will be in the next seconds.",
+    "evaluate-forecast": "Evaluate forecasts on recorded paths.",
     "export": "Convert tracks to another format.",
     "backup": "Back up the recordings and the ledger of a site to one file, while the site runs.",
     "restore": "Restore a backup to a new folder.",

@@ -16,6 +16,7 @@ from trecsim.page.link import (
     SnapshotPart,
     ToPage,
 )
+from trecsim.page.live_forecasts import LiveForecasts
 from trecsim.page.messages import message, snapshot_body
 from trecsim.recent import Recent
 from trecsim.values import PROVISIONAL
@@ -59,6 +60,7 @@ class LiveState:
         self.people = 0
         self.snapshots = 0
         self.pictures: dict[str, Picture] = {}
+        self._forecasts = LiveForecasts()
         self._publishing = Recent()
         self._health: Health | None = None
         self._health_at_s = monotonic()
@@ -72,7 +74,8 @@ class LiveState:
             case SnapshotPart():
                 self.people = sum(state != PROVISIONAL for state in part.state)
                 self.snapshots += 1
-                self.hub.publish("snapshot", message("snapshot", time(), snapshot_body(part)))
+                body = snapshot_body(part, self._forecasts.of(part))
+                self.hub.publish("snapshot", message("snapshot", time(), body))
                 took_s, age_s = monotonic() - part.written_s, time() - part.t_s
                 self._publishing.add(monotonic(), 1e3 * took_s, 1e3 * age_s)
             case HealthPart(health):

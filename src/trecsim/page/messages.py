@@ -16,8 +16,12 @@ _JOINTS = len(COCO17.joints)
 _encode = msgspec.json.Encoder().encode
 
 
-def snapshot_body(part: SnapshotPart) -> dict[str, Any]:
+def snapshot_body(
+    part: SnapshotPart, forecasts: Mapping[int, list[dict[str, Any]]] | None = None
+) -> dict[str, Any]:
     """Return a snapshot as the stream and recordings give it, without the time of sending.
+
+    `forecasts` are by person, as `forecast_body` gives them; people without have no such key.
 
     Coordinates have three decimals, uncertainties four; what is missing (NaN) is null in JSON.
     """
@@ -35,6 +39,7 @@ def snapshot_body(part: SnapshotPart) -> dict[str, Any]:
             {
                 "person": person, "state": state, "seen_s": round(seen_s, DECIMALS),
                 "posture": posture, "xyz_m": xyz, "sigma_m": sigma, "support": joint_support,
+                **({"forecast": forecasts[person]} if forecasts and person in forecasts else {}),
             }
             for person, state, seen_s, posture, xyz, sigma, joint_support in columns
         ],

@@ -1,0 +1,12 @@
+"""Forecasts: where people will be in the next seconds, and how sure that is.
+
+`Forecaster` takes snapshots, or floor points, in order of time and returns for each person several
+modes with weights and covariances, and regions that are calibrated while it runs. It knows no
+files, clocks or threads.
+"""
+
+from trecsim.forecasting.floor_points import floor_points
+from trecsim.forecasting.forecaster import Forecaster
+from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecast, Moment
+
+__all__ = ["AHEAD_S", "LEVELS", "Forecast", "Forecaster", "Moment", "floor_points"]

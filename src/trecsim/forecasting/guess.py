@@ -1,0 +1,113 @@
+"""The single guess of everybody's path, and the frame in which its errors are judged.
+
+Notes
+-----
+Errors of a walking person differ along and across the heading, those of a standing one do not. In
+the frame of the heading, in units of a scale that grows with the horizon T (in units of 4.8 s),
+
+    scale^2 = (a T^b)^2 + noise^2,
+
+errors have nearly the same distribution at every horizon; a along and across and b are fitted for
+each class of speed. Everything else, modes and regions, stands in these units.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from trecsim.forecasting import tuning
+from trecsim.forecasting.corrections import corrected
+from trecsim.forecasting.filters import filtered, reached
+from trecsim.forecasting.table_values import Table
+from trecsim.forecasting.values import Pasts
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guess:
+    """The single guess for everybody in view.
+
+    Attributes
+    ----------
+    t_s
+        The moment [s].
+    person
+        Identities.
+    ahead_s
+        Horizons [s].
+    xy_m
+        Where they will be [m].
+    heading
+        Unit vectors of their velocities; the x axis where there is none.
+    kind
+        Class of speed: standing, slow, walking, fast, seen once.
+    scale_m
+        Scale of the errors along and across the heading [m].
+    long
+        Who has been seen for the whole 3.2 s that a forecast looks back.
+    """
+
+    t_s: float
+    person: Int64[np.ndarray, " person"]
+    ahead_s: Float64[np.ndarray, " step"]
+    xy_m: Float64[np.ndarray, "person step 2"]
+    heading: Float64[np.ndarray, "person 2"]
+    kind: Int64[np.ndarray, " person"]
+    scale_m: Float64[np.ndarray, "person step 2"]
+    long: Bool[np.ndarray, " person"]
+
+    def errors(self, truth_m: Float64[np.ndarray, "person step 2"]) -> np.ndarray:
+        """Return the errors of the guess along and across the heading in units of the scale."""
+        error_m = truth_m - self.xy_m
+        along, across = self.axes
+        turned = np.stack([error_m @ along[..., None], error_m @ across[..., None]], axis=2)
+        scaled: np.ndarray = turned[..., 0] / self.scale_m
+        return scaled
+
+    @property
+    def axes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Unit vectors along the heading and to its left, (person, 2) each."""
+        x, y = self.heading.T
+        return self.heading, np.stack([-y, x], axis=1)
+
+    @property
+    def shape_m2(self) -> Float64[np.ndarray, "person step 2 2"]:
+        """Ellipses of the scale in the world [m^2]."""
+        along, across = self.axes
+        a, c = (self.scale_m**2)[..., 0, None, None], (self.scale_m**2)[..., 1, None, None]
+        return np.asarray(a * _outer(along)[:, None] + c * _outer(across)[:, None])
+
+
+def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> Guess:
+    """Return where everybody will be.
+
+    Parameters
+    ----------
+    pasts
+        Where everybody was.
+    ahead_s
+        Horizons [s].
+    table
+        The fitted numbers.
+    """
+    motion = filtered(pasts)
+    path_m = corrected(reached(motion, ahead_s), pasts, motion, ahead_s, table.corrections_s)
+    speed = np.linalg.norm(motion.velocity_mps, axis=1)
+    moving = speed > 1e-6
+    heading = np.where(
+        moving[:, None], motion.velocity_mps / np.where(moving, speed, 1.0)[:, None], [1.0, 0.0]
+    )
+    count = pasts.count
+    kind = np.where(count > 1, np.searchsorted(tuning.SPEED_EDGES_MPS, speed), tuning.CLASSES - 1)
+    grown = (ahead_s / tuning.FULL_AHEAD_S) ** table.exponent[kind][:, None]
+    grown = grown * table.short[count - 1][:, None]
+    floor_m = np.maximum(motion.noise_m, tuning.SMALLEST_SIGMA_M)[:, None, None]
+    scale_m = np.hypot(grown[..., None] * table.scale_m[kind][:, None], floor_m)
+    return Guess(
+        pasts.t_s, pasts.person, ahead_s, path_m, heading, kind, scale_m, count == tuning.PAST
+    )
+
+
+def _outer(vectors: np.ndarray) -> np.ndarray:
+    product: np.ndarray = vectors[:, :, None] * vectors[:, None, :]
+    return product
