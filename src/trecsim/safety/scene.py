@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float64, Int64
 from trecsim.safety.bodies import Bodies, bodies
 from trecsim.safety.floor_points import HIPS, FloorPoints, floor_points
 from trecsim.safety.forecaster import Forecast
-from trecsim.safety.traces import KEEP_S, Trace
+from trecsim.safety.traces import KEEP_S, Sample, Trace
 from trecsim.values import COASTING, Snapshot
 
 
@@ -94,11 +94,15 @@ class Memory:
         seen = (people.state != COASTING) & (people.support > 0).any(axis=1)
         floor, body = floor_points(people), bodies(people)
         self._forget(people.t_s - KEEP_S)
+        postures = body.postures
         variance_m2 = np.square(body.hip_sigma_m[:, :2]).mean(axis=1)
         for row in np.flatnonzero(seen & np.isfinite(body.hip_m).all(axis=1)):
             self._traces.setdefault(int(people.id[row]), Trace()).add(
-                people.t_s, body.hip_m[row], float(variance_m2[row]), floor.xy_m[row],
-                float(body.trunk_rad[row]), float(body.standing_m[row]),
+                Sample(
+                    people.t_s, body.hip_m[row], float(variance_m2[row]), floor.xy_m[row],
+                    float(body.trunk_rad[row]),
+                    float(body.standing_m[row]), bool(postures[row] == "lying"),
+                )
             )  # fmt: skip
         scene = Scene(people, seen, floor, body, self._traces, forecasts)
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))

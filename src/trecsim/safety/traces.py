@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.safety.bodies import DOWN_HIP_M, LYING_RAD
+from trecsim.safety.bodies import LYING_RAD
 
 KEEP_S = 8.0
 """So much of a person's movement is remembered [s]."""
@@ -15,17 +15,18 @@ BASE_S = 0.08
 """Velocities are measured over at least so long, before and after together [s]."""
 
 FALL_S = 1.5
-"""The movement of a fall takes no longer [s]."""
+"""From standing to lying a fall takes no longer [s]; who lies down with care sits first."""
 FALL_DROP_SHARE = 0.4
 """The hips drop by this share of their height in standing."""
 FALL_MPS = 1.0
-"""The hips go down faster than this [m/s]; somebody who sits or lies down is slower."""
+"""The hips go down faster than this [m/s]; slower ones lie down, or slide down."""
 STOOD_RAD = math.radians(30.0)
 """The trunk of somebody who falls leaned less than this before."""
 _FALL_BASE_S = 0.12
-_UP_S = 1.0  # somebody who was up for so long has got up
+_SETTLED_S = 0.5  # after lying began, all of the fall has been seen
+_UP_S = 1.0  # somebody who did not lie for so long has got up
 
-_COLUMNS = 7  # t, x, y and z of the hips, variance over the floor, floor point x and y
+_COLUMNS = 8  # t, x, y, z of the hips, variance over the floor, floor point, lean
 _LEAST_ROWS = 64
 
 
@@ -37,11 +38,37 @@ class Fall(NamedTuple):
     drop_m
         How far the hips dropped [m].
     v_down_mps
-        Their highest speed downwards [m/s].
+        Highest speed of the hips downwards [m/s].
     """
 
     drop_m: float
     v_down_mps: float
+
+
+class Sample(NamedTuple):
+    """Where somebody is at one moment.
+
+    Attributes
+    ----------
+    t_s
+        The moment [s].
+    hip_m, variance_m2, floor_m
+        See `Moved`.
+    trunk_rad
+        Lean of the trunk from the vertical [rad]; NaN where it is not known.
+    standing_m
+        Height of the hips in standing [m].
+    is_lying
+        Whether the person lies.
+    """
+
+    t_s: float
+    hip_m: Float64[np.ndarray, " 3"]
+    variance_m2: float
+    floor_m: Float64[np.ndarray, " 2"]
+    trunk_rad: float
+    standing_m: float
+    is_lying: bool
 
 
 class Moved(NamedTuple):
@@ -86,19 +113,18 @@ class Trace:
 
     Attributes
     ----------
-    down_since_s
-        Since when the hips are on the floor [s]; None while they are not.
+    lying_since_s
+        Since when the person lies [s]; None while standing, sitting and so on.
     fall
         The movement with which that began, if it was a fall.
     """
 
-    down_since_s: float | None = None
+    lying_since_s: float | None = None
     fall: Fall | None = None
     _up_since_s: float | None = None
-    _rows: Float64[np.ndarray, "row 7"] = field(
+    _rows: Float64[np.ndarray, "row 8"] = field(
         default_factory=lambda: np.empty((_LEAST_ROWS, _COLUMNS))
     )
-    _leans: Float64[np.ndarray, " row"] = field(default_factory=lambda: np.empty(_LEAST_ROWS))
     _begin: int = 0
     _end: int = 0
 
@@ -129,74 +155,59 @@ class Trace:
         way_m = moved.xyz_m[-1, :2] - moved.xyz_m[0, :2]
         return float(np.hypot(*way_m) / (moved.t_s[-1] - moved.t_s[0]))
 
-    def add(
-        self,
-        t_s: float,
-        hip_m: Float64[np.ndarray, " 3"],
-        variance_m2: float,
-        floor_m: Float64[np.ndarray, " 2"],
-        lean_rad: float,
-        standing_m: float,
-    ) -> None:
-        """Add where the person is now.
-
-        Parameters
-        ----------
-        t_s
-            Now [s].
-        hip_m, variance_m2, floor_m
-            See `Moved`.
-        lean_rad
-            Lean of the trunk [rad].
-        standing_m
-            Height of the hips in standing [m].
-        """
-        self._make_room(t_s - KEEP_S)
-        self._rows[self._end] = (t_s, *hip_m, variance_m2, *floor_m)
-        self._leans[self._end] = lean_rad
+    def add(self, now: Sample) -> None:
+        """Add where the person is now."""
+        self._make_room(now.t_s - KEEP_S)
+        self._rows[self._end] = (
+            now.t_s, *now.hip_m, now.variance_m2, *now.floor_m, now.trunk_rad,
+        )  # fmt: skip
         self._end += 1
-        self._note_down(t_s, float(hip_m[2]), standing_m)
+        self._note_lying(now)
 
     def _make_room(self, from_s: float) -> None:
         while self._begin < self._end and self._rows[self._begin, 0] < from_s:
             self._begin += 1
         if self._end < len(self._rows):
             return
-        kept, count = slice(self._begin, self._end), len(self)
-        rows, leans = self._rows[kept].copy(), self._leans[kept].copy()
+        count = len(self)
+        rows = self._rows[self._begin : self._end].copy()
         if 2 * count > len(self._rows):
-            self._rows, self._leans = np.empty((4 * count, _COLUMNS)), np.empty(4 * count)
-        self._rows[:count], self._leans[:count] = rows, leans
+            self._rows = np.empty((4 * count, _COLUMNS))
+        self._rows[:count] = rows
         self._begin, self._end = 0, count
 
-    def _note_down(self, t_s: float, hip_z_m: float, standing_m: float) -> None:
-        """Note whether the hips are on the floor, and how they came there."""
-        if hip_z_m >= DOWN_HIP_M:
-            self._up_since_s = self._up_since_s if self._up_since_s is not None else t_s
-            if t_s - self._up_since_s >= _UP_S:
-                self.down_since_s = self.fall = None
+    def _note_lying(self, now: Sample) -> None:
+        """Note whether the person lies, and how that began."""
+        if not now.is_lying:
+            self._up_since_s = self._up_since_s if self._up_since_s is not None else now.t_s
+            if now.t_s - self._up_since_s >= _UP_S:
+                self.lying_since_s = self.fall = None
             return
         self._up_since_s = None
-        if self.down_since_s is None:
-            self.down_since_s = t_s
-        if self.fall is None and t_s - self.down_since_s <= FALL_S:
-            self.fall = self._fall_before(self.down_since_s - FALL_S, standing_m)
+        if self.lying_since_s is None:
+            self.lying_since_s = now.t_s
+        if self.fall is None and now.t_s - self.lying_since_s <= _SETTLED_S:
+            self.fall = self._fall_before(self.lying_since_s, now.standing_m)
 
-    def _fall_before(self, from_s: float, standing_m: float) -> Fall | None:
-        """Return the fall between a time and now, if there was one."""
+    def _fall_before(self, lying_since_s: float, standing_m: float) -> Fall | None:
+        """Return the fall that led to lying, if it was one."""
         rows = self._rows[self._begin : self._end]
-        first = int(np.searchsorted(rows[:, 0], from_s))
-        t_s, z_m, leans = rows[first:, 0], rows[first:, 3], self._leans[self._begin :][first:]
-        leans = leans[: len(t_s)]
-        later = np.searchsorted(t_s, t_s + _FALL_BASE_S - 1e-9)
-        full = np.flatnonzero(later < len(t_s))
-        if not len(full):
-            return None
-        to = later[full]
-        v_down_mps = float(((z_m[full] - z_m[to]) / (t_s[to] - t_s[full])).max())
+        rows = rows[np.searchsorted(rows[:, 0], lying_since_s - FALL_S) :]
+        t_s, z_m, leans = rows[:, 0], rows[:, 3], rows[:, 7]
         drop_m = float(z_m.max() - z_m[-1])
-        tilted = np.nanmin(leans, initial=math.inf) < STOOD_RAD and leans[-1] > LYING_RAD
-        dropped = drop_m >= FALL_DROP_SHARE * standing_m
-        if v_down_mps > FALL_MPS and (dropped or tilted):
-            return Fall(drop_m, v_down_mps)
-        return None
+        fall = Fall(drop_m, _fastest_down_mps(t_s, z_m))
+        stood = bool((leans < STOOD_RAD).any()) and bool(leans[-1] > LYING_RAD)
+        has_dropped = drop_m >= FALL_DROP_SHARE * standing_m
+        return fall if fall.v_down_mps > FALL_MPS and (has_dropped or stood) else None
+
+
+def _fastest_down_mps(
+    t_s: Float64[np.ndarray, " sample"], z_m: Float64[np.ndarray, " sample"]
+) -> float:
+    """Return the highest speed downwards, over `_FALL_BASE_S` [m/s]; 0 where none is known."""
+    later = np.searchsorted(t_s, t_s + _FALL_BASE_S - 1e-9)
+    full = np.flatnonzero(later < len(t_s))
+    to = later[full]
+    speeds_mps = (z_m[full] - z_m[to]) / (t_s[to] - t_s[full])
+    known = speeds_mps[np.isfinite(speeds_mps)]
+    return max(float(known.max()), 0.0) if len(known) else 0.0

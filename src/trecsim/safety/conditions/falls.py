@@ -34,11 +34,7 @@ class Fallen:
         for row, person, trace in scene.seen_traces():
             if trace.fall is None or not inside[row] > LEAST:
                 continue
-            measures = {
-                **_measures(scene, row),
-                "drop_m": trace.fall.drop_m,
-                "v_down_mps": trace.fall.v_down_mps,
-            }
+            measures = {**_measures(scene, row), **trace.fall._asdict()}
             sure = min(_hips_down(scene, row), _flat(scene, row)) * float(inside[row])
             findings[person] = Finding(sure, measures)
         return Judged(findings)
@@ -61,7 +57,7 @@ class Down:
         inside = inside_of(scene, self.polygon)
         findings = {}
         for row, person, trace in scene.seen_traces():
-            if trace.down_since_s is None or trace.fall is not None:
+            if trace.fall is not None:
                 continue
             sure = _hips_down(scene, row) * float(inside[row])
             if sure > LEAST:

@@ -69,12 +69,13 @@ class Running:
         over_s = float(moved.t_s[-1] - moved.t_s[0])
         sigma_mps = math.sqrt(moved.variance_m2[0] + moved.variance_m2[-1]) / over_s
         sure = 1.0 - below(self.speed_mps, median_mps, sigma_mps)
-        began = _first_in_a_row(fast & _holds(self.polygon, moved))
+        slow = _last_slow(fast & _holds(self.polygon, moved))
+        began = int(fast.argmax()) if slow is None else min(slow[1] + 1, len(fast) - 1)
         return Finding(
             sure * inside,
             {"speed_mps": median_mps},
-            since_s=None if began is None else float(moved.t_s[began]),
-            until_s=float(moved.t_s[min(np.flatnonzero(fast)[-1] + 1, len(fast) - 1)]),
+            since_s=float(moved.t_s[began]),
+            until_s=None if slow is None else float(moved.t_s[slow[0]]),
         )
 
 
@@ -134,8 +135,18 @@ def _holds(polygon: Polygon | None, moved: Moved) -> Bool[np.ndarray, " sample"]
     return holds
 
 
-def _first_in_a_row(fast: Bool[np.ndarray, " sample"]) -> int | None:
-    """Return the first of several in a row; single ones are noise."""
-    row = min(_IN_A_ROW, len(fast))
-    starts = np.flatnonzero(np.lib.stride_tricks.sliding_window_view(fast, row).all(axis=1))
-    return int(starts[0]) if len(starts) else None
+def _last_slow(fast: Bool[np.ndarray, " sample"]) -> tuple[int, int] | None:
+    """Return first and last sample of the last slow stretch; one or two samples are noise.
+
+    Examples
+    --------
+    >>> _last_slow(np.array([1, 0, 0, 0, 0, 1, 1, 0, 1, 1, 1], bool))
+    (1, 4)
+    """
+    windows = np.lib.stride_tricks.sliding_window_view(fast, min(_IN_A_ROW, len(fast)))
+    starts = np.flatnonzero(~windows.any(axis=1))
+    if not len(starts):
+        return None
+    breaks = np.flatnonzero(np.diff(starts) > 1)
+    first = starts[breaks[-1] + 1] if len(breaks) else starts[0]
+    return int(first), int(starts[-1]) + windows.shape[1] - 1
