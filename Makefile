@@ -69,7 +69,7 @@ bench: .venv/installed-test  ## Run all benchmarks, store the results, make the 
 bench-quick: .venv/installed-test  ## Run a part of them (3 min); say what got worse, and fail if so.
 	$(BIN)/python benchmarks/run.py --quick
 
-ablation: .venv/installed-test  ## Switch the parts of the model off one by one; store what each is worth (10 min).
+ablation: .venv/installed-test  ## Switch the parts of the model off one by one; store what each is worth (15 min).
 	$(BIN)/python benchmarks/ablation.py
 	$(BIN)/python benchmarks/tables.py
 

@@ -1,196 +1,142 @@
 """What each part of the fusion's model is worth: it is switched off, one part after the other.
 
-The parts and how each is switched off stand in ``parts.py``. Every row is stored as soon as it is
-done; after Ctrl-C the same command goes on, and rows of an older version of the code are done anew.
+The parts, how each is switched off and what it is for stand in ``parts.py``, what they are measured
+on in ``ablation_inputs.py``. Every row is stored as soon as it is done; after Ctrl-C the same
+command goes on, and rows of an older version of the code are done anew.
 
-Run: ``python benchmarks/ablation.py``; ``--only "sharp turns" --quick`` while working on a part.
+Run: ``python benchmarks/ablation.py``; ``--only "heavy tails" --quick`` while working on a part.
 """
 
 import argparse
 import hashlib
+import logging
 import os
-import pickle
 import sys
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import ablation_tables as pages
-from harness import machine, scoring
+from harness import machine
 from harness.command import ONE_THREAD, add_options, fail
 from harness.figures import RESULTS, Figures, Result, Skipped, once, store, stored
-from harness.options import REPORTING_SEEDS, Options, shared_data
+from harness.options import REPORTING_SEEDS, Options, sample_folder, shared_data
 
-# Columns of the table: of what kind their scenes are, and which.
-GROUPS: dict[str, tuple[str, tuple[Any, ...]]] = {
-    "4 cameras": ("room", ((4, 10),)),  # cameras, people
-    "2 cameras": ("room", ((2, 3),)),
-    "on the floor": ("scene", ("lying-down", "falling", "crawling")),
-    "close together": ("scene", ("crossing-30cm", "hugging", "overtaking")),
-    "coming and going": ("scene", ("leaving-returning", "side-entry")),
-    "trouble": ("scene", ("camera-knocked", "cheap-cameras", "platform-edge")),
-    "thesis, walking": ("thesis", ("walk_J1_C2", "walk_J2_C2", "walk_J3_C2", "walk_J3_occl_C2")),
-    "thesis, crossing": ("thesis", ("cross_lateral_50cm_C2", "cross_X_occl_C2")),
-    "thesis, hard": ("thesis", ("hard_J3_C2", "close_entry_J1_C2")),
-    "Shelf, 5 cameras": ("shelf", (5,)),  # all choices of so many cameras
-    "Shelf, 2 cameras": ("shelf", (2,)),
-}
-DATA = {"thesis": "thesis_scenes", "shelf": "shelf"}
-SECONDS = 20.0
-SEEDS = {"room": 8, "scene": 4}
-QUICK_SEEDS = 2
-KEPT = ("mean error", "limb length sd", "IDF1", "switches", "missed", "ghosts", "away from 90 %")
+COST, STEP = "time a step", "of the full model's"
+COST_MATTERS = 5.0  # % of a step
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One part switched off in one scene.
+    """One row.
 
     Attributes
     ----------
     part
-        Name.
-    group, kind, name, seed
-        Column group; `room`, `scene`, `thesis` or `shelf`; which one; its seed.
-    cache
-        Folder for scenes that are made or converted once.
+        Name of what is switched off.
+    without
+        Names of inputs of which the data are not there.
     overrides
         Settings of the fusion that differ from their defaults in every row.
+    quick
+        Whether a part of the input is enough.
     """
 
     part: str
-    group: str
-    kind: str
-    name: Any
-    seed: int
-    cache: Path
+    without: frozenset[str]
     overrides: Mapping[str, Any]
-
-    @property
-    def run(self) -> str:
-        """What the run is called in the results."""
-        if self.kind == "room":
-            return str(self.seed)
-        name = self.name if isinstance(self.name, str) else " ".join(self.name)
-        return f"{name} {self.seed}" if self.kind == "scene" else name
+    quick: bool
 
 
-def scores(task: Task) -> dict[str, float]:
-    """Return the scores of one part switched off in one scene."""
-    import shelf
+def row(task: Task) -> Figures:
+    """Return the figures of one row, by input: all in one process, which compiles once."""
+    from ablation_inputs import runs_of
+    from ablation_scores import figures_of
     from parts import by_name
 
     part = by_name()[task.part]
     overrides = {**task.overrides, **part.settings}
-    with part.off():
-        if task.kind == "shelf":
-            return shelf.scores((shared_data("shelf"), task.name, part.lag_s, overrides))
-        poses, rig, truth = _made(task)
-        return scoring.scores(poses, rig, truth, part.lag_s, overrides)
-
-
-def _made(task: Task) -> Any:
-    """Return key points, cameras and truth of a scene, which is made once."""
-    kept = task.cache / f"{task.group} {task.run}.pickle"
-    if kept.exists():
-        return pickle.loads(kept.read_bytes())
-    made = _make(task)
-    beside = kept.with_suffix(f".{os.getpid()}")
-    beside.write_bytes(pickle.dumps(made, pickle.HIGHEST_PROTOCOL))
-    beside.replace(kept)
-    return made
-
-
-def _make(task: Task) -> Any:
-    import thesis
-    from trecsim.lab.simulation import read_scene, simulate
-    from trecsim.lab.simulation.scene import room_scene
-    from trecsim.store.truth import Truth
-
-    if task.kind == "thesis":
-        return thesis.read(shared_data("thesis_scenes") / f"{task.name}.npz")
-    if task.kind == "room":
-        cameras, people = task.name
-        scene = room_scene(people=people, cameras=cameras, seconds=SECONDS)
-    else:
-        scene = read_scene(task.name)
-    made = simulate(scene, task.seed)
-    return list(made.poses), made.rig, Truth(made.truth_t_s, made.truth_xyz_m)
-
-
-def tasks(part: str, options: Options, cache: Path) -> Iterator[Task]:
-    """Yield all that is to be run for one row."""
-    for group, (kind, names) in GROUPS.items():
-        if kind in options.skipped:
-            continue
-        seeds = options.seeds(SEEDS[kind], QUICK_SEEDS) if kind in SEEDS else [0]
-        for name in names if kind != "shelf" else _choices(*names):
-            for seed in seeds:
-                yield Task(part, group, kind, name, seed, cache, options.overrides)
-
-
-def _choices(count: int) -> list[tuple[str, ...]]:
-    from harness.shelf_recording import read_cameras
-
-    return list(combinations(read_cameras(shared_data("shelf")).names, count))
-
-
-def row(done: Sequence[tuple[Task, Mapping[str, float]]]) -> Figures:
-    """Return the figures of one row, in groups."""
-    groups: dict[str, dict[str, Mapping[str, float]]] = {}
-    for task, found in done:
-        groups.setdefault(task.group, {})[task.run] = found
     out: dict[str, Figures] = {}
-    for group, runs in groups.items():
-        if GROUPS[group][0] == "shelf":
-            out[group] = _on_shelf(runs)
-        elif GROUPS[group][0] == "thesis":
-            out[group] = _of_thesis(runs)
-        else:
-            kept = {run: {name: found[name] for name in KEPT} for run, found in runs.items()}
-            out[group] = scoring.of_seeds(kept)
+    with _quiet(), part.off():
+        for name in part.inputs:
+            if name not in task.without:
+                runs = {
+                    run: found(overrides, part.lag_s) for run, found in runs_of(name, task.quick)
+                }
+                out[name] = figures_of(runs)
+    out[COST] = {STEP: once(_relative_step(task), "%", matters=COST_MATTERS)}
     return out
 
 
-def _on_shelf(runs: Mapping[str, Mapping[str, float]]) -> Figures:
-    import shelf
-
-    return {**shelf.subsets(runs), "PCP of actor 4": _mean(runs, "PCP of actor 4", "%", "higher")}
-
-
-def _of_thesis(runs: Mapping[str, Mapping[str, float]]) -> Figures:
-    return {
-        "mean error": _mean(runs, "mean error", "cm"),
-        "joints within 15 cm": _mean(runs, "joints within 15 cm", "", "higher", 0.003),
-        "switches": once(sum(found["switches"] for found in runs.values()), "", matters=0.0),
-    }
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep remarks on cameras that are disturbed on purpose from the terminal."""
+    logger = logging.getLogger("trecsim")
+    usual = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(usual)
 
 
-def _mean(runs: Mapping[str, Mapping[str, float]], name: str, *about: Any) -> Any:
-    return once(sum(found[name] for found in runs.values()) / len(runs), *about)
+def _relative_step(task: Task) -> float:
+    """Return how long a step takes without a part, as a share of what it takes with it [%].
+
+    Both take turns, and of each the shortest round counts.
+    """
+    from ablation_inputs import ROUNDS, step_ms
+    from parts import FULL, by_name
+
+    if task.part == FULL:
+        return 100.0
+    part = by_name()[task.part]
+    with_ms, without_ms = [], []
+    for _ in range(ROUNDS):
+        with_ms.append(step_ms(task.overrides, 0.0))
+        with part.off():
+            without_ms.append(step_ms({**task.overrides, **part.settings}, part.lag_s))
+    return 100.0 * min(without_ms) / min(with_ms)
 
 
-def measure(names: Iterable[str], options: Options, cache: Path) -> Iterator[tuple[str, Figures]]:
+def measure(names: Sequence[str], options: Options) -> Iterator[tuple[str, Figures]]:
     """Yield the figures of each row as soon as it is done."""
-    todo = [task for name in names for task in tasks(name, options, cache)]
-    last = {task.part: number for number, task in enumerate(todo)}
-    done: list[tuple[Task, Mapping[str, float]]] = []
-    for number, found in enumerate(options.over(scores, todo, "runs of all rows")):
-        done.append((todo[number], found))
-        part = todo[number].part
-        if number == last[part]:
-            options.tell(f"{len([n for n in last.values() if n <= number])} of {len(last)}: {part}")
-            yield part, row(done)
-            done.clear()
+    without = frozenset(options.skipped)
+    todo = [Task(name, without, options.overrides, options.quick) for name in names]
+    for number, found in enumerate(options.over(row, todo, "rows")):
+        options.tell(f"{number + 1} of {len(names)}: {names[number]}")
+        yield names[number], found
+
+
+def missing_data() -> dict[str, str]:
+    """Return the inputs whose data are not there, and why."""
+    from ablation_inputs import DATA, SAMPLE
+
+    out: dict[str, str] = {}
+    for folder, names in DATA.items():
+        try:
+            shared_data(folder)
+        except Skipped as reason:
+            out |= dict.fromkeys(names, str(reason))
+    try:
+        sample_folder(Options())
+    except Skipped as reason:
+        out |= dict.fromkeys(SAMPLE, str(reason))
+    return out
 
 
 def outdated(before: Result | None, names: Iterable[str], code: str) -> list[str]:
-    """Return those of the rows that are not stored, or of another version of the code."""
-    made_with = before.about["rows"] if before else {}
-    return [name for name in names if made_with.get(name, {}).get("code") != code]
+    """Return those of the rows that are not stored, or of another version of code or part."""
+    from parts import by_name
+
+    made_with, parts = before.about["rows"] if before else {}, by_name()
+    return [
+        name for name in names
+        if [made_with.get(name, {}).get(key) for key in ("code", "part")]
+        != [code, parts[name].digest]
+    ]  # fmt: skip
 
 
 def merged(before: Result | None, new: Mapping[str, Figures], about: Mapping[str, Any]) -> Result:
@@ -199,14 +145,24 @@ def merged(before: Result | None, new: Mapping[str, Figures], about: Mapping[str
 
     figures = {**(before.figures if before else {}), **new}
     rows = dict(before.about["rows"]) if before else {}
-    rows.update({name: {"code": about["code"], "commit": about["commit"]} for name in new})
-    known = [name for name in by_name() if name in figures]
-    groups = {part.name: group for group, parts in PARTS.items() for part in parts}
+    parts = by_name()
+    rows.update(
+        {
+            name: {"code": about["code"], "part": parts[name].digest, "commit": about["commit"]}
+            for name in new
+        }
+    )
+    known = [name for name in parts if name in figures]
+    groups = {part.name: group for group, of_group in PARTS.items() for part in of_group}
     whole = {
         **about,
         "rows": {name: rows[name] for name in known},
         "parts": {
-            name: {"group": groups.get(name, ""), "instead": by_name()[name].instead}
+            name: {
+                "group": groups.get(name, ""),
+                "instead": parts[name].instead,
+                "aims": [list(aim) for aim in parts[name].aims] if name in groups else [],
+            }
             for name in known
         },
     }
@@ -256,25 +212,24 @@ def wanted(before: Result | None, only: Sequence[str], code: str) -> list[str]:
 
 
 def _run(names: list[str], options: Options) -> Iterator[tuple[str, Figures]]:
-    for kind, folder in DATA.items():
-        try:
-            shared_data(folder)
-        except Skipped as reason:
-            options.skipped[kind] = str(reason)
-            print(f"skipped {kind}: {reason}", file=sys.stderr)
-    with tempfile.TemporaryDirectory() as cache:
-        yield from measure(names, options, Path(cache))
+    for name, reason in missing_data().items():
+        options.skipped[name] = reason
+        print(f"skipped {name}: {reason}", file=sys.stderr)
+    yield from measure(names, options)
 
 
 def _about(options: Options) -> dict[str, Any]:
     from trecsim.lab.study.code_digest import code_digest
 
-    measured = repr((GROUPS, SEEDS, SECONDS, KEPT)).encode()
+    folder = Path(__file__).parent
+    measured = b"".join(
+        (folder / f"ablation_{name}.py").read_bytes() for name in ("inputs", "scores")
+    )
     return {
         **machine.describe(),
         "code": f"{code_digest()} {hashlib.sha256(measured).hexdigest()[:6]}",
         "quick": options.quick,
-        "input": {"seeds_from": REPORTING_SEEDS[0], "seeds": SEEDS, "seconds": SECONDS},
+        "input": {"seeds_from": REPORTING_SEEDS[0]},
         "settings": dict(options.overrides),
     }
 

@@ -26,38 +26,46 @@ class Column:
 
 
 COLUMNS = (
-    Column("4 cameras, error [cm]", "4 cameras", "mean error"),
-    Column("limb length sd [cm]", "4 cameras", "limb length sd"),
-    Column("IDF1 [%]", "4 cameras", "IDF1"),
-    Column("90 % regions, off by [%]", "4 cameras", "away from 90 %", 1),
-    Column("2 cameras, error [cm]", "2 cameras", "mean error"),
-    Column("IDF1 [%]", "2 cameras", "IDF1"),
-    Column("on the floor, error [cm]", "on the floor", "mean error"),
-    Column("close together, error [cm]", "close together", "mean error"),
-    Column("coming and going, IDF1 [%]", "coming and going", "IDF1", 1),
-    Column("trouble, IDF1 [%]", "trouble", "IDF1", 1),
-    Column("thesis: walking, error [cm]", "thesis, walking", "mean error"),
-    Column("crossing", "thesis, crossing", "mean error"),
-    Column("hard", "thesis, hard", "mean error"),
-    Column("Shelf: 5 cameras, PCP [%]", "Shelf, 5 cameras", "average PCP", 1),
-    Column("2 cameras", "Shelf, 2 cameras", "average PCP", 1),
+    Column("4 cameras: error [cm]", "4 cameras", "error"),
+    Column("log-likelihood", "4 cameras", "log-likelihood"),
+    Column("2 cameras: error [cm]", "2 cameras", "error"),
+    Column("log-likelihood", "2 cameras", "log-likelihood"),
+    Column("built-in scenes: error [cm]", "built-in scenes", "error"),
+    Column("missed [%]", "built-in scenes", "missed, provisional people counted"),
+    Column("ghosts [%]", "built-in scenes", "ghosts"),
     Column("switches, all of these", *SWITCHES, 0),
+    Column("time a step [%]", "time a step", "of the full model's", 0),
 )
+"""What every part changes elsewhere."""
 
 
 def ablation(results: Results) -> str:
-    """Return the table: the full model, and by how much each row differs beyond noise."""
+    """Return the table: what each part is for, and what differs beyond noise without it."""
     result = results["ablation"]
     rows, group = [_absolute(result)], ""
     for name, figures in _rows(result):
         about = result.about["parts"][name]
         if about["group"] != group:
             group = about["group"]
-            rows.append([f"*{group}*", *[""] * len(COLUMNS)])
+            rows.append([f"*{group}*", *[""] * (len(COLUMNS) + 1)])
         changes = {c.path: c for c in _changes(result, name)}
         title = name if _comparable(result, name) else f"{name} (an older version)"
-        rows.append([title, *(_cell(figures, column, changes) for column in COLUMNS)])
-    return table(["without", *(column.title for column in COLUMNS)], rows)
+        aims = [_aim(aim, changes) for aim in map(tuple, about["aims"])]
+        rows.append(
+            [title, "<br>".join(aims), *(_cell(figures, column, changes) for column in COLUMNS)]
+        )
+    titles = (column.title for column in COLUMNS)
+    return table(["without", "what it is for: with it → without it", *titles], rows)
+
+
+def _aim(aim: tuple[str, ...], changes: Mapping[tuple[str, ...], Change]) -> str:
+    """Return a figure that a part is for, with the part and without it."""
+    change = changes.get(aim)
+    if change is None:
+        return f"{', '.join(aim)}: {NOTHING}"
+    now = number(change.now, 3)
+    now = {"as before": SAME, "worse": f"**{now}**", "better": now}[change.verdict]
+    return f"{', '.join(aim)}: {number(change.before, 3)} → {now} {change.unit}".rstrip()
 
 
 def instead(results: Results) -> str:
@@ -104,8 +112,9 @@ def _comparable(result: Result, name: str) -> bool:
 
 
 def _with_switches(figures: Figures) -> dict[str, Figure | Figures]:
-    """Return the figures of a row and the sum of all switches in it."""
-    every = [f for path, f in leaves(figures) if path[-1] == "switches"]
+    """Return the figures of a row and the sum of all switches on what every row is tracked on."""
+    common = {column.group for column in COLUMNS}
+    every = [f for path, f in leaves(figures) if path[-1] == "switches" and path[0] in common]
     total = summed({"all": sum(f.value for f in every)})
     return {**figures, SWITCHES[0]: {SWITCHES[1]: total}}
 
@@ -122,7 +131,7 @@ def _changes(result: Result, name: str) -> list[Change]:
 def _absolute(result: Result) -> list[str]:
     figures = result.figures[FULL]
     assert not isinstance(figures, Figure)
-    return [FULL, *(fixed(_value(figures, column), column.places) for column in COLUMNS)]
+    return [FULL, "", *(fixed(_value(figures, column), column.places) for column in COLUMNS)]
 
 
 def _value(figures: Figures, column: Column) -> float:

@@ -98,7 +98,9 @@ def room(task: Task) -> Found:
     )  # fmt: skip
     errors = beside(snapshots, Truth(made.truth_t_s, made.truth_xyz_m)).errors()
     guilty = set(DISTURBED[fault] and made.rig.names if cameras == 2 else DISTURBED[fault])
-    named = {(name, t_s) for text, t_s in remarks for name in made.rig.names if _names(text, name)}
+    named = {
+        (name, t_s) for text, t_s in remarks for name in made.rig.names if mentions(text, name)
+    }
     return Found(
         errors,
         min((t_s for name, t_s in named if name in guilty), default=np.inf),
@@ -106,7 +108,8 @@ def room(task: Task) -> Found:
     )
 
 
-def _names(text: str, camera: str) -> bool:
+def mentions(text: str, camera: str) -> bool:
+    """Return whether a remark names a camera."""
     return re.search(rf"\b{camera}\b", text) is not None
 
 
