@@ -13,6 +13,7 @@ factor for the whole path follows, in the same way, the largest error of a path 
 90 % radii that were stated for it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,13 +22,14 @@ from jaxtyping import Bool, Float64, Int64
 from trecsim.forecasting import tuning
 from trecsim.forecasting.guess import Guess
 from trecsim.forecasting.table_values import Table
-from trecsim.forecasting.values import LEVELS
+from trecsim.forecasting.values import AHEAD_S, LEVELS
 
 _OUTER = LEVELS.index(tuning.PATH_LEVEL)
+PATH_LEVELS = (tuning.PATH_LEVEL,)
 
 
 @dataclass(slots=True, eq=False)
-class _Stated:
+class Stated:
     """A forecast that waits for what happens; its worst error so far, NaN once it is unknown."""
 
     guess: Guess
@@ -54,64 +56,92 @@ class Calibration:
             table.radius[:, None], tuning.STEPS, axis=1
         )
         self.path_factor: Float64[np.ndarray, " kind"] = table.path_radius.copy()
-        self._truths: Int64[np.ndarray, "kind 12"] = np.zeros(self.radius.shape[:2], np.int64)
+        groups = tuning.CLASSES * tuning.STEPS
+        self._truths: Int64[np.ndarray, " group"] = np.zeros(groups, np.int64)
         self._paths: Int64[np.ndarray, " kind"] = np.zeros(len(self.path_factor), np.int64)
-        self._stated: list[_Stated] = []
+        self._stated: list[Stated] = []
 
     def state(self, guess: Guess) -> None:
         """Keep a guess, of the horizons `AHEAD_S`, to compare it with what happens."""
         counts = guess.long | (guess.kind == tuning.CLASSES - 1)
-        self._stated.append(_Stated(guess, self.radius[guess.kind, :, _OUTER], counts))
+        self._stated.append(Stated(guess, self.radius[guess.kind, :, _OUTER], counts))
 
-    def due(self, t_s: float) -> list[tuple[float, "_Stated"]]:
-        """Return what can be compared by now: the time of the truth, and the forecast."""
+    def due(self, t_s: float) -> "list[Due]":
+        """Return what can be compared by now: the time, the forecast, and which horizon of it."""
         return [
-            (when, stated)
+            (when_s, stated, k)
             for stated in self._stated
-            for when in (stated.guess.t_s + stated.guess.ahead_s[stated.done :]).tolist()
-            if when <= t_s + 1e-6
+            for k, when_s in enumerate((stated.guess.t_s + AHEAD_S).tolist())
+            if k >= stated.done and when_s <= t_s + 1e-6
         ]
 
-    def learn(self, stated: "_Stated", truth_m: Float64[np.ndarray, "person 2"]) -> None:
-        """Take what happened at the next horizon of a stated forecast; NaN where it is unknown."""
-        k, kind = stated.done, stated.guess.kind
-        stated.done += 1
-        error = np.where(stated.counts, _at(stated.guess, truth_m, k), np.nan)
-        self._follow(kind, k, error)
-        stated.worst = np.maximum(stated.worst, error / stated.radius[:, k])
-        if stated.done == tuning.STEPS:
-            self._stated.remove(stated)
-            self._follow_path(kind, stated.worst)
+    def learn(self, due: "Sequence[Due]", truth_m: Sequence[np.ndarray]) -> None:
+        """Take what happened, (person, 2) for each that was due [m]; NaN where it is unknown."""
+        pairs = zip(due, truth_m, strict=True)
+        error = np.concatenate([_at(one.guess, xy, k) for (_, one, k), xy in pairs])
+        error[~np.concatenate([one.counts for _, one, _ in due])] = np.nan
+        kind = np.concatenate([one.guess.kind for _, one, _ in due])
+        step = np.repeat([k for _, _, k in due], [len(one.counts) for _, one, _ in due])
+        group = kind * tuning.STEPS + step
+        radius = self.radius.reshape(-1, len(LEVELS))
+        moved = _moves(group, error, radius, self._truths, LEVELS)
+        grown = np.maximum(radius * np.exp(moved), tuning.SMALLEST_RADIUS)
+        self.radius = grown.reshape(self.radius.shape)
+        self._follow_paths(due, error)
 
-    def _follow(self, kinds: np.ndarray, k: int, error: np.ndarray) -> None:
-        for kind in np.unique(kinds[~np.isnan(error)]).tolist():
-            seen = error[(kinds == kind) & ~np.isnan(error)]
-            excess = (seen[:, None] > self.radius[kind, k]).mean(axis=0) - (1 - np.array(LEVELS))
-            step = _step(int(self._truths[kind, k]), len(seen))
-            self._truths[kind, k] += len(seen)
-            grown = self.radius[kind, k] * np.exp(step * excess)
-            self.radius[kind, k] = np.maximum(grown, tuning.SMALLEST_RADIUS)
+    def _follow_paths(self, due: "Sequence[Due]", error: np.ndarray) -> None:
+        """Keep the worst error of each path; learn from the paths that have ended."""
+        ends = np.cumsum([len(one.counts) for _, one, _ in due])
+        for (_, one, k), of_one in zip(due, np.split(error, ends[:-1]), strict=True):
+            one.worst = np.maximum(one.worst, of_one / one.radius[:, k])
+            one.done = k + 1
+            if one.done == tuning.STEPS:
+                self._stated.remove(one)
+                factor = self.path_factor[:, None]
+                moved = _moves(one.guess.kind, one.worst, factor, self._paths, PATH_LEVELS)
+                self.path_factor = self.path_factor * np.exp(moved[:, 0])
 
-    def _follow_path(self, kinds: np.ndarray, worst: np.ndarray) -> None:
-        for kind in np.unique(kinds[~np.isnan(worst)]).tolist():
-            seen = worst[(kinds == kind) & ~np.isnan(worst)]
-            excess = (seen > self.path_factor[kind]).mean() - (1 - tuning.PATH_LEVEL)
-            step = _step(int(self._paths[kind]), len(seen))
-            self._paths[kind] += len(seen)
-            self.path_factor[kind] *= np.exp(step * excess)
+
+Due = tuple[float, Stated, int]
+"""When a horizon of a forecast was reached [s], the forecast, and the number of the horizon."""
+
+
+def _moves(
+    group: Int64[np.ndarray, " sample"],
+    error: Float64[np.ndarray, " sample"],
+    radius: Float64[np.ndarray, "group level"],
+    truths: Int64[np.ndarray, " group"],
+    levels: Sequence[float],
+) -> Float64[np.ndarray, "group level"]:
+    """Return how far the logarithms of the radii move; count the new truths in `truths`."""
+    known = ~np.isnan(error)
+    group, error = group[known], error[known]
+    new = np.bincount(group, minlength=len(radius))
+    outside = (error[:, None] > radius[group]).astype(np.float64)
+    number = [np.bincount(group, weights=one, minlength=len(radius)) for one in outside.T]
+    share = np.stack(number, axis=1) / np.maximum(new, 1)[:, None]
+    step = np.minimum(_steps_until(truths + new) - _steps_until(truths), tuning.MOST_STEP)
+    truths += new
+    return np.asarray(step[:, None] * (share - (1.0 - np.array(levels))))
 
 
 def _at(guess: Guess, truth_m: np.ndarray, k: int) -> np.ndarray:
     """Return the size of the errors at one horizon, in units of the scale."""
-    error_m = truth_m - guess.xy_m[:, k]
-    along, across = guess.axes
-    scaled = np.stack([(error_m * along).sum(axis=1), (error_m * across).sum(axis=1)], axis=1)
-    size: np.ndarray = np.linalg.norm(scaled / guess.scale_m[:, k], axis=1)
+    x, y = (truth_m - guess.xy_m[:, k]).T
+    along, left = guess.heading.T
+    scale_x, scale_y = guess.scale_m[:, k].T
+    size: np.ndarray = np.hypot((x * along + y * left) / scale_x, (y * along - x * left) / scale_y)
     return size
 
 
-def _step(before: int, new: int) -> float:
-    """Return how far `new` truths move the logarithm, after `before` of them."""
-    truths = before + np.arange(new)
-    steps = tuning.FIRST_STEP / (1 + truths / tuning.HALVING_TRUTHS)
-    return min(float(np.maximum(steps, tuning.LAST_STEP).sum()), tuning.MOST_STEP)
+_EARLY = int(tuning.HALVING_TRUTHS * (tuning.FIRST_STEP / tuning.LAST_STEP - 1))
+"""From so many truths on, the step is the last one."""
+_EARLY_STEPS = np.append(
+    0.0, np.cumsum(tuning.FIRST_STEP / (1 + np.arange(_EARLY) / tuning.HALVING_TRUTHS))
+)
+
+
+def _steps_until(truths: Int64[np.ndarray, " group"]) -> Float64[np.ndarray, " group"]:
+    """Return the sum of the steps of the first so many truths."""
+    early = _EARLY_STEPS[np.minimum(truths, _EARLY)]
+    return np.asarray(early + np.maximum(truths - _EARLY, 0) * tuning.LAST_STEP)

@@ -34,7 +34,7 @@ def corrected(
 ) -> Float64[np.ndarray, "person step 2"]:
     """Return the filters' path with all corrections."""
     terms = velocities(pasts, motion)
-    return np.asarray(path_m + np.einsum("tc,pcx->ptx", growth(ahead_s) @ coefficients_s.T, terms))
+    return np.asarray(path_m + (growth(ahead_s) @ coefficients_s.T) @ terms)
 
 
 def growth(ahead_s: Float64[np.ndarray, " step"]) -> Float64[np.ndarray, "step 2"]:
@@ -64,9 +64,7 @@ def _companions(
     near = (towards_m**2).sum(axis=2) / COMPANION_M**2
     alike = (relative**2).sum(axis=2) / COMPANION_MPS**2
     weight = np.exp(-0.5 * (near + alike)) * not_self
-    mean: np.ndarray = np.einsum("pq,pqx->px", weight, relative) / (
-        ALONE + weight.sum(axis=1, keepdims=True)
-    )
+    mean = _summed(weight, relative) / (ALONE + weight.sum(axis=1, keepdims=True))
     return np.where(np.linalg.norm(own, axis=1, keepdims=True) > STANDING_MPS, mean, 0.0)
 
 
@@ -79,5 +77,10 @@ def _in_the_way(
     distance_m = np.linalg.norm(closest_m, axis=2)
     push = np.exp(-distance_m / NEAR_M - meet_s / SOON_S) * (meet_s > 0.0) * not_self
     away = -closest_m / np.maximum(distance_m, 0.1)[..., None]
-    total: np.ndarray = np.einsum("pq,pqx->px", push, away)
-    return np.asarray(total * np.linalg.norm(own, axis=1, keepdims=True))
+    return np.asarray(_summed(push, away) * np.linalg.norm(own, axis=1, keepdims=True))
+
+
+def _summed(weight: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Return the weighted sum over the others, (person, 2)."""
+    total: np.ndarray = (weight[:, None] @ vectors)[:, 0]
+    return total

@@ -73,14 +73,15 @@ def filtered(pasts: Pasts) -> Motion:
     for n in np.unique(count[count > 1]).tolist():
         who = count == n
         maps = _maps(n)
-        white = np.einsum("fin,pnx->pfix", maps.innovations, moved_m[who, -n:])
-        fit[who] = -0.5 * (white**2).sum(axis=(2, 3)) - 2.0 * maps.log_scale
+        white = maps.innovations.reshape(-1, n) @ np.hstack(list(moved_m[who, -n:]))
+        size = (white**2).reshape(filters, n - 1, -1).sum(axis=1)
+        fit[who] = -0.5 * (size[:, ::2] + size[:, 1::2]).T - 2.0 * maps.log_scale
     weight = _weights(fit)
     state = np.zeros((people, 3, 2))
     for n in np.unique(count[count > 1]).tolist():
         who = count == n
-        gain = np.einsum("pf,fsn->psn", weight[who], _maps(n).state)
-        state[who] = gain @ moved_m[who, -n:]
+        gain = weight[who] @ _maps(n).state.reshape(filters, -1)
+        state[who] = gain.reshape(-1, 3, n) @ moved_m[who, -n:]
     state[:, 0] += pasts.xy_m[:, -1]
     noise_m = np.sqrt(weight @ np.array([r**2 for _, r in _bank()]))
     return Motion(state, noise_m)
@@ -88,7 +89,7 @@ def filtered(pasts: Pasts) -> Motion:
 
 def reached(motion: Motion, ahead_s: Float64[np.ndarray, " step"]) -> np.ndarray:
     """Return where people get when nothing new happens to them, (person, step, 2) [m]."""
-    path: np.ndarray = np.einsum("ts,psx->ptx", _carried(tuple(ahead_s.tolist())), motion.state)
+    path: np.ndarray = _carried(tuple(ahead_s.tolist())) @ motion.state
     return path
 
 

@@ -81,9 +81,13 @@ class Forecaster:
         return forecasts(asked, radius, factor, self._table)
 
     def _learn(self, t_s: float) -> None:
-        for when_s, stated in self._calibration.due(t_s):
-            truth_m = self._trails.at(stated.guess.person, np.array([when_s]))[:, 0]
-            self._calibration.learn(stated, truth_m)
+        due = self._calibration.due(t_s)
+        if not due:
+            return
+        person = np.unique(np.concatenate([stated.guess.person for _, stated, _ in due]))
+        seen_m = self._trails.at(person, np.array([when_s for when_s, _, _ in due]))
+        rows = [np.searchsorted(person, stated.guess.person) for _, stated, _ in due]
+        self._calibration.learn(due, [seen_m[row, i] for i, row in enumerate(rows)])
 
 
 def _next(planned_s: float, t_s: float, every_s: float) -> float:

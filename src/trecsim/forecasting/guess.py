@@ -59,23 +59,26 @@ class Guess:
     def errors(self, truth_m: Float64[np.ndarray, "person step 2"]) -> np.ndarray:
         """Return the errors of the guess along and across the heading in units of the scale."""
         error_m = truth_m - self.xy_m
-        along, across = self.axes
-        turned = np.stack([error_m @ along[..., None], error_m @ across[..., None]], axis=2)
-        scaled: np.ndarray = turned[..., 0] / self.scale_m
-        return scaled
+        turned: np.ndarray = error_m @ np.swapaxes(self.axes, 1, 2)
+        return np.asarray(turned / self.scale_m)
 
     @property
-    def axes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Unit vectors along the heading and to its left, (person, 2) each."""
+    def axes(self) -> Float64[np.ndarray, "person 2 2"]:
+        """Unit vectors along the heading and to its left, one after the other."""
         x, y = self.heading.T
-        return self.heading, np.stack([-y, x], axis=1)
+        return np.stack([x, y, -y, x], axis=1).reshape(-1, 2, 2)
+
+    @property
+    def planes(self) -> Float64[np.ndarray, "person 2 4"]:
+        """Products of the two unit vectors with themselves, as rows of a matrix."""
+        axes = self.axes
+        return np.asarray((axes[..., :, None] * axes[..., None, :]).reshape(-1, 2, 4))
 
     @property
     def shape_m2(self) -> Float64[np.ndarray, "person step 2 2"]:
         """Ellipses of the scale in the world [m^2]."""
-        along, across = self.axes
-        a, c = (self.scale_m**2)[..., 0, None, None], (self.scale_m**2)[..., 1, None, None]
-        return np.asarray(a * _outer(along)[:, None] + c * _outer(across)[:, None])
+        flat = (self.scale_m**2) @ self.planes
+        return np.asarray(flat.reshape(*self.xy_m.shape, 2))
 
 
 def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> Guess:
@@ -106,8 +109,3 @@ def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> 
     return Guess(
         pasts.t_s, pasts.person, ahead_s, path_m, heading, kind, scale_m, count == tuning.PAST
     )
-
-
-def _outer(vectors: np.ndarray) -> np.ndarray:
-    product: np.ndarray = vectors[:, :, None] * vectors[:, None, :]
-    return product

@@ -58,8 +58,11 @@ def radii_of(
 ) -> Float64[np.ndarray, "person level step"]:
     """Return the radii of the regions per person, level and horizon; regions never shrink."""
     by_level = np.swapaxes(np.log(np.maximum.accumulate(radius, axis=2)), 1, 2)
-    at = np.array([[np.interp(guess.ahead_s, AHEAD_S, row) for row in kind] for kind in by_level])
-    return _growing(np.exp(at)[guess.kind], guess.scale_m)
+    if guess.ahead_s is not AHEAD_S:
+        by_level = np.array(
+            [[np.interp(guess.ahead_s, AHEAD_S, row) for row in kind] for kind in by_level]
+        )
+    return _growing(np.exp(by_level)[guess.kind], guess.scale_m)
 
 
 def _growing(
@@ -88,10 +91,11 @@ def _modes(
     guess: Guess, factor: Float64[np.ndarray, "person mode step"], table: Table
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return where the modes lie and their covariances."""
-    axes = np.stack(guess.axes, axis=1)  # (person, axis, 2)
-    scale_m = factor[..., None] * guess.scale_m[:, None]  # (person, mode, step, axis)
-    off_m = table.mean[guess.kind][:, :, None] * scale_m
-    xy_m = guess.xy_m[:, None] + np.einsum("pmsa,pax->pmsx", off_m, axes)
+    people, modes, steps = factor.shape
+    flat = (people, modes * steps, 2)
+    scale_m = factor[..., None] * guess.scale_m[:, None]
+    off_m = (table.mean[guess.kind][:, :, None] * scale_m).reshape(flat) @ guess.axes
+    xy_m = guess.xy_m[:, None] + off_m.reshape(people, modes, steps, 2)
     sd_m = np.maximum(table.sd[guess.kind][:, :, None] * scale_m, SMALLEST_SIGMA_M)
-    cov_m2 = np.einsum("pmsa,pax,pay->pmsxy", sd_m**2, axes, axes)
-    return xy_m, cov_m2
+    cov_m2 = (sd_m**2).reshape(flat) @ guess.planes
+    return xy_m, cov_m2.reshape(people, modes, steps, 2, 2)
