@@ -61,3 +61,23 @@ def score(
         (ratio, flip),
     )
     return ratio, flip
+
+
+def away_m(
+    model: Model,
+    cam: int,
+    xyz_m: Float64[np.ndarray, "track joint 3"],
+    xy_px: Float64[np.ndarray, "person joint 2"],
+) -> Float64[np.ndarray, "person track"]:
+    """Return how far the key points of each detection lie from each track on average.
+
+    At the track's distance [m]; infinite where a joint of the track is behind the camera.
+    """
+    P, focal_px = model.cameras.P[cam], model.cameras.focal_px[cam]
+    point = xyz_m @ P[:, :3].T + P[:, 3]
+    seen, depth_m = np.isfinite(xy_px[:, None, :, 0]), point[..., 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off_px = np.linalg.norm(point[..., :2] / depth_m[..., None] - xy_px[:, None], axis=-1)
+    off_m = np.where(seen, off_px * depth_m / focal_px, 0.0).sum(axis=-1)
+    ahead = ((depth_m > 0.0) | ~seen).all(axis=-1)
+    return np.where(ahead, off_m / np.maximum(seen.sum(axis=-1), 1), np.inf)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import evidence, fitting, kernels
+from trecsim.fusion.association import away_m
 from trecsim.fusion.birth import Candidate
 from trecsim.fusion.fitting import Step, Update
 from trecsim.fusion.images import Detections, Images
@@ -192,27 +193,8 @@ class SingleViews:
             vacant = (match[:, images.cam == cam] < 0).all(axis=1)
             near_m[: len(company.xyz_m)] = np.where(vacant, VACANT_M, OCCUPIED_M)
             mine = found.cam == cam
-            out[mine] = (self._away_m(there_m, cam, found.xy_px[mine]) < near_m).any(axis=1)
+            out[mine] = (away_m(self.model, cam, there_m, found.xy_px[mine]) < near_m).any(axis=1)
         return out
-
-    def _away_m(
-        self,
-        xyz_m: Float64[np.ndarray, "track joint 3"],
-        cam: int,
-        xy_px: Float64[np.ndarray, "person joint 2"],
-    ) -> Float64[np.ndarray, "person track"]:
-        """Return how far the key points of each detection lie from each track on average.
-
-        At the track's distance [m]; infinite where a joint of the track is behind the camera.
-        """
-        P, focal_px = self.model.cameras.P[cam], self.model.cameras.focal_px[cam]
-        point = xyz_m @ P[:, :3].T + P[:, 3]
-        seen, depth_m = np.isfinite(xy_px[:, None, :, 0]), point[..., 2]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            off_px = np.linalg.norm(point[..., :2] / depth_m[..., None] - xy_px[:, None], axis=-1)
-        off_m = np.where(seen, off_px * depth_m / focal_px, 0.0).sum(axis=-1)
-        ahead = ((depth_m > 0.0) | ~seen).all(axis=-1)
-        return np.where(ahead, off_m / np.maximum(seen.sum(axis=-1), 1), np.inf)
 
     def dead(self, company: Company, t_s: float) -> Bool[np.ndarray, " track"]:
         """Return which tracks are dead."""

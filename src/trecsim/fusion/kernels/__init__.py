@@ -7,7 +7,6 @@ Importing this package imports numba; only the fusion does.
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all, start_all
 from trecsim.fusion.kernels.curve import evaluate_all, locate
-from trecsim.fusion.kernels.distances import first_distances
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import (
     Bones,
@@ -45,6 +44,7 @@ from trecsim.fusion.kernels.matching import (
     score_view,
 )
 from trecsim.fusion.kernels.mixture import Noise, image_covariance, inlier_odds, project
+from trecsim.fusion.kernels.newcomers import first_distances
 from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
 from trecsim.fusion.kernels.pairing import midpoints, pair_scores, ray_midpoint
 from trecsim.fusion.kernels.prefilter import prefilter

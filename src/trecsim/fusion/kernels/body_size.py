@@ -11,6 +11,8 @@ from trecsim.fusion.tuning import FORESHORTENED
 
 # A ray that is steeper leads to no distance along the ground: its horizontal part.
 _STEEPEST = 0.1
+# The camera is at least so high above an ankle, where the ground's error is made one of distance.
+LEAST_ABOVE_M = 0.1
 
 
 @inner
@@ -135,3 +137,9 @@ def height_share(x, limb_m, ruler):
         high_m += abs(x[a, 2] - x[b, 2])
         long_m += limb_m[ruler.limb[i]]
     return high_m / long_m
+
+
+@inner
+def above_ankle_m(cameras, ruler, c, level_m):
+    """Return how high a camera is above an ankle that stands on the ground [m]."""
+    return cameras.position_m[c, 2] - ruler.ankle_height_m - level_m

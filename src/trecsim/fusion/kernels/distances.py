@@ -6,8 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.compiler import inner, kernel
+from trecsim.compiler import inner
 from trecsim.fusion.kernels.body_size import (
+    LEAST_ABOVE_M,
+    above_ankle_m,
     ankle_drop,
     height_share,
     upright_plane,
@@ -20,7 +22,6 @@ from trecsim.fusion.kernels.distance_filter import (
     RATE,
     SIZE,
     begin_again,
-    begin_filter,
     clear_filter,
     look,
     move_on,
@@ -39,9 +40,6 @@ from trecsim.fusion.tuning import (
     SAT_DOWN,
     UPRIGHT,
 )
-
-# The camera is at least so high above an ankle, where the ground's error is made one of distance.
-_LEAST_ABOVE_M = 0.1
 
 
 class Shown(NamedTuple):
@@ -99,11 +97,9 @@ def hold_distances(shown, tracks, bodies, sightings, confirmed, ranges, matches,
         person = Trajectories(
             tracks.R[k], tracks.z[k], tracks.c[k], tracks.x_m[k], tracks.cov_m2[k]
         )
+        joint_s = sightings.joint_s[k]
         if is_single:
-            move_on(ranges.mean[k], ranges.cov[k], now.elapsed_s)
-            look_at(shown, k, sightings.joint_s[k], bodies, ranges, matches, sheet)
-            change_camera(shown, k, person, ranges, matches, when, sheet)
-            hold_at_distance(shown, k, person, ranges, when, sheet)
+            hold_new(shown, k, joint_s, person, bodies, ranges, matches, when, now, sheet)
             continue
         n = supporting(sightings.camera_s[k], now.t_s, shown.taken.look_back_s)
         if n > 1 or not confirmed[k]:
@@ -113,13 +109,41 @@ def hold_distances(shown, tracks, bodies, sightings, confirmed, ranges, matches,
             move_on(ranges.mean[k], ranges.cov[k], now.elapsed_s)
         if n == 1:
             c = first_supporting(sightings.camera_s[k], now.t_s, shown.taken.look_back_s)
-            if ranges.cam[k] != c:
-                begin_known(shown, k, c, person, bodies, ranges, when, sheet)
-            if stands(shown, k, person, bodies, ranges):
-                look_at(shown, k, sightings.joint_s[k], bodies, ranges, matches, sheet)
-                hold_at_distance(shown, k, person, ranges, when, sheet)
-            else:
-                take_over(shown, k, person, ranges, when, now.elapsed_s, sheet)
+            hold_known(shown, k, c, joint_s, person, bodies, ranges, matches, when, now, sheet)
+
+
+@inner
+def hold_new(shown, k, joint_s, person, bodies, ranges, matches, when, now, sheet):
+    """Hold person `k`, whom two cameras have never seen, at the distance that images tell.
+
+    Parameters
+    ----------
+    shown, k, person, bodies, ranges, matches, now
+        As for `hold_distances`; `person` is the `Trajectories` of person `k`.
+    joint_s
+        When each camera last supported each joint of the person, (joint, cam) [s].
+    when, sheet
+        Time of the frame set in knots and distance of knots [s], and `Sheet`.
+    """
+    move_on(ranges.mean[k], ranges.cov[k], now.elapsed_s)
+    look_at(shown, k, joint_s, bodies, ranges, matches, sheet)
+    change_camera(shown, k, person, ranges, matches, when, sheet)
+    hold_at_distance(shown, k, person, ranges, when, sheet)
+
+
+@inner
+def hold_known(shown, k, c, joint_s, person, bodies, ranges, matches, when, now, sheet):
+    """Hold person `k`, whom camera `c` alone sees now, at the distance that images tell.
+
+    Parameters as for `hold_new`. Nothing tells the distance of somebody who does not stand.
+    """
+    if ranges.cam[k] != c:
+        begin_known(shown, k, c, person, bodies, ranges, when, sheet)
+    if stands(shown, k, person, bodies, ranges):
+        look_at(shown, k, joint_s, bodies, ranges, matches, sheet)
+        hold_at_distance(shown, k, person, ranges, when, sheet)
+    else:
+        take_over(shown, k, person, ranges, when, now.elapsed_s, sheet)
 
 
 @inner
@@ -129,12 +153,6 @@ def first_supporting(last_s, now_s, look_back_s):
         if last_s[c] > now_s - look_back_s[c]:
             return c
     return -1
-
-
-@inner
-def above_ankle_m(cameras, ruler, c, level_m):
-    """Return how high a camera is above an ankle that stands on the ground [m]."""
-    return cameras.position_m[c, 2] - ruler.ankle_height_m - level_m
 
 
 @inner
@@ -153,7 +171,7 @@ def begin_known(shown, k, c, person, bodies, ranges, when, sheet):
         limb_m = bodies.limb_m[k, ruler.limb[i]]
         size += math.log(ruler.length_m[i] / limb_m) / n
         size2 += bodies.limb_m2[k, ruler.limb[i]] / (limb_m * limb_m) / n
-    above_m = max(above_ankle_m(shown.cameras, ruler, c, bodies.level[k, 0]), _LEAST_ABOVE_M)
+    above_m = max(above_ankle_m(shown.cameras, ruler, c, bodies.level[k, 0]), LEAST_ABOVE_M)
     far_m2 = math.exp(2.0 * log_m)
     clear_filter(mean, cov)
     mean[LOG], mean[RATE], mean[SIZE] = log_m, rate, size
@@ -256,36 +274,3 @@ def take_over(shown, k, person, ranges, when, elapsed_s, sheet):
     origin_m = shown.cameras.position_m[ranges.cam[k]]
     log_m, rate = log_range(person.c, shown.torso, origin_m, when, (sheet.basis, sheet.x))
     stay(ranges.mean[k], ranges.cov[k], log_m, rate, elapsed_s)
-
-
-@kernel(allocates=True)
-def first_distances(cameras, ruler, cam, points, level, ranges, agrees, at_one_m):
-    """Write how far away people are of whom one detection each is known.
-
-    Parameters
-    ----------
-    cameras, ruler
-        `Cameras` and `Ruler`.
-    cam, points
-        The detections: cameras (person,), key points (person, joint, 2), NaN where unknown, and
-        by how much each is less certain than a good one, (person, joint).
-    level
-        Height of the ground under somebody new, and its variance [m, m^2].
-    ranges
-        Result: `Ranges`.
-    agrees
-        Result, (person,): whether all that was told of each distance was believed.
-    at_one_m
-        Result, (person, joint, 3): see `upright_plane`.
-    """
-    (xy_px, sigma_scale), (level_m, level_m2) = points, level
-    for d in range(cam.shape[0]):
-        upright_plane(cameras.ray_of[cam[d]], xy_px[d], at_one_m[d])
-        size_m = usual_size_m(ruler, at_one_m[d])
-        above_m = above_ankle_m(cameras, ruler, cam[d], level_m)
-        spread = math.sqrt(level_m2) / max(above_m, _LEAST_ABOVE_M)
-        begin_filter(ranges.mean[d], ranges.cov[d], math.log(size_m), spread)
-        drop = ankle_drop(ruler, at_one_m[d], sigma_scale[d])
-        agrees[d] = math.isfinite(size_m)
-        agrees[d] &= look(ranges.mean[d], ranges.cov[d], size_m, drop, above_m, math.inf)
-        ranges.cam[d], ranges.is_upright[d] = cam[d], True
