@@ -247,7 +247,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
              (NEW, KNOWN),
              changes={"tuning.SIZE_SPREAD": NEVER, "tuning.KNOWN_SIZE_SPREAD": NEVER}),
         Part("distance by the ground", "only the size tells the distance",
-             (NEW_DEPTH, NEW, KNOWN), changes={"kernels.distances.above_ankle_m": instead.none}),
+             (NEW_DEPTH, NEW, KNOWN), changes={"kernels.body_size.above_ankle_m": instead.none}),
         Part("distance by the size", "only the ground tells the distance", (NEW_DEPTH, NEW, KNOWN),
              changes={"kernels.distance_filter.SIZE_NOISE": ALWAYS}),
         Part("errors of gait last for a step", "each image measures anew", (NEW, KNOWN),
