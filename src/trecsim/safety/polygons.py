@@ -108,10 +108,25 @@ class Polygon:
         array([0.5 , 0.25])
         """
         cov_m2 = _known(cov_m2)
+        reach_m = _SURE * np.sqrt(np.trace(cov_m2, axis1=-2, axis2=-1))  # in the widest direction
+        low_m, high_m = self.corners_m.min(axis=0), self.corners_m.max(axis=0)
+        wide_m = reach_m[:, None]
+        near = ((xy_m > low_m - wide_m) & (xy_m < high_m + wide_m)).all(axis=1)
+        inside = np.where(np.isnan(xy_m).any(axis=1), np.nan, 0.0)
+        if near.any():
+            inside[near] = self._probability_near(xy_m[near], cov_m2[near], reach_m[near])
+        return inside
+
+    def _probability_near(
+        self,
+        xy_m: Points,
+        cov_m2: Float64[np.ndarray, "point 2 2"],
+        reach_m: Float64[np.ndarray, " point"],
+    ) -> Float64[np.ndarray, " point"]:
+        """Return the probability of points that are known and not far away."""
         distance_m = self.distance_m(xy_m)
-        inside = np.where(np.isnan(distance_m), np.nan, (distance_m > 0.0).astype(np.float64))
-        sigma_m = np.sqrt(np.trace(cov_m2, axis1=-2, axis2=-1))  # no direction has a larger one
-        unsure = np.abs(distance_m) < _SURE * sigma_m
+        inside = (distance_m > 0.0).astype(np.float64)
+        unsure = np.abs(distance_m) < reach_m
         if unsure.any():
             inside[unsure] = _exact(self.corners_m, xy_m[unsure], cov_m2[unsure])
         return inside

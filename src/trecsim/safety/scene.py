@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.forecasting.values import Forecast
 from trecsim.safety.bodies import Bodies, bodies
 from trecsim.safety.floor_points import HIPS, FloorPoints, floor_points
-from trecsim.safety.forecaster import Forecast
+from trecsim.safety.polygons import Polygon
 from trecsim.safety.traces import KEEP_S, Sample, Trace
 from trecsim.values import COASTING, Snapshot
 
@@ -41,6 +42,7 @@ class Scene:
     body: Bodies
     traces: Mapping[int, Trace]
     forecasts: Sequence[Forecast] = field(default=())
+    _inside: dict[int, Float64[np.ndarray, " person"]] = field(default_factory=dict)
 
     @property
     def t_s(self) -> float:
@@ -51,6 +53,18 @@ class Scene:
     def seen(self) -> Int64[np.ndarray, " seen"]:
         """Rows of the people whom a camera supports."""
         return np.flatnonzero(self.is_seen)
+
+    def inside(self, polygon: Polygon | None) -> Float64[np.ndarray, " person"]:
+        """Return the probability that each floor point is inside a polygon; 1 without one.
+
+        It is computed once, however many rules are about the same zone.
+        """
+        if polygon is None:
+            return np.ones(len(self.people.id))
+        known = self._inside.get(id(polygon))
+        if known is None:
+            known = self._inside[id(polygon)] = polygon.probability(*self.floor)
+        return known
 
     def seen_traces(self) -> Iterator[tuple[int, int, Trace]]:
         """Yield row, identity and trace of each person whose trace goes up to this moment."""

@@ -64,7 +64,12 @@ def refuse(title: str, faults: Sequence[Fault]) -> NoReturn:
 
 def rules_of(tables: Sequence[RuleTable], places: Places) -> tuple[Rule, ...]:
     """Return rules as they are judged."""
-    return tuple(_rule(table, places) for table in tables)
+    shapes = {
+        (kind, name): _shape(place)
+        for kind, named in places.items()
+        for name, place in named.items()
+    }
+    return tuple(_rule(table, places, shapes) for table in tables)
 
 
 def zone_of(name: str) -> tzinfo:
@@ -72,11 +77,13 @@ def zone_of(name: str) -> tzinfo:
     return ZoneInfo(name)
 
 
-def _rule(table: RuleTable, places: Places) -> Rule:
+def _rule(
+    table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Prism | Line | Edge]
+) -> Rule:
     kind, name = table.of_kind, table.place
     place = None
     if kind.place is not None and name is not None:
-        place = Place(kind.place, name, _shape(places[kind.place][name]))
+        place = Place(kind.place, name, shapes[kind.place, name])
     keys = table.keys()
     hold_s = keys[kind.hold_key] if kind.hold_key is not None else 0.0
     escalate_s = math.inf if kind.escalate_s is None else kind.escalate_s * (hold_s or 1.0)

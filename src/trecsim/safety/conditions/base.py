@@ -3,11 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-import numpy as np
-from jaxtyping import Float64
-
 from trecsim.safety.machine import Finding
-from trecsim.safety.polygons import Polygon
 from trecsim.safety.scene import Scene
 
 HERE = -(2**63)
@@ -47,10 +43,3 @@ class Condition(Protocol):
             What the condition returned the moment before; None at the first.
         """
         ...
-
-
-def inside_of(scene: Scene, polygon: Polygon | None) -> Float64[np.ndarray, " person"]:
-    """Return the probability that each floor point is inside a polygon; 1 without one."""
-    if polygon is None:
-        return np.ones(len(scene.people.id))
-    return polygon.probability(*scene.floor)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from trecsim.safety.bodies import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
-from trecsim.safety.conditions.base import LEAST, Judged, inside_of
+from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
@@ -29,7 +29,7 @@ class Fallen:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = inside_of(scene, self.polygon)
+        inside = scene.inside(self.polygon)
         findings = {}
         for row, person, trace in scene.seen_traces():
             if trace.fall is None or not inside[row] > LEAST:
@@ -54,7 +54,7 @@ class Down:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = inside_of(scene, self.polygon)
+        inside = scene.inside(self.polygon)
         findings = {}
         for row, person, trace in scene.seen_traces():
             if trace.fall is not None:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool
 
-from trecsim.safety.conditions.base import LEAST, Judged, inside_of
+from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
@@ -45,7 +45,7 @@ class Running:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = inside_of(scene, self.polygon)
+        inside = scene.inside(self.polygon)
         findings = {}
         for row, person, trace in scene.seen_traces():
             moved = trace.since(scene.t_s - MEDIAN_S - 1e-6)
@@ -96,7 +96,7 @@ class WrongWay:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = inside_of(scene, self.polygon)
+        inside = scene.inside(self.polygon)
         findings = {}
         for row, person, trace in scene.seen_traces():
             if inside[row] > LEAST and len(trace) > 1 and self._may_go(trace):

@@ -21,15 +21,15 @@ class InZone:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        rows = scene.seen
-        xy_m = scene.floor.xy_m[rows]
-        inside = self.polygon.probability(xy_m, scene.floor.cov_m2[rows])
-        distances_m = self.polygon.distance_m(xy_m)
-        findings = {}
-        for n in np.flatnonzero(inside > LEAST):
-            found = Finding(float(inside[n]), {"inside_m": float(distances_m[n])})
-            findings[int(scene.people.id[rows[n]])] = found
-        return Judged(findings)
+        inside = scene.inside(self.polygon)
+        rows = np.flatnonzero((inside > LEAST) & scene.is_seen)
+        distances_m = self.polygon.distance_m(scene.floor.xy_m[rows]).tolist()
+        return Judged(
+            {
+                int(scene.people.id[row]): Finding(float(inside[row]), {"inside_m": distance_m})
+                for row, distance_m in zip(rows, distances_m, strict=True)
+            }
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +66,7 @@ class Occupancy:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = self.polygon.probability(*scene.floor)
-        inside = np.where(np.isnan(inside), 0.0, inside)
+        inside = np.nan_to_num(scene.inside(self.polygon))
         there = np.flatnonzero(inside >= LIKELY)
         people = tuple(int(scene.people.id[row]) for row in there)
         found = Finding(at_least(self.limit, inside), people=people, count=len(people))
