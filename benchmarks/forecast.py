@@ -9,17 +9,20 @@ Run: ``python benchmarks/forecast.py [--quick] [--store]``; quick leaves out the
 """
 
 import time
+from itertools import chain
+from pathlib import Path
 
 import numpy as np
 
 from harness.calibration import calibration_ms
 from harness.command import alone
-from harness.figures import Figures, once, timed
+from harness.figures import Figures, Skipped, once, timed
 from harness.options import Options, shared_data
 from trecsim.forecasting.values import Moment
 
 PUBLISHED = ("eth", "hotel", "univ", "zara1", "zara2")
 PEOPLE, ROUNDS = 50, 40
+POSE_AHEAD_S = (0.2, 0.4, 0.6, 1.0)
 LARGEST = "univ"
 
 
@@ -59,6 +62,7 @@ def measure(options: Options) -> Figures:
         "mean, true time": of_scores(timely),
         **figures,
         f"cost, {PEOPLE} people": cost(),
+        "poses": poses(options),
     }
 
 
@@ -94,6 +98,55 @@ def of_scores(scores: list) -> Figures:
         "NLL": mean("nll", unit="log m2"),
         "samples": once(sum(one["samples"] for one in found), "", watched=False),
     }
+
+
+def poses(options: Options) -> Figures:
+    """Return the mean joint error of pose forecasts on recorded motion, beside zero velocity.
+
+    Positions are given with an error of 1 cm. The constants were chosen on every other clip;
+    "clips not tuned on" are the rest.
+    """
+    try:
+        files = sorted(shared_data("mocap").glob("*.npz"))
+    except Skipped as reason:
+        options.skipped["poses"] = str(reason)
+        return {}
+    parts = {"all clips": files[::4] if options.quick else files, "clips not tuned on": files[1::2]}
+    errors = {file: _pose_errors(file) for file in dict.fromkeys(chain(*parts.values()))}
+    figures: dict[str, Figures] = {}
+    for name, chosen in parts.items():
+        found = np.concatenate([errors[file] for file in chosen])
+        figures[name] = {
+            f"{ahead_s:g} s": {
+                kind: once(100 * float(found[:, k, i].mean()), "cm", watched=i == 0)
+                for i, kind in enumerate(("forecast", "zero velocity"))
+            }
+            for k, ahead_s in enumerate(POSE_AHEAD_S)
+        }
+    return figures
+
+
+def _pose_errors(file: Path) -> np.ndarray:
+    """Return mean joint errors of a clip, (moment, horizon, forecast or zero velocity) [m]."""
+    from trecsim.forecasting import PoseForecaster
+    from trecsim.values import Snapshot
+
+    with np.load(file) as clip:
+        truth_m, fps = clip["joints"][:, :17].astype(float), float(clip["fps"])
+    rng = np.random.default_rng(1000)
+    seen_m = truth_m + rng.normal(0, 0.01, truth_m.shape)
+    steps = np.round(np.array(POSE_AHEAD_S) * fps).astype(int)
+    forecaster = PoseForecaster(np.array(POSE_AHEAD_S), every_s=0.1)
+    cov_m2, support = np.full((1, 17, 3, 3), 1e-4), np.full((1, 17), 4)
+    found = []
+    for i, xyz_m in enumerate(seen_m[: max(len(seen_m) - steps[-1], 0)]):
+        made = forecaster(Snapshot(i / fps, np.array([1]), xyz_m[None], cov_m2, support))
+        if made and i >= 0.4 * fps:
+            ahead_m = truth_m[i + steps]
+            both = [np.linalg.norm(at - ahead_m, axis=2).mean(axis=1)
+                    for at in (made[0].xyz_m, xyz_m[None])]  # fmt: skip
+            found.append(np.stack(both, axis=1))
+    return np.array(found).reshape(-1, len(steps), 2)
 
 
 def cost() -> Figures:

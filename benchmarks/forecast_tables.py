@@ -9,6 +9,18 @@ Results = Mapping[str, Result]
 LEVELS = ("0.5", "0.8", "0.9", "0.95")
 
 
+def poses(results: Results) -> str:
+    """Return the errors of pose forecasts beside those of zero velocity."""
+    figures = results["forecast"].figures.get("poses", {})
+    head = ["recorded motion", "ahead", "mean joint error [cm]", "zero velocity [cm]"]
+    rows = [
+        [name, ahead, *(fixed(found.value, 1) for found in of_one.values())]
+        for name, group in figures.items()
+        for ahead, of_one in group.items()
+    ]
+    return table(head, rows)
+
+
 def forecast(results: Results, *, short: bool) -> str:
     """Return distances and coverage per scene; of the short table only distances."""
     figures = results["forecast"].figures

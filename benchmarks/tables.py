@@ -98,6 +98,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "targets": (ANY, targets),
     "truth": (ANY, truth_of_claims),
     "forecast": ("forecast", partial(ahead.forecast, short=False)),
+    "forecast-poses": ("forecast", ahead.poses),
     "forecast-short": ("forecast", partial(ahead.forecast, short=True)),
     "machine": (ANY, machine),
     **{

@@ -7,6 +7,16 @@ files, clocks or threads.
 
 from trecsim.forecasting.floor_points import floor_points
 from trecsim.forecasting.forecaster import Forecaster
+from trecsim.forecasting.poses import PoseForecast, PoseForecaster
 from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecast, Moment
 
-__all__ = ["AHEAD_S", "LEVELS", "Forecast", "Forecaster", "Moment", "floor_points"]
+__all__ = [
+    "AHEAD_S",
+    "LEVELS",
+    "Forecast",
+    "Forecaster",
+    "Moment",
+    "PoseForecast",
+    "PoseForecaster",
+    "floor_points",
+]

@@ -44,43 +44,41 @@ def growth(ahead_s: Float64[np.ndarray, " step"]) -> Float64[np.ndarray, "step 2
 
 
 def velocities(pasts: Pasts, motion: Motion) -> Float64[np.ndarray, "person correction 2"]:
-    """Return the velocity of each correction [m/s], in the order of `NAMES`."""
-    own = motion.velocity_mps
-    towards_m = pasts.xy_m[None, :, -1] - pasts.xy_m[:, None, -1]
-    relative = own[None] - own[:, None]
-    not_self = ~np.eye(len(own), dtype=bool)
-    return np.stack(
-        [
-            _companions(own, towards_m, relative, not_self),
-            _in_the_way(own, towards_m, relative, not_self),
-        ],
-        axis=1,
-    )
+    """Return the velocity of each correction [m/s], in the order of `NAMES`.
+
+    Vectors are complex numbers x + iy here, for speed: all pairs of people are looked at.
+    """
+    own = _complex(motion.velocity_mps)
+    at_m = _complex(pasts.xy_m[:, -1])
+    towards_m, relative = at_m - at_m[:, None], own - own[:, None]
+    found = [_companions(own, towards_m, relative), _in_the_way(own, towards_m, relative)]
+    terms = np.stack(found, axis=1)
+    return np.stack([terms.real, terms.imag], axis=2)
 
 
-def _companions(
-    own: np.ndarray, towards_m: np.ndarray, relative: np.ndarray, not_self: np.ndarray
-) -> np.ndarray:
-    near = (towards_m**2).sum(axis=2) / COMPANION_M**2
-    alike = (relative**2).sum(axis=2) / COMPANION_MPS**2
-    weight = np.exp(-0.5 * (near + alike)) * not_self
-    mean = _summed(weight, relative) / (ALONE + weight.sum(axis=1, keepdims=True))
-    return np.where(np.linalg.norm(own, axis=1, keepdims=True) > STANDING_MPS, mean, 0.0)
+def _companions(own: np.ndarray, towards_m: np.ndarray, relative: np.ndarray) -> np.ndarray:
+    size2 = _size2(towards_m) / COMPANION_M**2 + _size2(relative) / COMPANION_MPS**2
+    weight = np.exp(-0.5 * size2)
+    np.fill_diagonal(weight, 0.0)
+    mean = (weight * relative).sum(axis=1) / (ALONE + weight.sum(axis=1))
+    return np.where(np.abs(own) > STANDING_MPS, mean, 0.0)
 
 
-def _in_the_way(
-    own: np.ndarray, towards_m: np.ndarray, relative: np.ndarray, not_self: np.ndarray
-) -> np.ndarray:
-    speed2 = np.maximum((relative**2).sum(axis=2), 0.01)
-    meet_s = np.clip(-(towards_m * relative).sum(axis=2) / speed2, 0.0, FULL_AHEAD_S)
-    closest_m = towards_m + meet_s[..., None] * relative
-    distance_m = np.linalg.norm(closest_m, axis=2)
-    push = np.exp(-distance_m / NEAR_M - meet_s / SOON_S) * (meet_s > 0.0) * not_self
-    away = -closest_m / np.maximum(distance_m, 0.1)[..., None]
-    return np.asarray(_summed(push, away) * np.linalg.norm(own, axis=1, keepdims=True))
+def _in_the_way(own: np.ndarray, towards_m: np.ndarray, relative: np.ndarray) -> np.ndarray:
+    closing = -(towards_m.real * relative.real + towards_m.imag * relative.imag)
+    meet_s = np.clip(closing / np.maximum(_size2(relative), 0.01), 0.0, FULL_AHEAD_S)
+    closest_m = towards_m + meet_s * relative
+    distance_m = np.sqrt(_size2(closest_m))
+    push = np.where(meet_s > 0.0, np.exp(-distance_m / NEAR_M - meet_s / SOON_S), 0.0)
+    np.fill_diagonal(push, 0.0)
+    away = (push / np.maximum(distance_m, 0.1) * closest_m).sum(axis=1)
+    return np.asarray(-away * np.abs(own))
 
 
-def _summed(weight: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Return the weighted sum over the others, (person, 2)."""
-    total: np.ndarray = (weight[:, None] @ vectors)[:, 0]
-    return total
+def _complex(vectors: np.ndarray) -> np.ndarray:
+    return np.asarray(vectors[:, 0] + 1j * vectors[:, 1])
+
+
+def _size2(vectors: np.ndarray) -> np.ndarray:
+    """Return the squared length of complex vectors."""
+    return np.asarray(vectors.real**2 + vectors.imag**2)

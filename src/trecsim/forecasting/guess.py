@@ -33,6 +33,8 @@ class Guess:
         The moment [s].
     person
         Identities.
+    from_m
+        Where they are now [m].
     ahead_s
         Horizons [s].
     xy_m
@@ -49,6 +51,7 @@ class Guess:
 
     t_s: float
     person: Int64[np.ndarray, " person"]
+    from_m: Float64[np.ndarray, "person 2"]
     ahead_s: Float64[np.ndarray, " step"]
     xy_m: Float64[np.ndarray, "person step 2"]
     heading: Float64[np.ndarray, "person 2"]
@@ -107,5 +110,13 @@ def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> 
     floor_m = np.maximum(motion.noise_m, tuning.SMALLEST_SIGMA_M)[:, None, None]
     scale_m = np.hypot(grown[..., None] * table.scale_m[kind][:, None], floor_m)
     return Guess(
-        pasts.t_s, pasts.person, ahead_s, path_m, heading, kind, scale_m, count == tuning.PAST
+        pasts.t_s,
+        pasts.person,
+        pasts.xy_m[:, -1],
+        ahead_s,
+        path_m,
+        heading,
+        kind,
+        scale_m,
+        count == tuning.PAST,
     )

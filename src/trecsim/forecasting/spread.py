@@ -44,8 +44,8 @@ def forecasts(
     xy_m, cov_m2 = _modes(guess, factor, table)
     return [
         Forecast(
-            guess.t_s, person, guess.ahead_s, table.weight[kind], xy_m[i], cov_m2[i], region_m2[i],
-            path_m2[i],
+            guess.t_s, person, guess.from_m[i], guess.ahead_s, table.weight[kind], xy_m[i],
+            cov_m2[i], region_m2[i], path_m2[i],
         )
         for i, (person, kind) in enumerate(
             zip(guess.person.tolist(), guess.kind.tolist(), strict=True)

@@ -8,10 +8,10 @@ from jaxtyping import Float64, Int64
 from trecsim.forecasting import tuning
 from trecsim.forecasting.values import Pasts
 
-_KEPT = 128
+_KEPT = 80
 """Positions kept per person."""
-_APART_S = 0.05
-"""Closer ones replace each other: 128 of them last longer than any forecast."""
+_APART_S = 0.08
+"""Closer ones replace each other: 80 of them last longer than any forecast."""
 _FORGOTTEN_S = 10.0
 """Who was not seen for so long is forgotten."""
 

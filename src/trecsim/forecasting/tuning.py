@@ -60,3 +60,17 @@ MOST_STEP: Final = 2.0
 SMALLEST_RADIUS: Final = 1e-3
 # Nobody's path is forecast for longer: nothing here was compared with the truth there [s].
 LONGEST_AHEAD_S: Final = 10.0
+
+# -------------------------------------------------------------------------------------- poses
+
+# Poses are forecast for so long unless other horizons are asked for [s].
+POSE_AHEAD_S: Final = 1.0
+POSE_STEP_S: Final = 0.1
+# The body's velocity is the slope over the newest such time [s].
+SLOPE_S: Final = 0.18
+# How long the body keeps its velocity along the floor, and up or down [s]: a step or jump soon
+# ends. Chosen on every other clip of recorded motion, see `benchmarks/forecast.py`.
+KEEPS_S: Final = 2.0
+KEEPS_UP_S: Final = 0.15
+# From so far ahead on the body follows the floor forecast alone, before in part [s].
+FLOOR_ALONE_S: Final = 1.0

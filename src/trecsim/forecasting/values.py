@@ -55,6 +55,8 @@ class Forecast:
         The moment at which it was made [s].
     person
         Identity.
+    from_m
+        Floor point at that moment [m].
     ahead_s
         Horizons after that moment [s].
     weight
@@ -73,6 +75,7 @@ class Forecast:
 
     t_s: float
     person: int
+    from_m: Float64[np.ndarray, " 2"]
     ahead_s: Float64[np.ndarray, " step"]
     weight: Float64[np.ndarray, " mode"]
     xy_m: Float64[np.ndarray, "mode step 2"]
