@@ -8,8 +8,8 @@ import pytest
 from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL, somebody
 from trecsim.fusion import Tracker
-from trecsim.fusion.association import Association
 from trecsim.fusion.duplicates import is_duplicate
+from trecsim.fusion.kernels import Matches
 from trecsim.fusion.population import Population
 from trecsim.fusion.reidentification import (
     LostTrack,
@@ -63,7 +63,7 @@ def population(xyz):
 def test_nobody_is_new_who_is_only_not_recognised_by_some_cameras(match, eyes, known):
     xyz, _ = somebody(np.random.default_rng(1))
     match = np.array([match])
-    association = Association(match, np.zeros_like(match), np.ones(match.shape))
+    association = Matches(match, np.zeros_like(match), np.ones(match.shape))
     torso = xyz[MODEL.torso]
     people = population(xyz[None])
     assert is_duplicate(people, torso + 0.05, np.array(eyes), association, MODEL) == known

@@ -5,39 +5,12 @@ track, relative to clutter, sums over the key points, so that the person is the 
 each type of key point by itself.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.kernels import Matches
 from trecsim.fusion.model import Model
 from trecsim.fusion.tuning import GATE_M
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Association:
-    """Which detection of each image belongs to which track.
-
-    Attributes
-    ----------
-    match
-        Index of the detection among all of the images, or -1.
-    flip
-        1 where it has left and right exchanged.
-    responsibility
-        Probability that it belongs to the track.
-    """
-
-    match: Int64[np.ndarray, "track view"]
-    flip: Int64[np.ndarray, "track view"]
-    responsibility: Float64[np.ndarray, "track view"]
-
-    @property
-    def matches(self) -> Matches:
-        """The same as the kernels take it, each image for what it tells by itself."""
-        return Matches(self.match, self.flip, self.responsibility)
 
 
 def score(

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from trecsim.fusion.association import Association
+from trecsim.fusion.kernels import Matches
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.tuning import DUPLICATE_S
@@ -23,7 +23,7 @@ class Duplicates:
         self,
         people: Population,
         model: Model,
-        association: Association,
+        association: Matches,
         t_s: float,
         some_close: bool,
     ) -> list[int]:
@@ -41,7 +41,7 @@ class Duplicates:
 
 
 def duplicate_pairs(
-    people: Population, model: Model, association: Association
+    people: Population, model: Model, association: Matches
 ) -> list[tuple[int, int]]:
     """Return pairs of tracks in the same place that no image tells apart, the older one first.
 
@@ -63,7 +63,7 @@ def is_duplicate(
     people: Population,
     torso_m: Float64[np.ndarray, "joint_of_torso 3"],
     own_views: Bool[np.ndarray, " view"],
-    association: Association,
+    association: Matches,
     model: Model,
 ) -> bool:
     """Return whether a candidate for a birth is an existing track that some cameras missed.

@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.association import Association
 from trecsim.fusion.images import Images
 from trecsim.fusion.kernels import Matches, Now, Taken
 from trecsim.fusion.model import Model
@@ -53,7 +52,7 @@ class Update(NamedTuple):
         Whether most cameras read some track with left and right exchanged.
     """
 
-    association: Association
+    association: Matches
     owner: Int64[np.ndarray, " person"]
     n_open: int
     is_mirrored: bool
@@ -90,19 +89,19 @@ def update(
     n_open, is_mirrored = _run(
         people, images, step, model, matches, owner, (False, check, is_single)
     )
-    return Update(Association(*matches), owner, n_open, is_mirrored)
+    return Update(matches, owner, n_open, is_mirrored)
 
 
 def fit(
     people: Population,
     images: Images,
-    association: Association,
+    association: Matches,
     step: Step,
     model: Model,
 ) -> None:
     """Fit new tracks, in place, to the detections that are theirs."""
     owner = np.empty(len(images.xy_px), np.int64)
-    _run(people, images, step, model, association.matches, owner, (True, False, False))
+    _run(people, images, step, model, association, owner, (True, False, False))
 
 
 def _run(

@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.fusion import kernels
-from trecsim.fusion.association import Association
 from trecsim.fusion.birth import Candidate
 from trecsim.fusion.images import Detections, Images
+from trecsim.fusion.kernels import Matches
 from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import ORDER, KnotGrid
@@ -186,7 +186,7 @@ def _set_moving(
     people.z[k] = np.einsum("jab,jb->ja", people.R[k], people.c[k])
 
 
-def own_detections(births: Sequence[Birth], pool: Detections) -> tuple[Images, Association]:
+def own_detections(births: Sequence[Birth], pool: Detections) -> tuple[Images, Matches]:
     """Return the images that show new tracks, and which detection in them is whose.
 
     Parameters
@@ -204,4 +204,4 @@ def own_detections(births: Sequence[Birth], pool: Detections) -> tuple[Images, A
         rows = row_of[birth.candidate.member]
         match[k, view_of[rows]] = rows
         flip[k, view_of[rows]] = birth.candidate.flip
-    return images, Association(match, flip, np.ones(match.shape))
+    return images, Matches(match, flip, np.ones(match.shape))

@@ -10,14 +10,13 @@ from jaxtyping import Bool, Float64, Int64
 
 from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
-from trecsim.fusion.association import Association
 from trecsim.fusion.camera_errors import CameraErrors
 from trecsim.fusion.duplicates import Duplicates, is_duplicate
 from trecsim.fusion.fitting import Step, Update
 from trecsim.fusion.ground_prior import KnownGround
 from trecsim.fusion.images import Detections, Images, cameras, prepare
 from trecsim.fusion.initialisation import Birth, completed, first_states, own_detections
-from trecsim.fusion.kernels import Cameras, Now
+from trecsim.fusion.kernels import Cameras, Matches, Now
 from trecsim.fusion.lifecycle import Looks
 from trecsim.fusion.model import build
 from trecsim.fusion.population import Population
@@ -331,7 +330,7 @@ class Tracker:
         torso_m: Float64[np.ndarray, "3"],
         cam: Int64[np.ndarray, " member"],
         images: Images,
-        association: Association,
+        association: Matches,
         named: set[int],
     ) -> LostTrack | None:
         """Return the track whose person a new one at `torso_m`, seen by the cameras `cam`, is.
@@ -367,7 +366,7 @@ class Tracker:
         mine = [identity for k in claims if (identity := int(self._single.people.id[k])) >= 0]
         return (min(mine), False) if mine else (self._identities.new(), False)
 
-    def _end_tracks(self, association: Association, replaced: set[int]) -> None:
+    def _end_tracks(self, association: Matches, replaced: set[int]) -> None:
         """Confirm tracks; delete those that are dead, duplicates or replaced."""
         people = self._people
         n_compared, looking = len(association.match), self._clocks.looking
@@ -390,7 +389,7 @@ class Tracker:
         self._people = people.keep(alive & stays)
 
     def _follow_single_views(
-        self, images: Images, association: Association, step: Step, left: Detections
+        self, images: Images, association: Matches, step: Step, left: Detections
     ) -> None:
         """Begin, report and end tracks of people whom one camera alone sees."""
         if not len(left) and not len(self._single):
