@@ -15,6 +15,30 @@ format = "trecsim.site/1"
 name = "demo"
 rig = "{RIG}"
 poses = "{POSES}"
+
+[zones.middle]
+polygon_m = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+
+[[rules]]     # advisory: trecsim is no certified safety function
+id = "middle"
+kind = "zone.enter"
+zone = "middle"
+severity = "info"
+
+[[rules]]
+id = "crowd"
+kind = "occupancy.limit"
+zone = "middle"
+limit = 3
+
+[[rules]]
+id = "running"
+kind = "speed.running"
+
+[[rules]]
+id = "fall"
+kind = "body.fall"
+severity = "alarm"
 """
 PAGE = """
 [page]
