@@ -12,7 +12,7 @@ NAMES = MODEL.rig.names
 def learnt(turn_deg=0.0, late_s=0.0, sigma=1e-4):
     """Return what is learnt where the second camera has these errors, and how surely."""
     errors = CameraErrors(MODEL.rig)
-    errors.applied[1, 0], errors.applied[1, 3] = np.radians(turn_deg), late_s
+    errors.found[1, 0], errors.found[1, 3] = np.radians(turn_deg), late_s
     errors.variance[:] = sigma**2
     return errors
 

@@ -36,12 +36,15 @@ STATED = (
     f"a total standard deviation above {root(tuning.WEAK_M2):g} m although",
     f"({root(tuning.REACH_M2):g}\\,\\mathrm{{m}})^{{-2}}",
     f"with a time constant of {tuning.BODY_S:g} s",
-    f"A residual is taken {tuning.CAMERA_LAG_S:g} s after the image",
+    f"within {tuning.CAMERA_BLOCK_S:g} s (`CAMERA_BLOCK_S`",
+    f"looked at {tuning.CAMERA_LAG_S:g} s after their block (`CAMERA_LAG_S`)",
     f"forgotten over {tuning.CAMERA_ERROR_S:g} s",
     f"every {tuning.CAMERA_CHECK_S:g} s in the first {tuning.CAMERA_SETTLE_S:g} s, then every "
     f"{tuning.CAMERA_RENEW_S:g} s",
-    f"{tuning.TURN_SIGMA_RAD:g} rad for each angle and {1e3 * tuning.CLOCK_SIGMA_S:g} ms for the",
-    f"an L1 norm beyond {1e3 * tuning.PUSHED_RAD:g} mrad",
+    f"{1e3 * tuning.TURN_SIGMA_RAD:g} mrad for each angle and "
+    f"{1e3 * tuning.CLOCK_SIGMA_S:g} ms for the",
+    f"beyond {1e3 * tuning.PUSHED_RAD:g} mrad or {1e3 * tuning.PUSHED_S:g} ms (`PUSHED_*`)",
+    f"+ {tuning.SURE**2:g} \\sigma^2)",
     f"at least {1e3 * tuning.LEAST_TURN_RAD:g} mrad",
     f"turns of {degrees(learnt_errors._TOLD_RAD):g} to {degrees(learnt_errors._MOST_RAD):g} "
     f"degrees and delays above {1e3 * learnt_errors._TOLD_S:g} ms",

@@ -18,12 +18,12 @@ class CameraErrors(Protocol):
 
     Attributes
     ----------
-    applied, variance
+    found, variance
         Turn as a rotation vector [rad] and delay of the clock [s] of each camera, and their
         variances.
     """
 
-    applied: Float64[np.ndarray, "cam 4"]
+    found: Float64[np.ndarray, "cam 4"]
     variance: Float64[np.ndarray, "cam 4"]
 
 
@@ -61,9 +61,9 @@ class LearntErrors:
         return list(new.values())
 
     def _clear(self, errors: CameraErrors) -> list[tuple[tuple[str, str], str]]:
-        turn_rad = np.hypot(errors.applied[:, 0], errors.applied[:, 1])
+        turn_rad = np.hypot(errors.found[:, 0], errors.found[:, 1])
         turn_sigma = np.sqrt(errors.variance[:, :2].max(axis=1))
-        delay_s, delay_sigma = errors.applied[:, 3], np.sqrt(errors.variance[:, 3])
+        delay_s, delay_sigma = errors.found[:, 3], np.sqrt(errors.variance[:, 3])
         found = []
         for c, name in enumerate(self.names):
             if _is_clear(turn_rad[c], turn_sigma[c], _TOLD_RAD) and turn_rad[c] < _MOST_RAD:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from trecsim.fusion import kernels
 from trecsim.fusion.kernels import Cameras
@@ -16,45 +16,46 @@ from trecsim.fusion.tuning import (
     CLOCK_SIGMA_S,
     EYES_OF_A_POINT,
     LEAST_TURN_RAD,
-    NEAR_M,
     PRIOR_WEIGHT,
     PUSHED_RAD,
+    PUSHED_S,
+    SURE,
     TURN_SIGMA_RAD,
 )
 from trecsim.geometry import Rig
 
-_PRIOR = np.array([TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
-_TURN, _DELAY = slice(0, 3), 3
-_ROBUST_STEPS = 3
+_TURN, _TILT, _DELAY = slice(0, 3), slice(0, 2), 3
 
 
 @dataclass(eq=False)
 class CameraErrors:
     """Turn and delay of each camera, as its residuals tell.
 
-    Of all cameras together a turn can not be told from a motion of the world: what is estimated is
-    what they disagree about, with a prior about no error.
+    Of all cameras together a turn can hardly be told from a motion of the world: what is estimated
+    is what they disagree about, with a prior about no error.
 
     Attributes
     ----------
     rig
         The cameras as calibrated.
     info, vector
-        Normal equations, written by the kernels.
+        Normal equations of all cameras, written by the kernels.
     learned_s
-        Time of the image that each camera last contributed [s].
+        Time of the newest image that contributed [s].
+    found, variance
+        Rotation vector [rad], in the camera's coordinates, and delay of the clock [s], and the
+        variances of both, as residuals tell them.
     applied
-        Rotation vector [rad], in the camera's coordinates, and delay of the clock [s] in use.
-    variance
-        Of both, as far as residuals tell them.
+        What of it is in use.
     scale
         Variance of the turns relative to their prior, learnt from all cameras.
     """
 
     rig: Rig
-    info: Float64[np.ndarray, "cam 4 4"] = field(init=False)
+    info: Float64[np.ndarray, "cam 4 cam 4"] = field(init=False)
     vector: Float64[np.ndarray, "cam 4"] = field(init=False)
-    learned_s: Float64[np.ndarray, " cam"] = field(init=False)
+    learned_s: Float64[np.ndarray, "1"] = field(init=False)
+    found: Float64[np.ndarray, "cam 4"] = field(init=False)
     applied: Float64[np.ndarray, "cam 4"] = field(init=False)
     centre_px: Float64[np.ndarray, "cam 2"] = field(init=False)
     variance: Float64[np.ndarray, "cam 4"] = field(init=False)
@@ -65,9 +66,10 @@ class CameraErrors:
 
     def __post_init__(self) -> None:
         n = len(self.rig)
-        self.info, self.vector = np.zeros((n, 4, 4)), np.zeros((n, 4))
-        self.learned_s, self.applied = np.full(n, -np.inf), np.zeros((n, 4))
-        self.variance = np.tile(_PRIOR, (n, 1))
+        self.info, self.vector = np.zeros((n, 4, n, 4)), np.zeros((n, 4))
+        self.learned_s = np.full(1, -np.inf)
+        self.found, self.applied = np.zeros((n, 4)), np.zeros((n, 4))
+        self.variance = self._prior()
         self._calibrated = calibrated(self.rig)
         self.centre_px = np.ascontiguousarray(self._calibrated.K[:, :2, 2])
 
@@ -88,70 +90,54 @@ class CameraErrors:
             self._used_s = t_s
         return due
 
-    def corrected(self, people_m: Float64[np.ndarray, "person 3"]) -> Cameras:
+    def corrected(self) -> Cameras:
         """Return the cameras with their errors taken out as far as they are known.
-
-        Parameters
-        ----------
-        people_m
-            Where people are, whom two cameras see [m].
 
         Notes
         -----
-        Ridge regression per camera. Turns that together move these people without a residual are
-        taken off: what is left says where the cameras disagree, and moves nobody. The common scale
-        of the turns' variance follows from the turns of all cameras (one EM step for a variance
-        component), so that a rig that fits badly states more uncertainty in the directions that no
-        residual shows, too: of the ``2 n`` image directions of ``n`` cameras a point in space takes
-        up three.
+        Ridge regression of all cameras together; turns that move people without a residual are
+        left to the prior. Its variance grows with the size of the error last found, as under an L1
+        norm: one camera that was pushed is preferred to small turns of all the others. The common
+        scale of the turns' variance follows from the turns of all cameras (one EM step for a
+        variance component), so that a rig that fits badly states more uncertainty in the directions
+        that no residual shows, too: of the ``2 n`` image directions of ``n`` cameras a point in
+        space takes up three.
         """
-        prior = _PRIOR * np.array([self.scale] * 3 + [1.0])
-        cov = np.linalg.inv(self.info + np.diag(1.0 / prior))
-        before_rad = np.stack([self.applied[:, 1], -self.applied[:, 0]], axis=1)
-        self.applied[:] = (cov @ self.vector[..., None])[..., 0]
-        self.variance[:] = cov[:, range(4), range(4)]
-        self.applied[:, _DELAY] -= np.median(self.applied[:, _DELAY])
-        if len(people_m):
-            is_known = self.variance[:, 1] < 0.5 * prior[1]
-            self._keep_place(people_m.mean(axis=0), is_known, before_rad)
-        spread = self.applied[:, _TURN] ** 2 + self.variance[:, _TURN]
-        total = float(spread.sum()) / TURN_SIGMA_RAD**2
-        self.scale = (PRIOR_WEIGHT + total) / (PRIOR_WEIGHT + spread.size)
-        hidden = min(1.0, EYES_OF_A_POINT / len(self.rig)) * self.scale * TURN_SIGMA_RAD**2
-        left = np.maximum(self.variance[:, :2].mean(axis=1), hidden) + LEAST_TURN_RAD**2
+        n = len(self.vector)
+        prior = self._prior().ravel()
+        cov = np.linalg.inv(self.info.reshape(4 * n, 4 * n) + np.diag(1.0 / prior))
+        self.found[:] = (cov @ self.vector.ravel()).reshape(n, 4)
+        self.found[:, _DELAY] -= np.median(self.found[:, _DELAY])
+        self.variance[:] = cov.diagonal().reshape(n, 4)
+        spread = (self.found**2 + self.variance)[:, _TURN] / prior.reshape(n, 4)[:, _TURN]
+        self.scale *= (PRIOR_WEIGHT / self.scale + spread.sum()) / (PRIOR_WEIGHT + spread.size)
+        by_chance = (cov.diagonal() - (cov**2) @ (1.0 / prior)).reshape(n, 4)
+        self.applied[:] = self.found * self._applied_share(by_chance)
+        hidden = min(1.0, EYES_OF_A_POINT / n) * self.scale * TURN_SIGMA_RAD**2
+        left = np.maximum(self.variance[:, _TILT].mean(axis=1), hidden) + LEAST_TURN_RAD**2
         return projections(self._calibrated, self.applied[:, _TURN], left)
 
-    def _keep_place(
-        self,
-        xyz_m: Float64[np.ndarray, "3"],
-        is_known: Bool[np.ndarray, " cam"],
-        before_rad: Float64[np.ndarray, "cam 2"],
-    ) -> None:
-        """Take off the turns by which a motion of the point `xyz_m` explains most of them.
+    def _applied_share(
+        self, by_chance: Float64[np.ndarray, "cam 4"]
+    ) -> Float64[np.ndarray, "cam 4"]:
+        """Return the shares of what was found that are applied: nearly all, or nothing.
 
-        Each camera counts by its information, as it does where joints are fitted, but the less the
-        more it is turned: that one camera was pushed is likelier than that all the others were.
-        `is_known` tells of which cameras the turns are known; `before_rad` is what was applied so
-        far, from which the few steps go on.
+        `by_chance` is the variance that it has where there is no error. What is no larger than
+        that, or than lasting errors of key points make it, is none.
         """
-        R, t = self._calibrated.pose[:, :, :3], self._calibrated.pose[:, :, 3]
-        there_m = R @ xyz_m + t
-        known = np.flatnonzero(is_known & (there_m[:, 2] > NEAR_M))
-        if len(known) < 2:
-            return
-        image = there_m[known, :2] / there_m[known, 2:]
-        # Derivative of the normalised image by the place, and what the turns move it.
-        moves = (R[known, :2] - image[..., None] * R[known, 2:]) / there_m[known, 2:, None]
-        turn = np.stack([self.applied[known, 1], -self.applied[known, 0]], axis=1)
-        info = np.stack([self.info[known, 1, 1], self.info[known, 0, 0]], axis=1)
-        flat, rest = moves.reshape(-1, 3), before_rad[known]
-        for _ in range(_ROBUST_STEPS):
-            doubt = np.hypot(1.0, np.sqrt((rest**2).sum(axis=1)) / PUSHED_RAD)
-            weighted = flat.T * (info / doubt[:, None]).ravel()
-            A = weighted @ flat
-            A += 1e-9 * np.trace(A) * np.eye(3)  # all cameras may stand in one place
-            rest = turn - moves @ np.linalg.solve(A, weighted @ turn.ravel())
-        self.applied[known, 1], self.applied[known, 0] = rest[:, 0], -rest[:, 1]
+        tilt = (self.found[:, _TILT] ** 2).sum(axis=1)
+        tilt /= PUSHED_RAD**2 + SURE**2 * by_chance[:, _TILT].sum(axis=1)
+        late = self.found[:, _DELAY] ** 2
+        late /= PUSHED_S**2 + SURE**2 * by_chance[:, _DELAY]
+        kept = 1.0 - 1.0 / np.maximum([tilt, late], 1.0) ** 2
+        return np.asarray(kept.T[:, [0, 0, 0, 1]])
+
+    def _prior(self) -> Float64[np.ndarray, "cam 4"]:
+        """Return the variances of turn and delay of each camera, before anything is known."""
+        tilt = np.sqrt((self.found[:, _TILT] ** 2).sum(axis=1)) / PUSHED_RAD
+        tilted, late = np.hypot(1.0, [tilt, self.found[:, _DELAY] / PUSHED_S])
+        wider = np.stack([tilted, tilted, np.ones_like(late), late], axis=1)
+        return wider * ([self.scale * TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
 
 
 class Calibrated(NamedTuple):

@@ -234,10 +234,7 @@ class Tracker:
 
     def _learn_cameras(self) -> None:
         """Take the cameras' errors out of the projections, as far as residuals tell them."""
-        people = self._people
-        known = people.xyz_m[people.confirmed & (people.last_two_view_s == self._t_s)]
-        torso_m = known[:, self._model.torso].mean(axis=1)
-        self._model = replace(self._model, cameras=self._errors.corrected(torso_m))
+        self._model = replace(self._model, cameras=self._errors.corrected())
         self._single.model = self._model
 
     def _start_tracks(

@@ -75,19 +75,25 @@ KEPT_UNSEEN: Final = 0.6
 TURN_SIGMA_RAD: Final = 0.008
 CLOCK_SIGMA_S: Final = 0.005
 LEAST_TURN_RAD: Final = 0.001
-# Where cameras disagree, those that are turned by more than this count less in what is taken for
-# right: that one of them was pushed is likelier than that all the others were [rad].
+# Where cameras disagree, those that are turned, or late, by more than this are allowed more: that
+# one camera was pushed is likelier than that all the others were [rad, s]. Smaller turns and delays
+# are no different from lasting errors of key points: they are not applied, nor are those that are
+# not as many standard deviations large.
 PUSHED_RAD: Final = 0.002
-# Residuals count anew after this time, as those of one camera last [s]; they are taken that often
-# [s], and so long after the image [s]; what was learnt is forgotten over this time, as cameras are
-# moved [s].
-CAMERA_MEASURE_S: Final = 0.5
-CAMERA_CHECK_S: Final = 0.1
+PUSHED_S: Final = 0.005
+SURE: Final = 2.0
+# Residuals count anew after this time, as those of one camera last [s]. They are taken of images
+# within such a block [s], so long after it [s], of so many people in a step; what was learnt is
+# forgotten over this time, as cameras are moved [s].
+CAMERA_MEASURE_S: Final = 2.0
+CAMERA_BLOCK_S: Final = 0.1
 CAMERA_LAG_S: Final = 0.15
-# Projections are corrected anew at every such look for so long, then once in so long [s].
+MOST_BLOCKS: Final = 8
+CAMERA_ERROR_S: Final = 20.0
+# Projections are corrected anew once in this time for so long, then once in so long [s].
+CAMERA_CHECK_S: Final = 0.1
 CAMERA_SETTLE_S: Final = 10.0
 CAMERA_RENEW_S: Final = 0.5
-CAMERA_ERROR_S: Final = 20.0
 # Weight of the usual variance of turns against that of one camera's angle; cameras whose image
 # directions a point in space takes up.
 PRIOR_WEIGHT: Final = 3.0

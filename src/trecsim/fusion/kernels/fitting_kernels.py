@@ -219,8 +219,8 @@ def lasting_errors(cameras, noise, measured, person, shift_m, j, M, pull):
     shift_m, j
         How far the joint lies from its prediction, (3,), and its index.
     M, pull
-        Results: ``sum J' W B W J`` (3, 3) and ``sum J' W e`` (3,), with ``B`` and ``e`` of the
-        calibration, and, where other cameras have come in between, ``B`` of the key points.
+        Results: ``sum J' W B W J`` (3, 3) and ``sum J' W e`` (3,), with ``B`` of the calibration
+        and of the key points, where other cameras have come in between, and ``e`` what is known.
     """
     match, fitted, (off_px, is_apart) = person.match, person.fitted, person.lasting
     for p in range(3):
@@ -235,10 +235,11 @@ def lasting_errors(cameras, noise, measured, person, shift_m, j, M, pull):
         _, _, _, du, dv = project(
             cameras.P, c, x[0] + shift_m[0], x[1] + shift_m[1], x[2] + shift_m[2]
         )
-        var = cameras.error_px2[c]
+        var = 0.0
         if is_apart[v]:
             scale_ = measured.sigma_scale[match[v], noise.mirror[j] if person.flip[v] else j]
             sigma_px = noise.sigma_m[j] * scale_ / fitted.m_per_px[v, j]
+            var = cameras.error_px2[c]
             var += noise.bias_share * (sigma_px * sigma_px + noise.floor_px * noise.floor_px)
         for p in range(3):
             pull[p] += weight * (off_px[c, 0] * du[p] + off_px[c, 1] * dv[p])

@@ -120,18 +120,18 @@ class CameraErrors(NamedTuple):
     Attributes
     ----------
     info, vector
-        Normal equations for three angles of the turn [rad] and the delay [s].
+        Normal equations for three angles of the turn [rad] and the delay [s] of all cameras.
     learned_s
-        Time of the image that each camera last contributed [s].
+        Time of the newest image that contributed [s].
     applied
         Turns and delays that the projections in use contain.
     centre_px
         Principal points.
     """
 
-    info: Float64[np.ndarray, "cam 4 4"]
+    info: Float64[np.ndarray, "cam 4 cam 4"]
     vector: Float64[np.ndarray, "cam 4"]
-    learned_s: Float64[np.ndarray, " cam"]
+    learned_s: Float64[np.ndarray, "1"]
     applied: Float64[np.ndarray, "cam 4"]
     centre_px: Float64[np.ndarray, "cam 2"]
 
