@@ -7,6 +7,7 @@ import numpy as np
 
 from trecsim.safety.conditions.base import Condition
 from trecsim.safety.conditions.crossings import LineCrossed, ZoneLeft
+from trecsim.safety.conditions.density import DensityLevel, Level
 from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
 from trecsim.safety.conditions.movement import Running, WrongWay
@@ -51,6 +52,10 @@ def _crossed(rule: Rule) -> Condition:
 
 def _occupied(rule: Rule) -> Condition:
     return Occupancy(_polygon(rule), rule.keys["limit"])
+
+
+def _dense(rule: Rule) -> Condition:
+    return DensityLevel(_polygon(rule), rule.keys["level"])
 
 
 def _running(rule: Rule) -> Condition:
@@ -122,6 +127,14 @@ _ALL = (
         "delay: field-of-view count of NVIDIA behaviour analytics, 2 s",
         _occupied, place="zone", on_delay_s=2.0, is_about_place=True,
         keys=(Key("limit", int, "So many people.", limits={"ge": 1, "le": 10_000}),),
+    ),
+    Kind(
+        "density.level",
+        "The Voronoi density in the zone is at a level of service of walkways or above; level F "
+        "with people who move counts at once, with a higher severity.",
+        "levels: Fruin; delay and least area of 4 m2: ours",
+        _dense, place="zone", on_delay_s=10.0, is_about_place=True,
+        keys=(Key("level", Level, "From which level on.", "E"),),
     ),
     Kind(
         "speed.running",

@@ -13,9 +13,10 @@ import numpy as np
 from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from trecsim.safety.conditions.density import LEAST_M2
 from trecsim.safety.lines import Edge, Line
 from trecsim.safety.machine import Timing
-from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.polygons import Polygon, Prism, area_m2
 from trecsim.safety.rule import Place, Rule
 from trecsim.safety.schedules import read_hours
 from trecsim.sites.places import EdgeTable, LineTable, ZoneTable
@@ -37,11 +38,30 @@ def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
                 (f"expected a name of its own, found {rule.id!r} as in rule {first + 1}"),
             )
         kind, name = rule.of_kind.place, rule.place
-        if kind is None or name is None or name in places[kind]:
+        if kind is None or name is None:
+            continue
+        if name in places[kind]:
+            yield from _too_small(number, rule, places[kind][name])
             continue
         known = places[kind]
         hint = nearest(name, known) if known else f"the site file has no [{kind}s.NAME]"
         yield ("rules", number, kind), f"there is no {kind} {name!r}; {hint}"
+
+
+def _too_small(
+    number: int, rule: RuleTable, place: ZoneTable | LineTable | EdgeTable
+) -> Iterator[Fault]:
+    if rule.kind != "density.level" or not isinstance(place, ZoneTable):
+        return
+    area = abs(area_m2(np.array(place.polygon_m)))
+    if area < LEAST_M2:
+        yield (
+            ("rules", number, "zone"),
+            (
+                f"expected a zone of at least {LEAST_M2:g} m2, in which a density says something, "
+                f"found {area:.2g} m2"
+            ),
+        )
 
 
 def rule_remarks(rules: Sequence[RuleTable]) -> Iterator[str]:
