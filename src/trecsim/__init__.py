@@ -26,6 +26,9 @@ if TYPE_CHECKING:
     from trecsim.errors import InputError as InputError
     from trecsim.errors import SetupError as SetupError
     from trecsim.estimators.pool import estimate as estimate
+    from trecsim.forecast_files import evaluate_forecast as evaluate_forecast
+    from trecsim.forecast_files import forecast as forecast
+    from trecsim.forecasting import Forecaster as Forecaster
     from trecsim.fusion import FusionSettings as FusionSettings
     from trecsim.fusion import Tracker as Tracker
     from trecsim.geometry import Camera as Camera
@@ -60,6 +63,8 @@ _HOMES = {
     "trecsim.estimators.pool": ("estimate",),
     "trecsim.lab.evaluation.evaluating": ("evaluate",),
     "trecsim.lab.report.building": ("report",),
+    "trecsim.forecast_files": ("evaluate_forecast", "forecast"),
+    "trecsim.forecasting": ("Forecaster",),
     "trecsim.fusion": ("FusionSettings", "Tracker"),
     "trecsim.geometry": ("Camera", "Rig", "triangulate"),
     "trecsim.page.client": ("LiveEvent", "connect"),

@@ -116,3 +116,15 @@ def test_horizons_that_cannot_be_are_refused(ahead_s: float, step_s: float) -> N
 
 def test_the_usual_horizons_are_those_of_the_protocol() -> None:
     np.testing.assert_allclose(AHEAD_S, np.arange(1, 13) * 0.4)
+
+
+def test_moments_of_a_crowd_are_those_of_each_person() -> None:
+    forecaster, moments = Forecaster(), walks(9, 5, 12)
+    for moment in moments[:-1]:
+        forecaster.step(*moment)
+    made = forecaster.together(*moments[-1])
+    assert made is not None
+    mean_m, upper_m2 = made.moments()
+    for one, mean, upper in zip(made.each(), mean_m, upper_m2, strict=True):
+        np.testing.assert_allclose(mean, one.mean_m, atol=1e-12)
+        np.testing.assert_allclose(upper, one.total_cov_m2[:, [0, 0, 1], [0, 1, 1]], atol=1e-12)

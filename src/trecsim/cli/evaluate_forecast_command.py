@@ -23,22 +23,8 @@ def evaluate_forecast(inputs: list[Path], /, *, json: bool = False) -> None:
         Print all scores as one JSON object.
     """
     from trecsim.cli.forecast_scores import score_text, summary_of
-    from trecsim.errors import InputError
-    from trecsim.forecasting.scores import evaluated, joined
-    from trecsim.store.ethucy import sets_in
-    from trecsim.store.floor_paths import read_floor_paths
+    from trecsim.forecast_files import evaluate_forecast as run
 
-    found = sets_in(inputs)
-    with progress_bar("recordings", len(found), quiet=json) as bar:
-        scores = {}
-        for name, files in found.items():
-            scores[name] = joined([evaluated(read_floor_paths(file)) for file in files])
-            bar.advance()
-    for name, one in scores.items():
-        if not len(one.error_m):
-            raise InputError(
-                f"{name}: nobody is there for 8 seconds in a row (3.2 s to observe, 4.8 s to "
-                "compare with), so no forecast can be judged; give a longer recording"
-            )
-    summary = summary_of(scores)
+    with progress_bar("recordings", quiet=json) as bar:
+        summary = summary_of(run(inputs, bar))
     finish(summary, json, score_text(summary))

@@ -1,5 +1,6 @@
 """The command `trecsim forecast`."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 from trecsim.cli.terminal import counted, counted_people, finish, progress_bar
@@ -37,22 +38,9 @@ def forecast(
     json
         Print the summary as one JSON object.
     """
-    from trecsim.forecasting.forecaster import Forecaster
-    from trecsim.forecasting.values import horizons
-    from trecsim.store.atomic import atomic_write
-    from trecsim.store.floor_paths import read_floor_paths
-    from trecsim.store.forecast_file import forecast_line
+    from trecsim.forecast_files import forecast as run
 
-    forecaster = Forecaster(horizons(ahead_s, step_s), every_s=every_s)
-    moments = read_floor_paths(tracks)
-    lines, people = 0, set[int]()
-    with atomic_write(out) as file, progress_bar("moments", len(moments), quiet=json) as bar:
-        for moment in moments:
-            for one in forecaster.step(*moment):
-                file.write(forecast_line(one))
-                lines += 1
-                people.add(one.person)
-            bar.advance()
-    summary = {"out": out, "moments": len(moments), "people": len(people), "forecasts": lines}
-    text = f"{out}: {counted(lines, 'forecast')} for {counted_people(len(people))}"
-    finish(summary, json, text)
+    with progress_bar("moments", quiet=json) as bar:
+        found = run(tracks, out, ahead_s=ahead_s, step_s=step_s, every_s=every_s, progress=bar)
+    text = f"{out}: {counted(found.forecasts, 'forecast')} for {counted_people(found.people)}"
+    finish({"out": out, **asdict(found)}, json, text)

@@ -13,7 +13,7 @@ from trecsim.forecasting.spread import forecasts
 from trecsim.forecasting.table import TABLE
 from trecsim.forecasting.table_values import Table
 from trecsim.forecasting.trails import Trails
-from trecsim.forecasting.values import AHEAD_S, Forecast
+from trecsim.forecasting.values import AHEAD_S, Forecast, Forecasts
 from trecsim.values import Snapshot
 
 
@@ -64,14 +64,24 @@ class Forecaster:
         xy_m: Float64[np.ndarray, "person 2"],
     ) -> list[Forecast]:
         """Take the floor points of the next moment [m]; return forecasts when they are due."""
+        made = self.together(t_s, person, xy_m)
+        return [] if made is None else made.each()
+
+    def together(
+        self,
+        t_s: float,
+        person: Int64[np.ndarray, " person"],
+        xy_m: Float64[np.ndarray, "person 2"],
+    ) -> Forecasts | None:
+        """Do the same; return the forecasts of everybody in arrays, None when none are due."""
         self._trails.add(t_s, person, xy_m)
         if t_s < self._next_s - 1e-6:
-            return []
+            return None
         self._next_s = _next(self._next_s, t_s, self._every_s)
         self._learn(t_s)
         pasts = self._trails.pasts(t_s, person)
         if not len(pasts.person):
-            return []
+            return None
         calibrated = guess(pasts, AHEAD_S, self._table)
         if t_s >= self._next_feedback_s - 1e-6:
             self._next_feedback_s = _next(self._next_feedback_s, t_s, tuning.FEEDBACK_S)

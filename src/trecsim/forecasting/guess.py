@@ -71,18 +71,6 @@ class Guess:
         x, y = self.heading.T
         return np.stack([x, y, -y, x], axis=1).reshape(-1, 2, 2)
 
-    @property
-    def planes(self) -> Float64[np.ndarray, "person 2 4"]:
-        """Products of the two unit vectors with themselves, as rows of a matrix."""
-        axes = self.axes
-        return np.asarray((axes[..., :, None] * axes[..., None, :]).reshape(-1, 2, 4))
-
-    @property
-    def shape_m2(self) -> Float64[np.ndarray, "person step 2 2"]:
-        """Ellipses of the scale in the world [m^2]."""
-        flat = (self.scale_m**2) @ self.planes
-        return np.asarray(flat.reshape(*self.xy_m.shape, 2))
-
 
 def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> Guess:
     """Return where everybody will be.

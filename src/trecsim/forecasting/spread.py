@@ -6,7 +6,7 @@ from jaxtyping import Float64
 from trecsim.forecasting.guess import Guess
 from trecsim.forecasting.table_values import Table
 from trecsim.forecasting.tuning import SMALLEST_SIGMA_M
-from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecast
+from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecasts
 
 _MIDDLE, _OUTER = LEVELS.index(0.5), LEVELS.index(0.9)
 
@@ -16,8 +16,8 @@ def forecasts(
     radius: Float64[np.ndarray, "kind 12 level"],
     path_factor: Float64[np.ndarray, " kind"],
     table: Table,
-) -> list[Forecast]:
-    """Return a forecast for everybody.
+) -> Forecasts:
+    """Return the forecasts of everybody.
 
     Parameters
     ----------
@@ -37,20 +37,18 @@ def forecasts(
     both relative to the table.
     """
     radii = radii_of(guess, radius)
-    shape_m2 = guess.shape_m2
-    region_m2 = (radii**2)[..., None, None] * shape_m2[:, None]
-    path_m2 = (path_factor[guess.kind] ** 2)[:, None, None, None] * region_m2[:, _OUTER]
-    factor = _mode_factors(guess, radii, table)
-    xy_m, cov_m2 = _modes(guess, factor, table)
-    return [
-        Forecast(
-            guess.t_s, person, guess.from_m[i], guess.ahead_s, table.weight[kind], xy_m[i],
-            cov_m2[i], region_m2[i], path_m2[i],
-        )
-        for i, (person, kind) in enumerate(
-            zip(guess.person.tolist(), guess.kind.tolist(), strict=True)
-        )
-    ]  # fmt: skip
+    path = path_factor[guess.kind][:, None, None] * radii[:, _OUTER, None]
+    modes = _mode_factors(guess, radii, table)
+    ellipses = np.concatenate([radii, path, modes], axis=1)
+    sizes = np.ones((*ellipses.shape[:2], 2))
+    sizes[:, -modes.shape[1] :] = table.sd[guess.kind]
+    matrices = _ellipses(guess, ellipses, sizes, modes.shape[1])
+    levels = radii.shape[1]
+    return Forecasts(
+        guess.t_s, guess.person, guess.from_m, guess.ahead_s, table.weight[guess.kind],
+        _means(guess, modes, table), matrices[:, levels + 1 :], matrices[:, :levels],
+        matrices[:, levels],
+    )  # fmt: skip
 
 
 def radii_of(
@@ -87,15 +85,35 @@ def _mode_factors(
     return np.concatenate([middle[:, None], np.repeat(outer[:, None], others, axis=1)], axis=1)
 
 
-def _modes(
+def _means(
     guess: Guess, factor: Float64[np.ndarray, "person mode step"], table: Table
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the modes lie and their covariances."""
-    people, modes, steps = factor.shape
-    flat = (people, modes * steps, 2)
-    scale_m = factor[..., None] * guess.scale_m[:, None]
-    off_m = (table.mean[guess.kind][:, :, None] * scale_m).reshape(flat) @ guess.axes
-    xy_m = guess.xy_m[:, None] + off_m.reshape(people, modes, steps, 2)
-    sd_m = np.maximum(table.sd[guess.kind][:, :, None] * scale_m, SMALLEST_SIGMA_M)
-    cov_m2 = (sd_m**2).reshape(flat) @ guess.planes
-    return xy_m, cov_m2.reshape(people, modes, steps, 2, 2)
+) -> Float64[np.ndarray, "person mode step 2"]:
+    """Return where the modes lie [m]."""
+    off_m = (factor[..., None] * table.mean[guess.kind][:, :, None]) * guess.scale_m[:, None]
+    people = len(off_m)
+    turned = (off_m.reshape(people, -1, 2) @ guess.axes).reshape(off_m.shape)
+    return np.asarray(guess.xy_m[:, None] + turned)
+
+
+def _ellipses(
+    guess: Guess,
+    factor: Float64[np.ndarray, "person many step"],
+    sizes: Float64[np.ndarray, "person many 2"],
+    modes: int,
+) -> Float64[np.ndarray, "person many step 2 2"]:
+    """Return matrices of so many times the scale, in the world [m^2]; the last ones are modes'."""
+    along_m2, left_m2 = (
+        _variance(factor * sizes[..., i, None] * guess.scale_m[:, None, :, i], modes)
+        for i in (0, 1)
+    )
+    x, y = guess.heading.T[:, :, None, None]
+    matrices = np.empty((*factor.shape, 2, 2))
+    matrices[..., 0, 0] = along_m2 * x**2 + left_m2 * y**2
+    matrices[..., 1, 1] = along_m2 * y**2 + left_m2 * x**2
+    matrices[..., 0, 1] = matrices[..., 1, 0] = (along_m2 - left_m2) * (x * y)
+    return matrices
+
+
+def _variance(sigma_m: Float64[np.ndarray, "person many step"], modes: int) -> np.ndarray:
+    np.maximum(sigma_m[:, -modes:], SMALLEST_SIGMA_M, out=sigma_m[:, -modes:])
+    return np.asarray(sigma_m**2)

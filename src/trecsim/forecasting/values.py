@@ -86,14 +86,50 @@ class Forecast:
     @property
     def mean_m(self) -> Float64[np.ndarray, "step 2"]:
         """Mean over the modes [m]."""
-        return np.asarray(np.einsum("m,msx->sx", self.weight, self.xy_m))
+        return np.asarray(np.tensordot(self.weight, self.xy_m, 1))
 
     @property
     def total_cov_m2(self) -> Float64[np.ndarray, "step 2 2"]:
         """Covariance of all modes together [m^2]."""
         off = self.xy_m - self.mean_m
         spread = self.cov_m2 + off[..., :, None] * off[..., None, :]
-        return np.asarray(np.einsum("m,msxy->sxy", self.weight, spread))
+        return np.asarray(np.tensordot(self.weight, spread, 1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Forecasts:
+    """The forecasts of everybody at one moment, in arrays; see `Forecast` for what they hold."""
+
+    t_s: float
+    person: Int64[np.ndarray, " person"]
+    from_m: Float64[np.ndarray, "person 2"]
+    ahead_s: Float64[np.ndarray, " step"]
+    weight: Float64[np.ndarray, "person mode"]
+    xy_m: Float64[np.ndarray, "person mode step 2"]
+    cov_m2: Float64[np.ndarray, "person mode step 2 2"]
+    region_m2: Float64[np.ndarray, "person level step 2 2"]
+    path_m2: Float64[np.ndarray, "person step 2 2"]
+
+    def each(self) -> list[Forecast]:
+        """Return one forecast per person."""
+        rows = zip(
+            self.person.tolist(), self.from_m, self.weight, self.xy_m, self.cov_m2,
+            self.region_m2, self.path_m2, strict=True,
+        )  # fmt: skip
+        return [
+            Forecast(self.t_s, person, from_m, self.ahead_s, *others)
+            for person, from_m, *others in rows
+        ]
+
+    def moments(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean (person, step, 2) [m] and xx, xy, yy (person, step, 3) of all modes [m^2]."""
+        people, modes, steps = self.xy_m.shape[:3]
+        weight = self.weight[:, None]
+        mean_m = (weight @ self.xy_m.reshape(people, modes, -1)).reshape(people, 1, steps, 2)
+        x, y = np.moveaxis(self.xy_m - mean_m, -1, 0)
+        xx, xy, yy = (self.cov_m2[..., i, j] for i, j in ((0, 0), (0, 1), (1, 1)))
+        upper = [(weight @ own)[:, 0] for own in (xx + x * x, xy + x * y, yy + y * y)]
+        return mean_m[:, 0], np.stack(upper, axis=-1)
 
 
 def horizons(ahead_s: float, step_s: float) -> Float64[np.ndarray, " step"]:
@@ -118,4 +154,4 @@ def horizons(ahead_s: float, step_s: float) -> Float64[np.ndarray, " step"]:
     return AHEAD_S if np.array_equal(steps.round(9), AHEAD_S) else steps.round(9)
 
 
-__all__ = ["AHEAD_S", "LEVELS", "Forecast", "Moment", "Pasts", "horizons"]
+__all__ = ["AHEAD_S", "LEVELS", "Forecast", "Forecasts", "Moment", "Pasts", "horizons"]

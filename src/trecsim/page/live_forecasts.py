@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from trecsim.forecasting import Forecast, Forecaster
+from trecsim.forecasting import Forecaster
 from trecsim.forecasting.floor_points import floor_points_of
+from trecsim.forecasting.values import Forecasts
 from trecsim.page.link import SnapshotPart
 from trecsim.skeleton import COCO17
 from trecsim.values import PROVISIONAL
@@ -34,17 +35,24 @@ class LiveForecasts:
         shape = (len(person), _JOINTS)
         xyz_m = np.frombuffer(part.xyz_m).reshape(*shape, 3)
         support = np.frombuffer(part.support, np.int64).reshape(shape)
-        made = self._forecaster.step(part.t_s, person, floor_points_of(xyz_m, support))
-        known = {p for p, state in zip(person.tolist(), part.state, strict=True)
-                 if state != PROVISIONAL}  # fmt: skip
-        return {one.person: forecast_body(one) for one in made if one.person in known}
+        made = self._forecaster.together(part.t_s, person, floor_points_of(xyz_m, support))
+        if made is None:
+            return {}
+        known = zip(person.tolist(), part.state, strict=True)
+        provisional = {p for p, state in known if state == PROVISIONAL}
+        bodies = zip(made.person.tolist(), forecast_bodies(made), strict=True)
+        return {one: body for one, body in bodies if one not in provisional}
 
 
-def forecast_body(one: Forecast) -> list[dict[str, Any]]:
-    """Return a forecast as the stream gives it: mean and covariance of all modes per horizon."""
-    upper = one.total_cov_m2[:, [0, 0, 1], [0, 1, 1]]
-    columns = zip(
-        (one.t_s + one.ahead_s).round(_DECIMALS).tolist(),
-        one.mean_m.round(_DECIMALS).tolist(), upper.round(_DECIMALS_M2).tolist(), strict=True,
-    )  # fmt: skip
-    return [{"t_s": t_s, "xy_m": xy_m, "cov_m2": cov_m2} for t_s, xy_m, cov_m2 in columns]
+def forecast_bodies(made: Forecasts) -> list[list[dict[str, Any]]]:
+    """Return forecasts as the stream gives them: mean and covariance of all modes per horizon."""
+    mean_m, upper_m2 = made.moments()
+    times = (made.t_s + made.ahead_s).round(_DECIMALS).tolist()
+    rows = zip(mean_m.round(_DECIMALS).tolist(), upper_m2.round(_DECIMALS_M2).tolist(), strict=True)
+    return [
+        [
+            {"t_s": t_s, "xy_m": xy_m, "cov_m2": cov_m2}
+            for t_s, xy_m, cov_m2 in zip(times, means, covariances, strict=True)
+        ]
+        for means, covariances in rows
+    ]

@@ -21,7 +21,7 @@ def snapshot_body(
 ) -> dict[str, Any]:
     """Return a snapshot as the stream and recordings give it, without the time of sending.
 
-    `forecasts` are by person, as `forecast_body` gives them; people without have no such key.
+    `forecasts` are by person, as `forecast_bodies` gives them; people without have no such key.
 
     Coordinates have three decimals, uncertainties four; what is missing (NaN) is null in JSON.
     """
