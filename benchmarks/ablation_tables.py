@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from harness.comparing import Change, compare
 from harness.figures import Figure, Figures, Result, find, leaves, summed
-from harness.markdown import NOTHING, fixed, number, table
+from harness.markdown import NOTHING, fixed, number, plain, table
 
 Results = Mapping[str, Result]
 
@@ -63,9 +63,9 @@ def _aim(aim: tuple[str, ...], changes: Mapping[tuple[str, ...], Change]) -> str
     change = changes.get(aim)
     if change is None:
         return f"{', '.join(aim)}: {NOTHING}"
-    now = number(change.now, 3)
+    now = plain(change.now)
     now = {"as before": SAME, "worse": f"**{now}**", "better": now}[change.verdict]
-    return f"{', '.join(aim)}: {number(change.before, 3)} → {now} {change.unit}".rstrip()
+    return f"{', '.join(aim)}: {plain(change.before)} → {now} {change.unit}".rstrip()
 
 
 def instead(results: Results) -> str:

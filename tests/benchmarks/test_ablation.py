@@ -124,9 +124,9 @@ def test_rows_show_only_what_differs_beyond_noise_and_bold_what_is_worse() -> No
     assert cells["better"][1] == "−0.50"
     assert set(cells["same"][1:]) == {"·", "–", "· |"}
     missing = "Shelf, 5 cameras, average PCP: –"
-    assert cells["worse"][0] == f"one camera, new, off in depth: 10.0 → **20.0** cm<br>{missing}"
-    assert cells["same"][0] == f"one camera, new, off in depth: 10.0 → · cm<br>{missing}"
-    assert cells["better"][0] == f"one camera, new, off in depth: 10.0 → 8.00 cm<br>{missing}"
+    assert cells["worse"][0] == f"one camera, new, off in depth: 10 → **20** cm<br>{missing}"
+    assert cells["same"][0] == f"one camera, new, off in depth: 10 → · cm<br>{missing}"
+    assert cells["better"][0] == f"one camera, new, off in depth: 10 → 8 cm<br>{missing}"
 
 
 def test_switches_are_summed_over_what_every_row_is_tracked_on() -> None:
@@ -204,7 +204,8 @@ def test_a_row_is_tracked_without_its_part_on_the_common_inputs_and_on_its_own(
     )
     without = frozenset({"2 cameras"})
     found = ablation.row(ablation.Task("re-identification", without, {}, True))
-    assert asked == [(n, True) for n in ("4 cameras", "built-in scenes", "coming and going")]
+    inputs = ("4 cameras", "built-in scenes", "coming and going", "5 images a second")
+    assert asked == [(name, True) for name in inputs]
     assert (
         found["4 cameras"]["error"].value == by_name()["re-identification"].settings["reidentify_s"]
     )
