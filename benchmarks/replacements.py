@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from trecsim.fusion.camera_errors import CameraErrors
 from trecsim.fusion.images import Images, prepare
 from trecsim.fusion.kernels import Bones, Views, Who
 from trecsim.fusion.kernels.distances import hold_distances
@@ -63,6 +64,11 @@ def nis_of_everything(_cameras: Any, _noise: Any, _measured: Any, person: Any, l
 
 def zeros(_A: Any, _B: Any, out: Any) -> None:
     """Write zeros in place of a product."""
+    out[:] = 0.0
+
+
+def no_inverse(_A: Any, out: Any) -> None:
+    """Write zeros in place of an inverse."""
     out[:] = 0.0
 
 
@@ -160,9 +166,32 @@ def at_one_time(*arguments: Any) -> Images:
     return replace(images, t_s=np.full(len(images), images.t_s.max(initial=-np.inf)))
 
 
-# Priors of camera errors: of turns alone, of delays alone.
-ONLY_TURNS = np.array([TURN_SIGMA_RAD**2] * 3 + [NEVER**2])
-ONLY_DELAYS = np.array([NEVER**2] * 3 + [CLOCK_SIGMA_S**2])
+_usual_prior = CameraErrors._prior
+
+
+def prior_of_turns(self: CameraErrors) -> Any:
+    """Return a prior by which all clocks are right."""
+    prior = _usual_prior(self)
+    prior[:, 3] = NEVER**2
+    return prior
+
+
+def prior_of_delays(self: CameraErrors) -> Any:
+    """Return a prior by which no camera is turned."""
+    prior = _usual_prior(self)
+    prior[:, :3] = NEVER**2
+    return prior
+
+
+def same_prior(self: CameraErrors) -> Any:
+    """Return the same prior for all cameras, whatever was found."""
+    one = [self.scale * TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2]
+    return np.tile(one, (len(self.vector), 1))
+
+
+def all_shares(_self: Any, by_chance: Any) -> Any:
+    """Return that all errors are applied as they were found."""
+    return np.ones(by_chance.shape)
 
 
 # Models without something.

@@ -11,12 +11,14 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from importlib import import_module
-from types import CodeType, ModuleType
+from itertools import count
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 from unittest.mock import patch
 
 PACKAGE = "trecsim.fusion"
 _compiled: dict[str, dict[int, Any]] = {}
+_numbers = count()
 
 
 class NoSuchPart(Exception):  # noqa: N818  it says what it is
@@ -144,10 +146,17 @@ def _uncached(function: Callable[..., Any], allocates: bool = True) -> Any:
     """Return a function as a kernel of the product's kind that neither reads nor fills its cache.
 
     The cache tells versions of a kernel apart by the sources, which do not show what is replaced.
+    Each has a name of its own: compiled code is linked by names that are unique in one process
+    only, and what came from the cache was compiled in another one.
     """
     from trecsim.compiler import kernel
 
-    made = kernel(function, allocates=allocates)
+    name = f"{function.__name__}_{next(_numbers)}"
+    own = FunctionType(
+        function.__code__, function.__globals__, name, function.__defaults__, function.__closure__
+    )
+    own.__module__, own.__qualname__ = function.__module__, name
+    made = kernel(own, allocates=allocates)
     made.__class__ = _uncached_kind()
     return made
 

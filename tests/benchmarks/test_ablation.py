@@ -60,6 +60,15 @@ def test_a_constant_of_a_kernel_counts_in_all_that_call_it_and_only_for_as_long(
     assert kernels.prefilter is PREFILTER
 
 
+def test_kernels_compiled_anew_share_no_name_with_those_of_the_cache() -> None:
+    """Code is linked by names: an old kernel of the same name would be called instead."""
+    names = {PREFILTER.py_func.__qualname__}
+    for which in ("one", "other"):
+        with replaced(which, {"kernels.prefilter.SCORE_POWER": 0.0}):
+            names.add(kernels.prefilter.py_func.__qualname__)
+    assert len(names) == 3
+
+
 def test_a_function_is_replaced_everywhere_or_only_where_the_path_says() -> None:
     locating, matching, mixture = (
         sys.modules[f"trecsim.fusion.kernels.{name}"]
