@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from forecasting.made_walks import STEP_S, walks
+from forecasting.made_walks import STEP_S, line, walks
+from trecsim.forecasting import Forecaster
 from trecsim.forecasting.scores import evaluated
 from trecsim.forecasting.trails import Trails
 
@@ -22,6 +23,15 @@ def test_coverage_reaches_its_level_whatever_people_do(turning: float) -> None:
     late = scores.inside[len(scores.inside) // 3 :].mean(axis=(0, 2))
     np.testing.assert_allclose(late, [0.5, 0.8, 0.9, 0.95], atol=0.03)
     assert scores.whole[len(scores.whole) // 3 :].mean() == pytest.approx(0.9, abs=0.04)
+
+
+def test_where_all_stood_still_somebody_may_still_walk_off() -> None:
+    """The regions shrink to nothing, but what is wider than they are stays possible."""
+    forecaster = Forecaster()
+    for moment in line(0.0, 400):
+        (made,) = forecaster.step(*moment)
+    assert np.sqrt(made.region_m2[1, -1, 0, 0]) < 0.02
+    assert 0.3 < np.sqrt(made.total_cov_m2[-1, 0, 0]) < 1.5
 
 
 def test_positions_between_samples_are_interpolated() -> None:

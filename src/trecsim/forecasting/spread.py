@@ -34,7 +34,8 @@ def forecasts(
     -----
     The radii are calibrated while running, the modes follow them: the first mode, the single
     guess, is as wide as the region of 50 %, the others are as wide and as far out as that of 90 %,
-    both relative to the table.
+    both relative to the table. The last one, "anywhere", is never narrower than in the table: where
+    everybody has stood still so far, somebody may still walk off.
     """
     radii = radii_of(guess, radius)
     path = path_factor[guess.kind][:, None, None] * radii[:, _OUTER, None]
@@ -81,8 +82,8 @@ def _mode_factors(
     usual = table.radius[guess.kind]
     middle = radii[:, _MIDDLE] / usual[:, _MIDDLE, None]
     outer = radii[:, _OUTER] / usual[:, _OUTER, None]
-    others = table.weight.shape[1] - 1
-    return np.concatenate([middle[:, None], np.repeat(outer[:, None], others, axis=1)], axis=1)
+    others = table.weight.shape[1] - 2
+    return np.stack([middle, *[outer] * others, np.maximum(outer, 1.0)], axis=1)
 
 
 def _means(
