@@ -81,7 +81,7 @@ LEAST_TURN_RAD: Final = 0.001
 # not as many standard deviations large.
 PUSHED_RAD: Final = 0.002
 PUSHED_S: Final = 0.005
-SURE: Final = 2.0
+SURE: Final = 1.5
 # Residuals count anew after this time, as those of one camera last [s]. They are taken of images
 # within such a block [s], so long after it [s], of so many people in a step; what was learnt is
 # forgotten over this time, as cameras are moved [s].
