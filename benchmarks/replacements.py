@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from trecsim.fusion.camera_errors import CameraErrors
 from trecsim.fusion.images import Images, prepare
 from trecsim.fusion.kernels import Bones, Views, Who
+from trecsim.fusion.kernels.camera_corrections import prior_of
 from trecsim.fusion.kernels.distances import hold_distances
 from trecsim.fusion.kernels.fitting_kernels import nis_ratio
 from trecsim.fusion.kernels.presence import survive_all
 from trecsim.fusion.kernels.reported_covariance import disagreement_m2
 from trecsim.fusion.model import Model
-from trecsim.fusion.tuning import CLOCK_SIGMA_S, LONGEST_STEP_S, TURN_SIGMA_RAD
+from trecsim.fusion.tuning import LONGEST_STEP_S
 
 NEVER, ALWAYS = 1e-9, 1e9  # as times, lengths, shares: so little or much that it is none or all
 
@@ -166,32 +166,31 @@ def at_one_time(*arguments: Any) -> Images:
     return replace(images, t_s=np.full(len(images), images.t_s.max(initial=-np.inf)))
 
 
-_usual_prior = CameraErrors._prior
-
-
-def prior_of_turns(self: CameraErrors) -> Any:
+def prior_of_turns(found: Any, scale: Any) -> Any:
     """Return a prior by which all clocks are right."""
-    prior = _usual_prior(self)
-    prior[:, 3] = NEVER**2
+    prior = prior_of(found, scale)
+    for c in range(prior.shape[0]):
+        prior[c, 3] = NEVER**2
     return prior
 
 
-def prior_of_delays(self: CameraErrors) -> Any:
+def prior_of_delays(found: Any, scale: Any) -> Any:
     """Return a prior by which no camera is turned."""
-    prior = _usual_prior(self)
-    prior[:, :3] = NEVER**2
+    prior = prior_of(found, scale)
+    for c in range(prior.shape[0]):
+        prior[c, 0] = prior[c, 1] = prior[c, 2] = NEVER**2
     return prior
 
 
-def same_prior(self: CameraErrors) -> Any:
+def same_prior(found: Any, scale: Any) -> Any:
     """Return the same prior for all cameras, whatever was found."""
-    one = [self.scale * TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2]
-    return np.tile(one, (len(self.vector), 1))
+    return prior_of(np.zeros(found.shape), scale)
 
 
-def all_shares(_self: Any, by_chance: Any) -> Any:
-    """Return that all errors are applied as they were found."""
-    return np.ones(by_chance.shape)
+def apply_all(c: Any, found: Any, _cov: Any, _prior: Any, applied: Any) -> None:
+    """Apply all errors of a camera as they were found."""
+    for i in range(found.shape[1]):
+        applied[c, i] = found[c, i]
 
 
 # Models without something.

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import reference_cameras as slow
 import reference_fusion as reference
 from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL
@@ -39,6 +40,28 @@ def bent(angle_rad, about):
 def follow(rig, sets):
     tracker = Tracker(rig)
     return tracker, [tracker.step(one) for one in sets]
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0.5, 2.0))
+def test_errors_of_cameras_are_found_and_taken_out_as_by_the_reference(seed, scale):
+    rng = np.random.default_rng(seed)
+    errors, n = CameraErrors(MODEL.rig), 4
+    A = rng.normal(0, 200, (4 * n, 4 * n))
+    errors.info[:] = (A @ A.T).reshape(n, 4, n, 4) * rng.choice([0.1, 1.0, 100.0])
+    errors.found[:] = rng.normal(size=(n, 4)) * [0.005, 0.005, 0.005, 0.004]
+    errors.vector[:] = np.einsum("cidk,dk->ci", errors.info, errors.found) + rng.normal(size=(n, 4))
+    errors.scale = scale
+    found, variance, applied, scale, left = slow.corrected(
+        errors.info, errors.vector, errors.found, scale
+    )
+    cameras = errors.corrected()
+    expected = projections(calibrated(MODEL.rig), applied[:, :3], left)
+    np.testing.assert_allclose(errors.found, found, rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(errors.variance, variance, rtol=1e-8)
+    np.testing.assert_allclose(errors.applied, applied, rtol=1e-7, atol=1e-12)
+    assert errors.scale == pytest.approx(scale, rel=1e-8)
+    for one, other in zip(cameras, expected, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-7, atol=1e-9)
 
 
 @given(st.integers(0, 2**32 - 1))

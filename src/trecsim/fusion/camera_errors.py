@@ -14,17 +14,11 @@ from trecsim.fusion.tuning import (
     CAMERA_RENEW_S,
     CAMERA_SETTLE_S,
     CLOCK_SIGMA_S,
-    EYES_OF_A_POINT,
-    LEAST_TURN_RAD,
-    PRIOR_WEIGHT,
-    PUSHED_RAD,
-    PUSHED_S,
-    SURE,
     TURN_SIGMA_RAD,
 )
 from trecsim.geometry import Rig
 
-_TURN, _TILT, _DELAY = slice(0, 3), slice(0, 2), 3
+_TURN = slice(0, 3)
 
 
 @dataclass(eq=False)
@@ -69,7 +63,7 @@ class CameraErrors:
         self.info, self.vector = np.zeros((n, 4, n, 4)), np.zeros((n, 4))
         self.learned_s = np.full(1, -np.inf)
         self.found, self.applied = np.zeros((n, 4)), np.zeros((n, 4))
-        self.variance = self._prior()
+        self.variance = np.tile([TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2], (n, 1))
         self._calibrated = calibrated(self.rig)
         self.centre_px = np.ascontiguousarray(self._calibrated.K[:, :2, 2])
 
@@ -103,41 +97,13 @@ class CameraErrors:
         that no residual shows, too: of the ``2 n`` image directions of ``n`` cameras a point in
         space takes up three.
         """
-        n = len(self.vector)
-        prior = self._prior().ravel()
-        cov = np.linalg.inv(self.info.reshape(4 * n, 4 * n) + np.diag(1.0 / prior))
-        self.found[:] = (cov @ self.vector.ravel()).reshape(n, 4)
-        self.found[:, _DELAY] -= np.median(self.found[:, _DELAY])
-        self.variance[:] = cov.diagonal().reshape(n, 4)
-        spread = (self.found**2 + self.variance)[:, _TURN] / prior.reshape(n, 4)[:, _TURN]
-        self.scale *= (PRIOR_WEIGHT / self.scale + spread.sum()) / (PRIOR_WEIGHT + spread.size)
-        by_chance = (cov.diagonal() - (cov**2) @ (1.0 / prior)).reshape(n, 4)
-        self.applied[:] = self.found * self._applied_share(by_chance)
-        hidden = min(1.0, EYES_OF_A_POINT / n) * self.scale * TURN_SIGMA_RAD**2
-        left = np.maximum(self.variance[:, _TILT].mean(axis=1), hidden) + LEAST_TURN_RAD**2
-        return projections(self._calibrated, self.applied[:, _TURN], left)
-
-    def _applied_share(
-        self, by_chance: Float64[np.ndarray, "cam 4"]
-    ) -> Float64[np.ndarray, "cam 4"]:
-        """Return the shares of what was found that are applied: nearly all, or nothing.
-
-        `by_chance` is the variance that it has where there is no error. What is no larger than
-        that, or than lasting errors of key points make it, is none.
-        """
-        tilt = (self.found[:, _TILT] ** 2).sum(axis=1)
-        tilt /= PUSHED_RAD**2 + SURE**2 * by_chance[:, _TILT].sum(axis=1)
-        late = self.found[:, _DELAY] ** 2
-        late /= PUSHED_S**2 + SURE**2 * by_chance[:, _DELAY]
-        kept = 1.0 - 1.0 / np.maximum([tilt, late], 1.0) ** 2
-        return np.asarray(kept.T[:, [0, 0, 0, 1]])
-
-    def _prior(self) -> Float64[np.ndarray, "cam 4"]:
-        """Return the variances of turn and delay of each camera, before anything is known."""
-        tilt = np.sqrt((self.found[:, _TILT] ** 2).sum(axis=1)) / PUSHED_RAD
-        tilted, late = np.hypot(1.0, [tilt, self.found[:, _DELAY] / PUSHED_S])
-        wider = np.stack([tilted, tilted, np.ones_like(late), late], axis=1)
-        return wider * ([self.scale * TURN_SIGMA_RAD**2] * 3 + [CLOCK_SIGMA_S**2])
+        n, (K, pose, position_m, focal_px) = len(self.vector), self._calibrated
+        P, ray_of, error_px2 = np.empty((n, 3, 4)), np.empty((n, 3, 3)), np.empty(n)
+        self.scale = kernels.correct_all(
+            (self.info, self.vector), (self.found, self.variance, self.applied), self.scale,
+            (K, pose, focal_px), (P, ray_of, error_px2),
+        )  # fmt: skip
+        return Cameras(P, focal_px, ray_of, position_m, error_px2)
 
 
 class Calibrated(NamedTuple):
@@ -147,13 +113,14 @@ class Calibrated(NamedTuple):
     ----------
     K, pose
         Intrinsics [px], and the world's motion into each camera's coordinates.
-    position_m
-        Where each camera stands.
+    position_m, focal_px
+        Where each camera stands, and its mean focal length [px].
     """
 
     K: Float64[np.ndarray, "cam 3 3"]
     pose: Float64[np.ndarray, "cam 3 4"]
     position_m: Float64[np.ndarray, "cam 3"]
+    focal_px: Float64[np.ndarray, " cam"]
 
 
 def calibrated(rig: Rig) -> Calibrated:
@@ -162,6 +129,7 @@ def calibrated(rig: Rig) -> Calibrated:
         np.array([camera.K for camera in rig], order="C"),
         np.array([camera.T_cam_world[:3] for camera in rig], order="C"),
         np.array([camera.position_m for camera in rig], order="C"),
+        np.array([0.5 * (camera.K[0, 0] + camera.K[1, 1]) for camera in rig]),
     )
 
 
@@ -177,9 +145,8 @@ def projections(
     error_rad2: Float64[np.ndarray, " cam"],
 ) -> Cameras:
     """Return the cameras turned by small rotation vectors, with the variance of their angles."""
-    K, pose, position_m = as_calibrated
+    K, pose, position_m, focal_px = as_calibrated
     P = np.ascontiguousarray(K @ _rotations(turn_rad) @ pose)
-    focal_px = 0.5 * (K[:, 0, 0] + K[:, 1, 1])
     return Cameras(
         P=P,
         focal_px=focal_px,

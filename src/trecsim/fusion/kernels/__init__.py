@@ -6,6 +6,7 @@ Importing this package imports numba; only the fusion does.
 
 from trecsim.fusion.kernels.anatomy import constrain_all
 from trecsim.fusion.kernels.body_motion import extend_all, start_all
+from trecsim.fusion.kernels.camera_corrections import correct_all
 from trecsim.fusion.kernels.curve import evaluate_all, locate
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import (
@@ -115,6 +116,7 @@ __all__ = [
     "confirm_all",
     "constrain_all",
     "control_points",
+    "correct_all",
     "count_since",
     "covariance_all",
     "evaluate_all",
