@@ -157,6 +157,7 @@ def merged(before: Result | None, new: Mapping[str, Figures], about: Mapping[str
     whole = {
         **about,
         "rows": {name: rows[name] for name in known},
+        "missing": [name for name in parts if name not in figures],
         "parts": {
             name: {
                 "group": groups.get(name, ""),

@@ -55,7 +55,9 @@ def ablation(results: Results) -> str:
             [title, "<br>".join(aims), *(_cell(figures, column, changes) for column in COLUMNS)]
         )
     titles = (column.title for column in COLUMNS)
-    return table(["without", "what it is for: with it → without it", *titles], rows)
+    made = table(["without", "what it is for: with it → without it", *titles], rows)
+    missing = result.about.get("missing", ())
+    return f"{made}\n\nNot measured yet: {', '.join(missing)}." if missing else made
 
 
 def _aim(aim: tuple[str, ...], changes: Mapping[tuple[str, ...], Change]) -> str:

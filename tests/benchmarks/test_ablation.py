@@ -264,10 +264,13 @@ def test_after_an_interrupt_the_rows_that_are_done_are_kept_and_not_done_again(
 
 def test_rows_of_another_version_of_the_code_are_done_anew_and_new_rows_join_in_order() -> None:
     names = list(by_name())
-    about = {"code": "now", "commit": "abc", "date": "today"}
+    about = {**result({}, "ablation").about, "code": "now", "commit": "abc"}
     before = ablation.merged(None, {names[2]: row(2.0, 0.0)}, about)
     after = ablation.merged(before, {FULL: row(1.0, 0.0)}, {**about, "code": "later"})
     assert list(after.figures) == [FULL, names[2]]
+    assert after.about["missing"] == [name for name in names if name not in (FULL, names[2])]
+    told = ablation_tables.ablation({"ablation": after}).splitlines()[-1]
+    assert told == f"Not measured yet: {', '.join(after.about['missing'])}."
     assert ablation.outdated(after, names[:3], "later") == names[1:3]
     assert ablation.outdated(None, names[:3], "now") == names[:3]
     assert after.about["parts"][names[2]]["instead"] == by_name()[names[2]].instead
