@@ -12,6 +12,7 @@ Results = Mapping[str, Result]
 
 FULL = "the full model"
 SAME = "·"
+RECORDED = ("Shelf", "real video", "thesis")
 SWITCHES = ("all of these", "switches")
 
 
@@ -65,9 +66,9 @@ def _aim(aim: tuple[str, ...], changes: Mapping[tuple[str, ...], Change]) -> str
     change = changes.get(aim)
     if change is None:
         return f"{', '.join(aim)}: {NOTHING}"
-    now = plain(change.now)
-    now = {"as before": SAME, "worse": f"**{now}**", "better": now}[change.verdict]
-    return f"{', '.join(aim)}: {plain(change.before)} → {now} {change.unit}".rstrip()
+    now = f"**{plain(change.now)}**" if change.verdict == "worse" else plain(change.now)
+    mark = f" {SAME}" if change.verdict == "as before" else ""
+    return f"{', '.join(aim)}: {plain(change.before)} → {now} {change.unit}".rstrip() + mark
 
 
 def instead(results: Results) -> str:
@@ -121,12 +122,26 @@ def _with_switches(figures: Figures) -> dict[str, Figure | Figures]:
     return {**figures, SWITCHES[0]: {SWITCHES[1]: total}}
 
 
+def _recorded_once(figures: Mapping[str, Figure | Figures]) -> Figures:
+    """Return the figures of a row, those of recordings without a spread: they have no seeds."""
+    out: dict[str, Figure | Figures] = {}
+    for name, inside in figures.items():
+        if isinstance(inside, Figure) or not name.startswith(RECORDED):
+            out[name] = inside
+        else:
+            out[name] = {
+                score: replace(figure, kind="once", runs={})
+                for score, figure in inside.items() if isinstance(figure, Figure)
+            }  # fmt: skip
+    return out
+
+
 def _changes(result: Result, name: str) -> list[Change]:
     rows = []
     for which in (name, FULL):
         figures = result.figures[which]
         assert not isinstance(figures, Figure)
-        rows.append(replace(result, figures=_with_switches(figures)))
+        rows.append(replace(result, figures=_recorded_once(_with_switches(figures))))
     return compare(*rows)
 
 

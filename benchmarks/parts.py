@@ -129,7 +129,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
     ),
     "stated uncertainty": (
         Part("bias", "the covariance of the trajectories is all that is stated", (LIKELIHOOD,),
-             {"bias_share": NEVER}),
+             {"bias_share": 1e-3}),
         Part("common part", "errors that all cameras share are not stated",
              (ON_SHELF, LIKELIHOOD), {"common_sigma_m": NEVER}),
         Part("common part by joint", "it is the same for all joints", (ON_SHELF, LIKELIHOOD),

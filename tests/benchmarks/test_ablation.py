@@ -134,7 +134,7 @@ def test_rows_show_only_what_differs_beyond_noise_and_bold_what_is_worse() -> No
     assert set(cells["same"][1:]) == {"·", "–", "· |"}
     missing = "Shelf, 5 cameras, average PCP: –"
     assert cells["worse"][0] == f"one camera, new, off in depth: 10 → **20** cm<br>{missing}"
-    assert cells["same"][0] == f"one camera, new, off in depth: 10 → · cm<br>{missing}"
+    assert cells["same"][0] == f"one camera, new, off in depth: 10 → 10 cm ·<br>{missing}"
     assert cells["better"][0] == f"one camera, new, off in depth: 10 → 8 cm<br>{missing}"
 
 
