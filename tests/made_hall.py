@@ -9,7 +9,7 @@ import numpy as np
 from made_page import RunningPage
 from made_rigs import ring
 from made_tracks import snapshot
-from trecsim.health import CameraHealth, FusionHealth, Health
+from trecsim.health import CameraHealth, FusionHealth, Health, RulesHealth
 from trecsim.page.site_view import SiteView, cameras_of
 
 SITE = SiteView(
@@ -65,7 +65,8 @@ class Tracking:
             if self.silent is not None:
                 cameras[self.silent] = CameraHealth("stale", 0.0, 6.0)
             fusion = FusionHealth("running", 25.0, 1.0, 0.02, len(self.people))
-            self._page.process.health(Health(t_s, cameras, fusion))
+            rules = RulesHealth(armed=1, total=1)
+            self._page.process.health(Health(t_s, cameras, fusion, rules=rules))
             for request in self._page.process.requests():
                 camera = request.body.get("camera")
                 if request.kind == "picture" and camera in self.pictures:
