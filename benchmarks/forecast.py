@@ -18,7 +18,7 @@ from harness.calibration import calibration_ms
 from harness.command import alone
 from harness.figures import Figures, Skipped, once, timed
 from harness.options import Options, shared_data
-from trecsim.forecasting.values import Moment
+from trecsim.forecasting.forecasts import Moment
 
 PUBLISHED = ("eth", "hotel", "univ", "zara1", "zara2")
 PEOPLE, ROUNDS = 50, 40
@@ -38,7 +38,7 @@ def recordings() -> dict[str, list[list[Moment]]]:
 def measure(options: Options) -> Figures:
     """Measure forecasts of floor paths, leaving out the scene that is evaluated."""
     from forecast_fit import fit, windows
-    from trecsim.forecasting.scores import evaluated, joined
+    from trecsim.forecasting.path_scores import evaluated, joined
     from trecsim.store.ethucy import TRUE_TIME
 
     options.input.update(data="ETH/UCY", protocol="8 observed, 12 forecast, every 0.4 s")

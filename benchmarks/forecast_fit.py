@@ -3,7 +3,7 @@
 Every scene counts the same. Corrections minimise the mean distance (iteratively reweighted least
 squares); scales, modes and radii describe the errors that are left.
 
-Run: ``python benchmarks/forecast_fit.py`` writes ``src/trecsim/forecasting/table.py``; the
+Run: ``python benchmarks/forecast_fit.py`` writes ``src/trecsim/forecasting/spread_table.py``; the
 recordings are those of ``../shared/data/ethucy``, without the copy of ETH with a wrong clock.
 """
 
@@ -13,16 +13,16 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from harness.machine import ROOT
-from trecsim.forecasting import corrections, tuning
+from trecsim.forecasting import constants, corrections
 from trecsim.forecasting.filters import filtered, reached
+from trecsim.forecasting.forecasts import AHEAD_S, LEVELS, Moment, Pasts
 from trecsim.forecasting.guess import guess
 from trecsim.forecasting.table_values import Table
-from trecsim.forecasting.values import AHEAD_S, LEVELS, Moment, Pasts
 
 MOST, MOST_MOMENTS = 2500, 300
 """At most so many samples and moments of a scene, evenly spaced: more tell little more."""
 GROWTH = corrections.growth(AHEAD_S)
-ONCE = tuning.CLASSES - 1
+ONCE = constants.CLASSES - 1
 TABLE_FILE = ROOT / "src" / "trecsim" / "forecasting" / "table.py"
 MODES = ("goes on", "slower", "faster", "left", "right", "anywhere")
 START_MEAN = np.array([[0, 0], [-1.0, 0], [0.7, 0], [0, 1.0], [0, -1.0], [0, 0]])
@@ -43,7 +43,7 @@ class Window:
 
 def windows(recording: Sequence[Moment]) -> list[Window]:
     """Return all windows of 8 and 12 samples of a recording on the 0.4 s grid."""
-    index = {round(t_s / tuning.PAST_STEP_S): dict(zip(p.tolist(), xy, strict=True))
+    index = {round(t_s / constants.PAST_STEP_S): dict(zip(p.tolist(), xy, strict=True))
              for t_s, p, xy in recording}  # fmt: skip
     nothing = np.full(2, np.nan)
 
@@ -53,10 +53,10 @@ def windows(recording: Sequence[Moment]) -> list[Window]:
     found = []
     for frame, people in sorted(index.items()):
         who = np.array(list(people))
-        past = np.array([at(range(frame - tuning.PAST + 1, frame + 1), p) for p in who])
-        future = np.array([at(range(frame + 1, frame + tuning.STEPS + 1), p) for p in who])
+        past = np.array([at(range(frame - constants.PAST + 1, frame + 1), p) for p in who])
+        future = np.array([at(range(frame + 1, frame + constants.STEPS + 1), p) for p in who])
         scored = ~np.isnan(past).any(axis=(1, 2)) & ~np.isnan(future).any(axis=(1, 2))
-        pasts = Pasts(frame * tuning.PAST_STEP_S, who, past)
+        pasts = Pasts(frame * constants.PAST_STEP_S, who, past)
         found.append(Window(pasts, scored, future))
     return found
 
@@ -64,7 +64,7 @@ def windows(recording: Sequence[Moment]) -> list[Window]:
 def shortened(window: Window, n: int) -> Window:
     """Return the window as if people had been seen `n` times only."""
     xy_m = window.pasts.xy_m.copy()
-    xy_m[:, : tuning.PAST - n] = np.nan
+    xy_m[:, : constants.PAST - n] = np.nan
     return replace(window, pasts=replace(window.pasts, xy_m=xy_m))
 
 
@@ -72,20 +72,20 @@ def fit(scenes: Scenes) -> Table:
     """Return the table that describes these scenes."""
     scenes = {name: _some(found) for name, found in scenes.items()}
     table = replace(_blank(), corrections_s=_corrections(scenes))
-    errors, kinds, weights = _errors(scenes, table, tuning.PAST)
+    errors, kinds, weights = _errors(scenes, table, constants.PAST)
     once, once_kinds, once_weights = _errors(scenes, table, 1)
     errors, kinds = np.concatenate([errors, once]), np.concatenate([kinds, once_kinds])
     weights = np.concatenate([weights, once_weights])
-    for kind in range(tuning.CLASSES):
+    for kind in range(constants.CLASSES):
         mine = kinds == kind
         scale_m, exponent = _scale(errors[mine], weights[mine], same=kind in (0, ONCE))
         table.scale_m[kind], table.exponent[kind] = scale_m, exponent
-    z = _scaled(scenes, table, tuning.PAST)
+    z = _scaled(scenes, table, constants.PAST)
     once = _scaled(scenes, table, 1)
     z = tuple(np.concatenate(pair) for pair in zip(z, once, strict=True))
-    for kind in range(tuning.CLASSES):
+    for kind in range(constants.CLASSES):
         _describe(table, kind, z[0][z[1] == kind], z[2][z[1] == kind])
-    for n in range(2, tuning.PAST):
+    for n in range(2, constants.PAST):
         table.short[n - 1] = _growth_of(scenes, table, n)
     return table
 
@@ -98,9 +98,9 @@ def _some(found: Sequence[Window]) -> list[Window]:
 
 
 def _blank() -> Table:
-    kinds, modes = tuning.CLASSES, len(MODES)
+    kinds, modes = constants.CLASSES, len(MODES)
     return Table(
-        np.zeros((2, 2)), np.ones((kinds, 2)), np.ones(kinds), np.ones(tuning.PAST),
+        np.zeros((2, 2)), np.ones((kinds, 2)), np.ones(kinds), np.ones(constants.PAST),
         np.full((kinds, modes), 1 / modes), np.zeros((kinds, modes, 2)), np.ones((kinds, modes, 2)),
         np.ones((kinds, len(LEVELS))), np.ones(kinds),
     )  # fmt: skip
@@ -162,11 +162,11 @@ def _errors(scenes: Scenes, table: Table, n: int) -> tuple[np.ndarray, np.ndarra
 def _scale(errors: np.ndarray, weights: np.ndarray, *, same: bool) -> tuple[np.ndarray, float]:
     """Return the scale along and across at 4.8 s, from 0.8 quantiles, and how it grows."""
     size = np.array([[_quantile(np.abs(errors[:, k, x]), weights, 0.8) for x in (0, 1)]
-                     for k in range(tuning.STEPS)])  # fmt: skip
+                     for k in range(constants.STEPS)])  # fmt: skip
     if same:
         size = np.repeat(np.sqrt((size**2).mean(axis=1, keepdims=True)), 2, axis=1)
     late = slice(3, None)
-    log_t = np.log(AHEAD_S[late] / tuning.FULL_AHEAD_S)
+    log_t = np.log(AHEAD_S[late] / constants.FULL_AHEAD_S)
     slope = float(np.polyfit(log_t, np.log(size[late]).mean(axis=1), 1)[0])
     return np.maximum(size[-1], 0.05), float(np.clip(slope, 0.8, 2.0))
 
@@ -178,10 +178,10 @@ def _describe(table: Table, kind: int, z: np.ndarray, weights: np.ndarray) -> No
     found = _mixture(late, w / w.sum(), undirected=kind in (0, ONCE))
     table.weight[kind], table.mean[kind], table.sd[kind] = found
     size = np.linalg.norm(z, axis=2)
-    spread = np.repeat(weights[:, None], tuning.STEPS - 1, axis=1).ravel()
+    spread = np.repeat(weights[:, None], constants.STEPS - 1, axis=1).ravel()
     radii = [_quantile(size[:, 1:].ravel(), spread, p) for p in LEVELS]
     table.radius[kind] = np.maximum(radii, 0.01)
-    table.path_radius[kind] = _quantile(size.max(axis=1), weights, tuning.PATH_LEVEL) / radii[2]
+    table.path_radius[kind] = _quantile(size.max(axis=1), weights, constants.PATH_LEVEL) / radii[2]
 
 
 def _mixture(

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from trecsim.errors import InputError
 from trecsim.forecasting import Forecaster
-from trecsim.forecasting.scores import Scores, evaluated, joined
-from trecsim.forecasting.values import horizons
+from trecsim.forecasting.forecasts import horizons
+from trecsim.forecasting.path_scores import Scores, evaluated, joined
 from trecsim.store.atomic import atomic_write
 from trecsim.store.ethucy import sets_in
 from trecsim.store.floor_paths import read_floor_paths

@@ -5,7 +5,7 @@ import pytest
 
 from forecasting.made_walks import STEP_S, line, walks
 from trecsim.forecasting import Forecaster
-from trecsim.forecasting.scores import evaluated
+from trecsim.forecasting.path_scores import evaluated
 from trecsim.forecasting.trails import Trails
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from trecsim.forecasting import corrections as c
+from trecsim.forecasting.constants import FULL_AHEAD_S
 from trecsim.forecasting.filters import Motion
-from trecsim.forecasting.tuning import FULL_AHEAD_S
-from trecsim.forecasting.values import Pasts
+from trecsim.forecasting.forecasts import Pasts
 
 
 def by_hand(at_m: np.ndarray, velocity: np.ndarray, i: int) -> np.ndarray:

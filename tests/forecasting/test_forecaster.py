@@ -6,7 +6,7 @@ import pytest
 from forecasting.made_walks import line, walks
 from trecsim.errors import ConfigError
 from trecsim.forecasting import AHEAD_S, Forecast, Forecaster, Moment
-from trecsim.forecasting.values import horizons
+from trecsim.forecasting.forecasts import horizons
 
 
 def run(moments: list[Moment], **how: float) -> list[list[Forecast]]:

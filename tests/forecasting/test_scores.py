@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from forecasting.made_walks import line, walks
-from trecsim.forecasting.scores import PATHS, evaluated, representatives
+from trecsim.forecasting.path_scores import PATHS, evaluated, representatives
 from trecsim.store.floor_paths import read_floor_paths
 
 
@@ -44,7 +44,7 @@ def test_the_best_of_twenty_is_never_worse_than_the_guess() -> None:
 def test_the_likelihood_is_a_density() -> None:
     """Its integral over the floor is 1, from the forecast's own modes."""
     from trecsim.forecasting import Forecaster
-    from trecsim.forecasting.scores import _nll
+    from trecsim.forecasting.path_scores import _nll
 
     forecaster = Forecaster()
     for moment in walks(2, 1, 12):

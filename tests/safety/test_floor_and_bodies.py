@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from made_live import any_snapshots
 from made_paths import bodies_on, falling, line, lying_m, moments
 from made_people import STANDING_M
-from trecsim.safety.bodies import bodies
+from trecsim.safety.body_states import bodies
 from trecsim.safety.conditions.zones import at_least
-from trecsim.safety.floor_points import ANKLES, HIPS, floor_points
+from trecsim.safety.floor_place import ANKLES, HIPS, floor_points
 from trecsim.values import Snapshot
 
 

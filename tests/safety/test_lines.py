@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trecsim.safety.lines import Edge, Line
+from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.polygons import Polygon
 
 BENT = Edge(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0]]))  # turns to the left: over the drop

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from trecsim.store.ethucy import SETS, TRUE_TIME
 
 if TYPE_CHECKING:
-    from trecsim.forecasting.scores import Scores
+    from trecsim.forecasting.path_scores import Scores
 
 NOTE = (
     "8 samples observed (3.2 s), 12 forecast (4.8 s), 0.4 s apart; best of 20: least ADE and least "

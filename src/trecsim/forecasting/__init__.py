@@ -7,8 +7,8 @@ files, clocks or threads.
 
 from trecsim.forecasting.floor_points import floor_points
 from trecsim.forecasting.forecaster import Forecaster
+from trecsim.forecasting.forecasts import AHEAD_S, LEVELS, Forecast, Moment
 from trecsim.forecasting.poses import PoseForecast, PoseForecaster
-from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecast, Moment
 
 __all__ = [
     "AHEAD_S",

@@ -19,13 +19,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.forecasting import tuning
+from trecsim.forecasting import constants
+from trecsim.forecasting.forecasts import AHEAD_S, LEVELS
 from trecsim.forecasting.guess import Guess
 from trecsim.forecasting.table_values import Table
-from trecsim.forecasting.values import AHEAD_S, LEVELS
 
-_OUTER = LEVELS.index(tuning.PATH_LEVEL)
-PATH_LEVELS = (tuning.PATH_LEVEL,)
+_OUTER = LEVELS.index(constants.PATH_LEVEL)
+PATH_LEVELS = (constants.PATH_LEVEL,)
 
 
 @dataclass(slots=True, eq=False)
@@ -53,17 +53,17 @@ class Calibration:
 
     def __init__(self, table: Table) -> None:
         self.radius: Float64[np.ndarray, "kind 12 level"] = np.repeat(
-            table.radius[:, None], tuning.STEPS, axis=1
+            table.radius[:, None], constants.STEPS, axis=1
         )
         self.path_factor: Float64[np.ndarray, " kind"] = table.path_radius.copy()
-        groups = tuning.CLASSES * tuning.STEPS
+        groups = constants.CLASSES * constants.STEPS
         self._truths: Int64[np.ndarray, " group"] = np.zeros(groups, np.int64)
         self._paths: Int64[np.ndarray, " kind"] = np.zeros(len(self.path_factor), np.int64)
         self._stated: list[Stated] = []
 
     def state(self, guess: Guess) -> None:
         """Keep a guess, of the horizons `AHEAD_S`, to compare it with what happens."""
-        counts = guess.long | (guess.kind == tuning.CLASSES - 1)
+        counts = guess.long | (guess.kind == constants.CLASSES - 1)
         self._stated.append(Stated(guess, self.radius[guess.kind, :, _OUTER], counts))
 
     def due(self, t_s: float) -> "list[Due]":
@@ -82,10 +82,10 @@ class Calibration:
         error[~np.concatenate([one.counts for _, one, _ in due])] = np.nan
         kind = np.concatenate([one.guess.kind for _, one, _ in due])
         step = np.repeat([k for _, _, k in due], [len(one.counts) for _, one, _ in due])
-        group = kind * tuning.STEPS + step
+        group = kind * constants.STEPS + step
         radius = self.radius.reshape(-1, len(LEVELS))
         moved = _moves(group, error, radius, self._truths, LEVELS)
-        grown = np.maximum(radius * np.exp(moved), tuning.SMALLEST_RADIUS)
+        grown = np.maximum(radius * np.exp(moved), constants.SMALLEST_RADIUS)
         self.radius = grown.reshape(self.radius.shape)
         self._follow_paths(due, error)
 
@@ -95,7 +95,7 @@ class Calibration:
         for (_, one, k), of_one in zip(due, np.split(error, ends[:-1]), strict=True):
             one.worst = np.maximum(one.worst, of_one / one.radius[:, k])
             one.done = k + 1
-            if one.done == tuning.STEPS:
+            if one.done == constants.STEPS:
                 self._stated.remove(one)
                 factor = self.path_factor[:, None]
                 moved = _moves(one.guess.kind, one.worst, factor, self._paths, PATH_LEVELS)
@@ -120,7 +120,7 @@ def _moves(
     outside = (error[:, None] > radius[group]).astype(np.float64)
     number = [np.bincount(group, weights=one, minlength=len(radius)) for one in outside.T]
     share = np.stack(number, axis=1) / np.maximum(new, 1)[:, None]
-    step = np.minimum(_steps_until(truths + new) - _steps_until(truths), tuning.MOST_STEP)
+    step = np.minimum(_steps_until(truths + new) - _steps_until(truths), constants.MOST_STEP)
     truths += new
     return np.asarray(step[:, None] * (share - (1.0 - np.array(levels))))
 
@@ -134,14 +134,14 @@ def _at(guess: Guess, truth_m: np.ndarray, k: int) -> np.ndarray:
     return size
 
 
-_EARLY = int(tuning.HALVING_TRUTHS * (tuning.FIRST_STEP / tuning.LAST_STEP - 1))
+_EARLY = int(constants.HALVING_TRUTHS * (constants.FIRST_STEP / constants.LAST_STEP - 1))
 """From so many truths on, the step is the last one."""
 _EARLY_STEPS = np.append(
-    0.0, np.cumsum(tuning.FIRST_STEP / (1 + np.arange(_EARLY) / tuning.HALVING_TRUTHS))
+    0.0, np.cumsum(constants.FIRST_STEP / (1 + np.arange(_EARLY) / constants.HALVING_TRUTHS))
 )
 
 
 def _steps_until(truths: Int64[np.ndarray, " group"]) -> Float64[np.ndarray, " group"]:
     """Return the sum of the steps of the first so many truths."""
     early = _EARLY_STEPS[np.minimum(truths, _EARLY)]
-    return np.asarray(early + np.maximum(truths - _EARLY, 0) * tuning.LAST_STEP)
+    return np.asarray(early + np.maximum(truths - _EARLY, 0) * constants.LAST_STEP)

@@ -4,17 +4,17 @@ Notes
 -----
 Each correction is a velocity f [m/s] that turns with the scene, times (c1 T + c2 T^2), with the
 horizon T in units of 4.8 s; the two numbers c1, c2 per correction [s] are fitted, see
-`trecsim.forecasting.table`. Companions are people nearby of nearly the same velocity: who walks
-together goes on together, so their mean velocity tells where the person goes. Others are in the
-way when, at constant velocities, they come close soon.
+`trecsim.forecasting.spread_table`. Companions are people nearby of nearly the same velocity: who
+walks together goes on together, so their mean velocity tells where the person goes. Others are in
+the way when, at constant velocities, they come close soon.
 """
 
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.forecasting.constants import FULL_AHEAD_S
 from trecsim.forecasting.filters import Motion
-from trecsim.forecasting.tuning import FULL_AHEAD_S
-from trecsim.forecasting.values import Pasts
+from trecsim.forecasting.forecasts import Pasts
 
 NAMES = ("companions", "in the way")
 COMPANION_M, COMPANION_MPS, ALONE = 2.5, 0.35, 0.3

@@ -20,8 +20,8 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.forecasting import tuning
-from trecsim.forecasting.values import Pasts
+from trecsim.forecasting import constants
+from trecsim.forecasting.forecasts import Pasts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,21 +95,21 @@ def reached(motion: Motion, ahead_s: Float64[np.ndarray, " step"]) -> np.ndarray
 
 def _weights(fit: Float64[np.ndarray, "person filter"]) -> Float64[np.ndarray, "person filter"]:
     others = fit.sum(axis=0) - fit
-    log = tuning.OWN_TRUST * fit + tuning.OTHERS_TRUST * others
+    log = constants.OWN_TRUST * fit + constants.OTHERS_TRUST * others
     weight = np.exp(log - log.max(axis=1, keepdims=True))
     return np.asarray(weight / weight.sum(axis=1, keepdims=True))
 
 
 def _bank() -> list[tuple[float, float]]:
-    return [(a, r) for a in tuning.ACCELERATIONS_MPS2 for r in tuning.NOISES_M]
+    return [(a, r) for a in constants.ACCELERATIONS_MPS2 for r in constants.NOISES_M]
 
 
-@lru_cache(maxsize=tuning.PAST)
+@lru_cache(maxsize=constants.PAST)
 def _maps(n: int) -> _Maps:
     """Return the bank for people with `n` samples."""
     # Two runs: as the samples are judged, and with the noise for which they are averaged.
     judging = [_run(a, r, n) for a, r in _bank()]
-    averaging = [_run(a, tuning.EXTRA_NOISE * r, n) for a, r in _bank()]
+    averaging = [_run(a, constants.EXTRA_NOISE * r, n) for a, r in _bank()]
     return _Maps(
         np.array([rows for rows, _, _ in judging]),
         np.array([state for _, state, _ in averaging]),
@@ -119,8 +119,8 @@ def _maps(n: int) -> _Maps:
 
 def _run(acceleration: float, noise_m: float, n: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Return whitened innovations and last state as maps of the samples, and the log scale."""
-    F, Q = _transition(tuning.PAST_STEP_S, acceleration)
-    P = np.diag([noise_m**2, tuning.FIRST_SPEED_MPS**2, acceleration**2])
+    F, Q = _transition(constants.PAST_STEP_S, acceleration)
+    P = np.diag([noise_m**2, constants.FIRST_SPEED_MPS**2, acceleration**2])
     state = np.zeros((3, n))
     state[0, 0] = 1.0
     rows, log_scale = [], 0.0
@@ -142,12 +142,12 @@ def _transition(seconds: float, acceleration: float) -> tuple[np.ndarray, np.nda
     drift = np.array(
         [
             [0.0, 1.0, 0.0],
-            [0.0, -tuning.SLOWING_PER_S, 1.0],
-            [0, 0, -1 / tuning.ACCELERATION_TIME_S],
+            [0.0, -constants.SLOWING_PER_S, 1.0],
+            [0, 0, -1 / constants.ACCELERATION_TIME_S],
         ]
     )
     noise = np.zeros((3, 3))
-    noise[2, 2] = 2.0 * acceleration**2 / tuning.ACCELERATION_TIME_S
+    noise[2, 2] = 2.0 * acceleration**2 / constants.ACCELERATION_TIME_S
     block = np.block([[-drift, noise], [np.zeros((3, 3)), drift.T]])
     power = _exponential(block * seconds)
     F = power[3:, 3:].T

@@ -5,15 +5,15 @@ import math
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.forecasting import tuning
+from trecsim.forecasting import constants
 from trecsim.forecasting.calibration import Calibration
 from trecsim.forecasting.floor_points import floor_points
+from trecsim.forecasting.forecasts import AHEAD_S, Forecast, Forecasts
 from trecsim.forecasting.guess import guess
 from trecsim.forecasting.spread import forecasts
-from trecsim.forecasting.table import TABLE
+from trecsim.forecasting.spread_table import TABLE
 from trecsim.forecasting.table_values import Table
 from trecsim.forecasting.trails import Trails
-from trecsim.forecasting.values import AHEAD_S, Forecast, Forecasts
 from trecsim.values import Snapshot
 
 
@@ -84,7 +84,7 @@ class Forecaster:
             return None
         calibrated = guess(pasts, AHEAD_S, self._table)
         if t_s >= self._next_feedback_s - 1e-6:
-            self._next_feedback_s = _next(self._next_feedback_s, t_s, tuning.FEEDBACK_S)
+            self._next_feedback_s = _next(self._next_feedback_s, t_s, constants.FEEDBACK_S)
             self._calibration.state(calibrated)
         asked = calibrated if self._ahead_s is AHEAD_S else guess(pasts, self._ahead_s, self._table)
         radius, factor = self._calibration.radius, self._calibration.path_factor

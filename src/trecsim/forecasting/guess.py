@@ -16,11 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from trecsim.forecasting import tuning
+from trecsim.forecasting import constants
 from trecsim.forecasting.corrections import corrected
 from trecsim.forecasting.filters import filtered, reached
+from trecsim.forecasting.forecasts import Pasts
 from trecsim.forecasting.table_values import Table
-from trecsim.forecasting.values import Pasts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,10 +92,12 @@ def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> 
         moving[:, None], motion.velocity_mps / np.where(moving, speed, 1.0)[:, None], [1.0, 0.0]
     )
     count = pasts.count
-    kind = np.where(count > 1, np.searchsorted(tuning.SPEED_EDGES_MPS, speed), tuning.CLASSES - 1)
-    grown = (ahead_s / tuning.FULL_AHEAD_S) ** table.exponent[kind][:, None]
+    kind = np.where(
+        count > 1, np.searchsorted(constants.SPEED_EDGES_MPS, speed), constants.CLASSES - 1
+    )
+    grown = (ahead_s / constants.FULL_AHEAD_S) ** table.exponent[kind][:, None]
     grown = grown * table.short[count - 1][:, None]
-    floor_m = np.maximum(motion.noise_m, tuning.SMALLEST_SIGMA_M)[:, None, None]
+    floor_m = np.maximum(motion.noise_m, constants.SMALLEST_SIGMA_M)[:, None, None]
     scale_m = np.hypot(grown[..., None] * table.scale_m[kind][:, None], floor_m)
     return Guess(
         pasts.t_s,
@@ -106,5 +108,5 @@ def guess(pasts: Pasts, ahead_s: Float64[np.ndarray, " step"], table: Table) -> 
         heading,
         kind,
         scale_m,
-        count == tuning.PAST,
+        count == constants.PAST,
     )

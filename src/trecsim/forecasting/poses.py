@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.forecasting import tuning
+from trecsim.forecasting import constants
 from trecsim.forecasting.forecaster import Forecaster
-from trecsim.forecasting.values import Forecast, horizons
+from trecsim.forecasting.forecasts import Forecast, horizons
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
@@ -61,7 +61,7 @@ class PoseForecaster:
     def __init__(
         self, ahead_s: Float64[np.ndarray, " step"] | None = None, *, every_s: float = 0.0
     ) -> None:
-        usual_s = horizons(tuning.POSE_AHEAD_S, tuning.POSE_STEP_S)
+        usual_s = horizons(constants.POSE_AHEAD_S, constants.POSE_STEP_S)
         self._ahead_s = usual_s if ahead_s is None else ahead_s
         self._floor = Forecaster(self._ahead_s, every_s=every_s)
         self._recent: deque[tuple[float, dict[int, np.ndarray]]] = deque()
@@ -78,7 +78,7 @@ class PoseForecaster:
         known = ~np.isnan(trunk_m).any(axis=1)
         there = dict(zip(snapshot.id[known].tolist(), trunk_m[known], strict=True))
         self._recent.append((snapshot.t_s, there))
-        while self._recent[0][0] < snapshot.t_s - tuning.SLOPE_S:
+        while self._recent[0][0] < snapshot.t_s - constants.SLOPE_S:
             self._recent.popleft()
 
     def _of(self, floor: Forecast, xyz_m: Float64[np.ndarray, "joint 3"]) -> PoseForecast:
@@ -103,9 +103,9 @@ def moved(
     ahead_s
         Horizons [s].
     """
-    own_m = _kept(ahead_s, tuning.KEEPS_S)[:, None] * velocity_mps[:2]
-    share = np.minimum(ahead_s / tuning.FLOOR_ALONE_S, 1.0)[:, None]
-    up_m = _kept(ahead_s, tuning.KEEPS_UP_S)[:, None] * velocity_mps[2:]
+    own_m = _kept(ahead_s, constants.KEEPS_S)[:, None] * velocity_mps[:2]
+    share = np.minimum(ahead_s / constants.FLOOR_ALONE_S, 1.0)[:, None]
+    up_m = _kept(ahead_s, constants.KEEPS_UP_S)[:, None] * velocity_mps[2:]
     return np.concatenate([share * floor_m + (1 - share) * own_m, up_m], axis=1)
 
 

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.forecasting.tuning import LONGEST_GAP_S
-from trecsim.forecasting.values import Moment
+from trecsim.forecasting.constants import LONGEST_GAP_S
+from trecsim.forecasting.forecasts import Moment
 
 
 class RecordedPaths:

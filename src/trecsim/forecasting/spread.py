@@ -3,10 +3,10 @@
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.forecasting.constants import SMALLEST_SIGMA_M
+from trecsim.forecasting.forecasts import AHEAD_S, LEVELS, Forecasts
 from trecsim.forecasting.guess import Guess
 from trecsim.forecasting.table_values import Table
-from trecsim.forecasting.tuning import SMALLEST_SIGMA_M
-from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecasts
 
 _MIDDLE, _OUTER = LEVELS.index(0.5), LEVELS.index(0.9)
 

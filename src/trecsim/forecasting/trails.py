@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.forecasting import tuning
-from trecsim.forecasting.values import Pasts
+from trecsim.forecasting import constants
+from trecsim.forecasting.forecasts import Pasts
 
 _KEPT = 80
 """Positions kept per person."""
@@ -43,7 +43,7 @@ class Trails:
 
     def pasts(self, t_s: float, person: Int64[np.ndarray, " person"]) -> Pasts:
         """Return where people were up to a moment; without those who were not seen at it."""
-        back_s = np.arange(tuning.PAST - 1, -1, -1) * tuning.PAST_STEP_S
+        back_s = np.arange(constants.PAST - 1, -1, -1) * constants.PAST_STEP_S
         xy_m = self.at(person, t_s - back_s)
         there = ~np.isnan(xy_m[:, -1, 0])
         return Pasts(t_s, person[there], xy_m[there])
@@ -64,7 +64,7 @@ class Trails:
         i = np.arange(len(times))[:, None]
         t0, t1 = times[i, before], times[i, after]
         exact = t1 - times_s <= 1e-6
-        usable = np.isfinite(t0) & (t1 - t0 <= tuning.LONGEST_GAP_S) & (t1 > t0)
+        usable = np.isfinite(t0) & (t1 - t0 <= constants.LONGEST_GAP_S) & (t1 > t0)
         share = np.divide(times_s - t0, t1 - t0, out=np.ones(t0.shape), where=usable)
         share = np.where(exact, 1.0, share)[..., None]
         between = np.where(share < 1, (1 - share) * xy_m[i, before], 0.0) + share * xy_m[i, after]

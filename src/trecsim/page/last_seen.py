@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from trecsim.page.link import SnapshotPart
-from trecsim.safety.bodies import bodies
+from trecsim.safety.body_states import bodies
 from trecsim.values import Snapshot
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from trecsim.forecasting import Forecaster
 from trecsim.forecasting.floor_points import floor_points_of
-from trecsim.forecasting.values import Forecasts
+from trecsim.forecasting.forecasts import Forecasts
 from trecsim.page.link import SnapshotPart
 from trecsim.skeleton import COCO17
 from trecsim.values import PROVISIONAL

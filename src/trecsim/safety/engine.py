@@ -14,7 +14,7 @@ from trecsim.safety.event_data import (
     event_data,
     person_entry,
 )
-from trecsim.safety.forecaster import Forecaster
+from trecsim.safety.judged_moment import Memory, Scene
 from trecsim.safety.machine import (
     IDLE,
     NOTHING,
@@ -26,8 +26,8 @@ from trecsim.safety.machine import (
     unjudged,
 )
 from trecsim.safety.rule import Rule
-from trecsim.safety.scene import Memory, Scene
 from trecsim.safety.schedules import LocalTime, armed, local_time
+from trecsim.safety.warned_ahead import Forecaster
 from trecsim.values import Snapshot
 
 EventData = dict[str, Any]

@@ -12,7 +12,7 @@ from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
 from trecsim.safety.conditions.movement import Running, WrongWay
 from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy
-from trecsim.safety.lines import Edge, Line
+from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule import Key, Kind, Rule
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 from trecsim.safety.conditions.base import Condition
-from trecsim.safety.lines import Edge, Line
+from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Prism
 from trecsim.safety.schedules import Schedule

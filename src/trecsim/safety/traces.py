@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.safety.bodies import LYING_RAD
+from trecsim.safety.body_states import LYING_RAD
 
 KEEP_S = 8.0
 """So much of a person's movement is remembered [s]."""

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from trecsim.safety.conditions.density import LEAST_M2
-from trecsim.safety.lines import Edge, Line
+from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Polygon, Prism, area_m2
 from trecsim.safety.rule import Place, Rule

@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 
 from trecsim.forecasting import LEVELS, Forecast
-from trecsim.forecasting.tuning import PATH_LEVEL
+from trecsim.forecasting.constants import PATH_LEVEL
 
 _encode = msgspec.json.Encoder().encode
 _SIGNIFICANT = 6

@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.safety.conditions.base import LEAST, Judged
+from trecsim.safety.directed_lines import Edge
 from trecsim.safety.gaussian import normal_cdf
-from trecsim.safety.lines import Edge
+from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import LEAST_SIGMA_M
-from trecsim.safety.scene import Scene
 from trecsim.skeleton import COCO17
 
 

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from trecsim.safety.bodies import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
+from trecsim.safety.body_states import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
+from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
-from trecsim.safety.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

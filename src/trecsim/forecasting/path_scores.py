@@ -10,12 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from trecsim.forecasting import tuning
+from trecsim.forecasting import constants
 from trecsim.forecasting.forecaster import Forecaster
+from trecsim.forecasting.forecasts import AHEAD_S, LEVELS, Forecast, Moment
 from trecsim.forecasting.recorded_paths import RecordedPaths
-from trecsim.forecasting.table import TABLE
+from trecsim.forecasting.spread_table import TABLE
 from trecsim.forecasting.table_values import Table
-from trecsim.forecasting.values import AHEAD_S, LEVELS, Forecast, Moment
 
 PATHS = 20
 """Of so many representative paths the best one counts, in "best of 20"."""
@@ -66,7 +66,7 @@ class Scores:
                 f"{ahead_s:g}": _per_level(self.inside[..., k].mean(axis=0))
                 for k, ahead_s in enumerate(AHEAD_S.tolist())
             },
-            "whole_path_coverage": {f"{tuning.PATH_LEVEL:g}": float(self.whole.mean())},
+            "whole_path_coverage": {f"{constants.PATH_LEVEL:g}": float(self.whole.mean())},
             "nll": float(self.nll.mean()),
             "constant_velocity": _distances(self.constant_m),
         }  # fmt: skip
@@ -84,7 +84,7 @@ def evaluated(moments: Iterable[Moment], table: Table = TABLE) -> Scores:
     """
     kept = list(moments)
     paths = RecordedPaths(kept)
-    forecaster = Forecaster(every_s=tuning.PAST_STEP_S, table=table)
+    forecaster = Forecaster(every_s=constants.PAST_STEP_S, table=table)
     parts = [
         part for moment in kept if (part := _scored(forecaster.step(*moment), paths)) is not None
     ]
@@ -94,7 +94,7 @@ def evaluated(moments: Iterable[Moment], table: Table = TABLE) -> Scores:
 def joined(parts: Sequence[Scores]) -> Scores:
     """Return the scores of several recordings as those of one."""
     if not parts:
-        none, steps = 0, tuning.STEPS
+        none, steps = 0, constants.STEPS
         empty = np.empty((none, steps))
         return Scores(
             empty, empty, empty, np.empty(none), np.empty((none, len(LEVELS), steps), bool),
@@ -122,15 +122,15 @@ def _scored(made: Sequence[Forecast], paths: RecordedPaths) -> Scores | None:
     if not made:
         return None
     person, t_s = np.array([one.person for one in made]), made[0].t_s
-    times_s = t_s + np.arange(1 - tuning.PAST, tuning.STEPS + 1) * tuning.PAST_STEP_S
+    times_s = t_s + np.arange(1 - constants.PAST, constants.STEPS + 1) * constants.PAST_STEP_S
     way_m = paths.at(person, times_s)
     whole = ~np.isnan(way_m).any(axis=(1, 2))
     if not whole.any():
         return None
     chosen = [one for one, known in zip(made, whole.tolist(), strict=True) if known]
-    past_m, truth_m = way_m[whole, : tuning.PAST], way_m[whole, tuning.PAST :]
+    past_m, truth_m = way_m[whole, : constants.PAST], way_m[whole, constants.PAST :]
     step_m = past_m[:, -1] - past_m[:, -2]
-    constant_m = past_m[:, -1:] + np.arange(1, tuning.STEPS + 1)[:, None] * step_m[:, None]
+    constant_m = past_m[:, -1:] + np.arange(1, constants.STEPS + 1)[:, None] * step_m[:, None]
     return _compared(chosen, truth_m, np.linalg.norm(constant_m - truth_m, axis=2))
 
 

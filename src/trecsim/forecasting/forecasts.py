@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.errors import ConfigError
-from trecsim.forecasting.tuning import FULL_AHEAD_S, LEVELS, LONGEST_AHEAD_S, STEPS
+from trecsim.forecasting.constants import FULL_AHEAD_S, LEVELS, LONGEST_AHEAD_S, STEPS
 
 AHEAD_S: Float64[np.ndarray, " step"] = np.round(np.linspace(0.0, FULL_AHEAD_S, STEPS + 1)[1:], 9)
 """Horizons of a forecast unless others are asked for: 0.4 to 4.8 s [s]."""

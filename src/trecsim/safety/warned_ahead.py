@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
-from trecsim.forecasting.values import Forecast
+from trecsim.forecasting.forecasts import Forecast
 from trecsim.values import Snapshot
 
 

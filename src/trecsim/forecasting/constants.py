@@ -2,7 +2,8 @@
 
 The constants of the filters were chosen on all scenes of ETH/UCY. Forecasts hardly depend on them:
 halving or doubling one changes the mean error there by less than 2 %, but for `SLOWING_PER_S`,
-which doubled makes it 6 % larger in true time. What was fitted is in `trecsim.forecasting.table`.
+which doubled makes it 6 % larger in true time. What was fitted is in
+`trecsim.forecasting.spread_table`.
 """
 
 from typing import Final
