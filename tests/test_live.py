@@ -1,7 +1,7 @@
 """Live sources through the whole pipeline: what one camera does delays no other."""
 
 import time
-from threading import Event
+from threading import Event, Semaphore
 
 import numpy as np
 
@@ -138,17 +138,19 @@ def test_images_are_estimated_in_order_and_slow_estimators_drop_the_oldest():
 
 def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_estimated():
     poses = {(one.camera, one.t_s): one for one in SCENE.poses if one.t_s < 0.5}
+    taken = Semaphore(0)  # no image is dropped, as each waits until the last one is estimated
 
     def images(camera):
         times_s = [t_s for name, t_s in poses if name == camera]
         for n, t_s in enumerate(times_s):
-            time.sleep(0.01)
             yield Frame(camera, n, t_s, np.zeros((8, 8, 3), np.uint8))
+            assert taken.acquire(timeout=30)
 
     class Forgetful:
         skeleton = "coco17"
 
         def __call__(self, frame):
+            taken.release()
             return None if frame.index == 2 else poses[frame.camera, frame.t_s]
 
     faults, kept = [], Kept()
@@ -158,15 +160,18 @@ def test_an_estimator_that_returns_no_poses_is_told_and_the_next_images_are_esti
 
 
 def test_an_estimator_that_ends_its_thread_is_told_and_the_next_images_are_estimated():
+    taken = Semaphore(0)  # no image is dropped, as each waits until the last one is estimated
+
     def images():
         for n in range(5):
-            time.sleep(0.01)
             yield Frame(FIRST, n, 0.04 * n, np.zeros((8, 8, 3), np.uint8))
+            assert taken.acquire(timeout=30)
 
     class Leaving:
         skeleton = "coco17"
 
         def __call__(self, frame):
+            taken.release()
             if frame.index == 0:
                 raise SystemExit("the licence has ended")
             return Poses2D(
