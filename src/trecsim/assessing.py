@@ -12,10 +12,10 @@ from trecsim.callbacks import Progress
 from trecsim.cloud_events import UNIX_FROM_S, event_of, event_text, numbered
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
+from trecsim.safety.early_warning import Forecaster
 from trecsim.safety.engine import Clock, RuleEngine
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
-from trecsim.safety.warned_ahead import Forecaster
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
 from trecsim.sites.rules import rule_remarks, rules_of, zone_of

@@ -8,15 +8,16 @@ from hypothesis import strategies as st
 from made_live import any_snapshots
 from made_paths import bodies_on, falling, line, lying_m, moments
 from made_people import STANDING_M
+from trecsim.floor_points import ANKLES, HIPS, floor_points, floor_xy
 from trecsim.safety.body_states import bodies
 from trecsim.safety.conditions.zones import at_least
-from trecsim.safety.floor_place import ANKLES, HIPS, floor_points
 from trecsim.values import Snapshot
 
 
 @given(any_snapshots())
 def test_the_floor_point_is_the_mean_of_supported_ankles_else_of_the_hips(one: Snapshot) -> None:
     found = floor_points(one)
+    np.testing.assert_array_equal(floor_xy(one.xyz_m, one.support), found.xy_m)
     for n in range(len(one.id)):
         known = np.isfinite(one.xyz_m[n]).all(axis=1)
         joints = [j for j in ANKLES if one.support[n, j] > 0 and known[j]]

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 
-from trecsim.safety.floor_place import ANKLES, HIPS
+from trecsim.floor_points import ANKLES, HIPS
 from trecsim.service.people_there import people_of
 from trecsim.values import PROVISIONAL, Snapshot
 

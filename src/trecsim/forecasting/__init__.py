@@ -5,7 +5,6 @@ modes with weights and covariances, and regions that are calibrated while it run
 files, clocks or threads.
 """
 
-from trecsim.forecasting.floor_points import floor_points
 from trecsim.forecasting.forecaster import Forecaster
 from trecsim.forecasting.forecasts import AHEAD_S, LEVELS, Forecast, Moment
 from trecsim.forecasting.poses import PoseForecast, PoseForecaster
@@ -18,5 +17,4 @@ __all__ = [
     "Moment",
     "PoseForecast",
     "PoseForecaster",
-    "floor_points",
 ]

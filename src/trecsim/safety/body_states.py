@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float64, Shaped
 
-from trecsim.safety.floor_place import HIPS
+from trecsim.floor_points import HIPS
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 

@@ -8,13 +8,13 @@ from typing import Any
 from trecsim.cloud_events import derived_id
 from trecsim.geometry import Rig
 from trecsim.safety.conditions.base import HERE, Condition
+from trecsim.safety.early_warning import Forecaster
 from trecsim.safety.event_data import (
     TIME_DECIMALS,
     cameras_in_view,
     event_data,
     person_entry,
 )
-from trecsim.safety.judged_moment import Memory, Scene
 from trecsim.safety.machine import (
     IDLE,
     NOTHING,
@@ -26,8 +26,8 @@ from trecsim.safety.machine import (
     unjudged,
 )
 from trecsim.safety.rule import Rule
+from trecsim.safety.rule_scene import Memory, Scene
 from trecsim.safety.schedules import LocalTime, armed, local_time
-from trecsim.safety.warned_ahead import Forecaster
 from trecsim.values import Snapshot
 
 EventData = dict[str, Any]

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from trecsim.geometry import Rig
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import Change
 from trecsim.safety.rule import SEVERITIES, Rule, Severity
+from trecsim.safety.rule_scene import Scene
 
 EVIDENCE_S = 5.0
 """Events point to the recording from so long before to so long after [s]."""

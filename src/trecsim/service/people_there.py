@@ -3,7 +3,7 @@
 from typing import Any
 
 from trecsim.safety.event_data import person_entry
-from trecsim.safety.judged_moment import Memory
+from trecsim.safety.rule_scene import Memory
 from trecsim.values import Snapshot
 
 

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from trecsim.errors import InputError
-from trecsim.forecasting import Moment, floor_points
+from trecsim.floor_points import floor_xy
+from trecsim.forecasting import Moment
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.limits import FARTHEST_M, LATEST_S
 from trecsim.store.row_faults import raise_faults
+from trecsim.store.rows import COLUMNS as TRACK_COLUMNS
 from trecsim.store.tracks import read_tracks
 
 COLUMNS = ("t_s", "person", "x_m", "y_m")
@@ -46,11 +48,16 @@ def read_floor_paths(path: Path | str) -> list[Moment]:
         return _moments(_rows_of_csv(path), path)
     if _numbers(first.split()) is not None or path.suffix.lower() == ".txt":
         return _moments(_rows_of_frames(path), path)
+    if "joint" not in header:
+        raise InputError(
+            f"{path}: line 1: expected the columns {','.join(COLUMNS)} of floor points, or "
+            f"{','.join(TRACK_COLUMNS)} of tracks; found {first.strip()[:80] or 'nothing'}"
+        )
     return _of_tracks(path)
 
 
 def _of_tracks(path: Path) -> list[Moment]:
-    return [(one.t_s, one.id, floor_points(one)) for one in read_tracks(path)]
+    return [(one.t_s, one.id, floor_xy(one.xyz_m, one.support)) for one in read_tracks(path)]
 
 
 def _rows_of_csv(path: Path) -> list[Row]:

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import Finding
+from trecsim.safety.rule_scene import Scene
 
 HERE = -(2**63)
 """Stands in place of a person in findings about a place."""

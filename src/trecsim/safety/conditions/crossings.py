@@ -10,9 +10,9 @@ from jaxtyping import Float64
 from trecsim.safety.conditions.base import Judged
 from trecsim.safety.directed_lines import Line
 from trecsim.safety.gaussian import below
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
+from trecsim.safety.rule_scene import Scene
 
 MARGIN_M = 0.15
 """A crossing counts once the floor point is so far on the other side [m]."""

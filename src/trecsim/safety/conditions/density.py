@@ -17,9 +17,9 @@ from jaxtyping import Float64
 
 from trecsim.safety.conditions.base import HERE, Judged
 from trecsim.safety.gaussian import below
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Polygon, area_m2
+from trecsim.safety.rule_scene import Scene
 
 CUT_M = 1.0
 """Nobody takes up floor that is farther away [m]."""

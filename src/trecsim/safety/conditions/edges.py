@@ -9,9 +9,9 @@ from jaxtyping import Float64
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.gaussian import normal_cdf
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import LEAST_SIGMA_M
+from trecsim.safety.rule_scene import Scene
 from trecsim.skeleton import COCO17
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from trecsim.safety.body_states import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
+from trecsim.safety.rule_scene import Scene
 
 
 @dataclass(frozen=True, slots=True)

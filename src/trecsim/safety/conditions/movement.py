@@ -9,9 +9,9 @@ from jaxtyping import Bool
 
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
+from trecsim.safety.rule_scene import Scene
 from trecsim.safety.traces import Moved, Trace
 
 MEDIAN_S = 1.0

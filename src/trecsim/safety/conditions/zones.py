@@ -7,9 +7,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.safety.conditions.base import HERE, LEAST, Judged
-from trecsim.safety.judged_moment import Scene
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.rule_scene import Scene
 from trecsim.skeleton import COCO17
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.floor_points import HIPS, FloorPoints, floor_points
 from trecsim.forecasting.forecasts import Forecast
 from trecsim.safety.body_states import Bodies, bodies
-from trecsim.safety.floor_place import HIPS, FloorPoints, floor_points
 from trecsim.safety.polygons import Polygon
 from trecsim.safety.traces import KEEP_S, Sample, Trace
 from trecsim.values import COASTING, Snapshot
