@@ -77,17 +77,11 @@ export const P50 = 1.177;
 export const P90 = 2.146;
 
 const SLOW_MPS = 0.2;
-const FAST_MPS = 12;
 
-/**
- * Tell whether a person's forecast is drawn: not before it is confirmed, nor while it stands, nor
- * where nobody can get: its dashes and regions would fill the picture.
- */
+/** Tell whether a person's forecast is drawn: not before it is confirmed, nor while it stands. */
 export function showsForecast(person: Person, selected: boolean): boolean {
   const last = person.forecast[person.forecast.length - 1];
   if (!last || person.state === "provisional") return false;
   const metres = Math.hypot(last.at[0] - person.floor[0], last.at[1] - person.floor[1]);
-  const spread = Math.sqrt(Math.max(last.cov[0], last.cov[2])) / last.ahead;
-  if (!(metres / last.ahead <= FAST_MPS && spread <= FAST_MPS)) return false;
   return selected || metres / last.ahead >= SLOW_MPS;
 }

@@ -10,6 +10,9 @@ export const JOINT_NAMES = [
 ] as const;
 export const [L_SHOULDER, R_SHOULDER, L_HIP, R_HIP, L_ANKLE, R_ANKLE] = [5, 6, 11, 12, 15, 16];
 
+/** Forecasts are drawn up to here [s]: regions farther ahead fill the hall. */
+const SHOWN_S = 4;
+
 export interface Person {
   id: number;
   state: PersonState;
@@ -69,9 +72,9 @@ function readPerson(message: PersonMessage, t: number): Person {
     xyz, sigma, support,
     floor: floorPoint(xyz, support),
     velocity: v && v[0] !== null && v[1] !== null ? [v[0], v[1]] : null,
-    forecast: (message.forecast ?? []).map((f) => ({
-      ahead: f.t_s - t, at: f.xy_m, cov: f.cov_m2,
-    })),
+    forecast: (message.forecast ?? [])
+      .map((f) => ({ ahead: f.t_s - t, at: f.xy_m, cov: f.cov_m2 }))
+      .filter((f) => f.ahead < SHOWN_S + 0.05),
   };
 }
 
