@@ -21,6 +21,7 @@ EXTRAS = {
     "plot": ("matplotlib",),
     "evaluate": ("motrics", "scipy"),
     "report": ("jinja2", "matplotlib"),
+    "calibrate": ("av", "jinja2", "matplotlib", "cv2"),
     "pandas": ("pandas",),
     "page": ("starlette", "uvicorn", "websockets", "argon2", "prometheus_client"),
 }

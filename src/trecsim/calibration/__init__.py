@@ -11,10 +11,20 @@ from pathlib import Path
 from trecsim.calibration.floor import Floor
 from trecsim.calibration.formats.known import FORMATS, Format, format_called, open_rig
 from trecsim.calibration.formats.read_options import ReadOptions, logger
+from trecsim.calibration.formats.trecsim_toml import write_intrinsics
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
-__all__ = ["FORMATS", "Floor", "Format", "format_to_write", "read_rig", "write_rig"]
+__all__ = [
+    "FORMATS",
+    "Floor",
+    "Format",
+    "format_to_write",
+    "read_intrinsics",
+    "read_rig",
+    "write_intrinsics",
+    "write_rig",
+]
 
 
 def read_rig(
@@ -51,6 +61,29 @@ def read_rig(
     """
     found, document = open_rig(Path(path), format)
     return found.read(document, ReadOptions(unit_m, floor, size_px, remark))
+
+
+def read_intrinsics(path: Path) -> Rig:
+    """Read what a rig file says about the cameras themselves; poses may be missing.
+
+    Parameters
+    ----------
+    path
+        The file or directory: a trecsim rig file, with ``T_cam_world`` or without, or any other
+        format in `FORMATS`.
+
+    Returns
+    -------
+    The cameras. Where the file has no pose, `Camera.T_cam_world` is the identity.
+
+    Raises
+    ------
+    CalibrationError
+        There is no such file, or something in it is wrong: every fault in one message.
+    """
+    found, document = open_rig(Path(path), None)
+    quiet = ReadOptions(unit_m=None, remark=lambda _: None, intrinsics_only=True)
+    return found.read(document, quiet)
 
 
 def write_rig(

@@ -50,6 +50,12 @@ GROUPS = {
             "convert": "Convert a rig to another format.",
         },
     ),
+    "calibrate": (
+        "Calibrate cameras, and judge the result.",
+        {
+            "board": "Write a calibration board to print, in true size, as PDF.",
+        },
+    ),
     "site": (
         "Write and check site files, and print their schema.",
         {

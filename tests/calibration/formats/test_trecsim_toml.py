@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from made_rigs import ring
-from trecsim.calibration import Floor, read_rig, write_rig
+from trecsim.calibration import Floor, read_intrinsics, read_rig, write_intrinsics, write_rig
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
@@ -126,3 +126,24 @@ def test_two_cameras_with_one_pose_are_remarked(tmp_path):
     read_rig(tmp_path / "rig.toml", remark=remarks.append)
     assert len(remarks) == 1
     assert remarks[0].startswith("cameras 'cam1' and 'cam2' stand in the same place and look")
+
+
+def test_a_file_of_intrinsics_is_read_as_such_and_is_no_rig(tmp_path):
+    write_intrinsics(ring(2, "rational"), tmp_path / "rig.toml")
+    assert "T_cam_world" not in (tmp_path / "rig.toml").read_text()
+    for camera, given in zip(
+        read_intrinsics(tmp_path / "rig.toml"), ring(2, "rational"), strict=True
+    ):
+        np.testing.assert_array_equal(camera.K, given.K)
+        np.testing.assert_array_equal(camera.distortion, given.distortion)
+        np.testing.assert_array_equal(camera.T_cam_world, np.eye(4))
+    with pytest.raises(CalibrationError, match=r"T_cam_world is missing.*trecsim calibrate rig"):
+        read_rig(tmp_path / "rig.toml")
+
+
+def test_intrinsics_are_read_from_a_whole_rig_too(tmp_path):
+    write_rig(ring(2, "fisheye"), tmp_path / "rig.toml")
+    for camera, given in zip(
+        read_intrinsics(tmp_path / "rig.toml"), ring(2, "fisheye"), strict=True
+    ):
+        np.testing.assert_array_equal(camera.T_cam_world, given.T_cam_world)

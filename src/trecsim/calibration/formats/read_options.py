@@ -26,12 +26,16 @@ class ReadOptions:
         Image (width, height) of all cameras [px], for formats that do not tell it.
     remark
         Is called with each remark.
+    intrinsics_only
+        Whether only the cameras' intrinsics are wanted: then a camera may have no pose, and
+        nothing is said about poses.
     """
 
     unit_m: float | None = None
     floor: Floor | None = None
     size_px: tuple[int, int] | None = None
     remark: Callable[[str], None] = logger.warning
+    intrinsics_only: bool = False
 
     def __post_init__(self) -> None:
         unit_m = self.unit_m

@@ -55,22 +55,23 @@ def read(document: Document, options: ReadOptions) -> Rig:
         tables = {}
     elif top.has("cameras") and not tables:
         top.fault("it has no camera, expected a table [cameras.NAME] for each")
-    cameras = [_camera(name, table, faults) for name, table in tables.items()]
+    cameras = [_camera(name, table, faults, options) for name, table in tables.items()]
     faults.check()
-    rig = apply_floor(
-        Rig(tuple(camera for camera in cameras if camera is not None)), options, z_up=True
-    )
+    rig = Rig(tuple(camera for camera in cameras if camera is not None))
+    if options.intrinsics_only:
+        return rig
+    rig = apply_floor(rig, options, z_up=True)
     remark_on_cameras(rig, options)
     return rig
 
 
-def _camera(name: str, table: object, faults: Faults) -> Camera | None:
+def _camera(name: str, table: object, faults: Faults, options: ReadOptions) -> Camera | None:
     entry = Entry(f"camera {name!r}", table, faults)
     before = len(faults.texts)
     entry.unknown(KEYS)
     size_px = entry.size_px("size_px")
     K = entry.numbers("K", (3, 3))
-    T_cam_world = entry.numbers("T_cam_world", (4, 4))
+    T_cam_world = _pose(entry, options)
     distortion = entry.coefficients("distortion") if entry.has("distortion") else np.empty(0)
     clock = {name: entry.number(name, 0.0) for name in CLOCK_LIMITS}
     if len(faults.texts) > before:
@@ -90,16 +91,36 @@ def _camera(name: str, table: object, faults: Faults) -> Camera | None:
         return None
 
 
+def _pose(entry: Entry, options: ReadOptions) -> Float64[np.ndarray, "4 4"]:
+    if entry.has("T_cam_world"):
+        return entry.numbers("T_cam_world", (4, 4))
+    if not options.intrinsics_only:
+        entry.missing(
+            "T_cam_world",
+            "4 x 4 numbers; a file of intrinsics alone becomes a rig by `trecsim calibrate rig`",
+        )
+    return np.eye(4)
+
+
 def write(rig: Rig, path: Path, unit_m: float) -> list[str]:
     """Write a ``rig.toml``; what is read back is the same to the last bit."""
     if unit_m != 1.0:
         raise CalibrationError("a trecsim rig file is in metres always; do not give a unit")
+    _write(rig, path, poses=True)
+    return []
+
+
+def write_intrinsics(rig: Rig, path: Path) -> None:
+    """Write a ``rig.toml`` without the cameras' poses."""
+    _write(rig, path, poses=False)
+
+
+def _write(rig: Rig, path: Path, *, poses: bool) -> None:
     lines = [f'format = "{FORMAT}"']
     for camera in rig:
-        lines += ["", *_table(camera)]
+        lines += ["", *(line for line in _table(camera) if poses or not line.startswith("T_"))]
     with atomic_write(path) as file:
         file.write("\n".join(lines) + "\n")
-    return []
 
 
 def _table(camera: Camera) -> Iterable[str]:

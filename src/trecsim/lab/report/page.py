@@ -1,5 +1,6 @@
 """One self-contained HTML page: no outside request, light and dark, good on paper."""
 
+from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -92,7 +93,38 @@ class Figure:
     title: str = ""
 
 
-Block = Text | Facts | Table | Figure
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture of pixels, as JPEG, with what one sees in it.
+
+    Attributes
+    ----------
+    jpeg
+        The bytes of the file.
+    caption
+        What one sees.
+    title
+        A heading above it.
+    """
+
+    jpeg: bytes
+    caption: str
+    title: str = ""
+
+    @property
+    def address(self) -> str:
+        """The picture itself as an address, so that the page stays one file."""
+        return f"data:image/jpeg;base64,{b64encode(self.jpeg).decode()}"
+
+
+@dataclass(frozen=True, slots=True)
+class Pictures:
+    """Some pictures, side by side."""
+
+    pictures: Sequence[Picture]
+
+
+Block = Text | Facts | Table | Figure | Pictures
 
 
 @dataclass(frozen=True, slots=True)
