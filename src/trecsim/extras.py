@@ -24,6 +24,7 @@ EXTRAS = {
     "calibrate": ("av", "jinja2", "matplotlib", "cv2"),
     "pandas": ("pandas",),
     "page": ("starlette", "uvicorn", "websockets", "argon2", "prometheus_client"),
+    "outputs": ("paho.mqtt.client",),
 }
 """The modules that each optional extra of the package brings."""
 

@@ -12,6 +12,7 @@ CameraState = Literal["live", "stale", "down", "ended"]
 Clock = Literal["sender", "arrival"]
 FusionState = Literal["starting", "running", "stalled", "ended"]
 StoreState = Literal["off", "writing", "failing"]
+OutputState = Literal["ok", "waiting"]
 
 
 def camera_state(age_s: float | None, *, ended: bool = False) -> CameraState:
@@ -181,6 +182,58 @@ class RulesHealth:
         return None if self.fault is None else f"the rules fail: {self.fault}"
 
 
+LATE_S = 10.0  # an output that has not got rid of an event for longer has a fault
+
+
+@dataclass(frozen=True, slots=True)
+class OutputHealth:
+    """How well one output of events works.
+
+    Attributes
+    ----------
+    kind
+        What it is: "jsonl", "mqtt", "webhook" or "mail".
+    queue
+        Number of events that wait for it.
+    waiting_s
+        For how long it has not been possible to deliver the first of them [s]; None where nothing
+        is tried.
+    delivered
+        Number of events delivered since the start.
+    fault
+        What is wrong; None where nothing is.
+    """
+
+    kind: str
+    queue: int = 0
+    waiting_s: float | None = None
+    delivered: int = 0
+    fault: str | None = None
+
+    @property
+    def state(self) -> OutputState:
+        """Whether events wait although they were sent some time ago."""
+        return "waiting" if self.waiting_s is not None and self.waiting_s > LATE_S else "ok"
+
+    def said(self, name: str) -> str | None:
+        """Return what is wrong with the output in a few words; None where nothing is.
+
+        Examples
+        --------
+        >>> OutputHealth("webhook", 3, 60.0, fault="no answer").said("desk")
+        'output desk has not taken 3 events for 60 s: no answer'
+        """
+        if self.state == "ok":
+            return None
+        why = self.fault or "it does not answer"
+        count = "1 event" if self.queue == 1 else f"{self.queue} events"
+        return f"output {name} has not taken {count} for {self.waiting_s:.0f} s: {why}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the entry of an output in `/api/health`."""
+        return {**asdict(self), "state": self.state}
+
+
 @dataclass(frozen=True, slots=True)
 class Stage:
     """Where the time from an image to the page goes.
@@ -216,6 +269,8 @@ class Health:
         all others are times of one stage.
     restarts
         How often a worker crashed and was started again, by name.
+    outputs
+        All outputs of events, by name.
     """
 
     t_s: float
@@ -225,16 +280,22 @@ class Health:
     stages: Mapping[str, Stage] = field(default_factory=dict)
     restarts: Mapping[str, int] = field(default_factory=dict)
     rules: RulesHealth = RulesHealth()
+    outputs: Mapping[str, OutputHealth] = field(default_factory=dict)
 
     @property
     def faults(self) -> tuple[str, ...]:
         """What is wrong, each in a few words."""
         cameras = [camera.said(name) for name, camera in self.cameras.items()]
-        return tuple(filter(None, [*cameras, self.fusion.said, self.store.said, self.rules.said]))
+        stages = [self.fusion.said, self.store.said, self.rules.said]
+        outputs = [output.said(name) for name, output in self.outputs.items()]
+        return tuple(filter(None, [*cameras, *stages, *outputs]))
 
     @property
     def is_well(self) -> bool:
-        """Whether no camera and no stage is down; what is stale is told, but not down."""
+        """Whether no camera and no stage is down; what is stale is told, but not down.
+
+        An output that does not take events is told, too: tracking and the page go on.
+        """
         return (
             all(camera.state != "down" for camera in self.cameras.values())
             and self.fusion.state in ("running", "ended")
@@ -254,4 +315,5 @@ class Health:
             "stages": {name: asdict(stage) for name, stage in self.stages.items()},
             "restarts": dict(self.restarts),
             "rules": asdict(self.rules),
+            "outputs": {name: one.to_json() for name, one in self.outputs.items()},
         }

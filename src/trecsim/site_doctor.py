@@ -9,11 +9,14 @@ from statistics import median
 from threading import Thread
 
 from trecsim.doctor import Finding
-from trecsim.errors import InputError
+from trecsim.errors import Error, InputError
+from trecsim.outputs.looking import look_at
 from trecsim.page.address import PageAddress
 from trecsim.page.site_address import page_address
 from trecsim.sites.check import CheckedSite
 from trecsim.sites.live_cameras import address_of, login_faults
+from trecsim.sites.output_tables import DeliveryTable
+from trecsim.sites.site_file import Site
 from trecsim.sources.streams import StreamSource
 
 LOOK_S = 10.0  # each camera is looked at for so long, all at the same time,
@@ -47,6 +50,8 @@ def examine_site(checked: CheckedSite, look_s: float = LOOK_S) -> Iterator[Findi
     if site.page is not None:
         yield _port(site.page.host, site.page.port)
         yield _access(page_address(site.page))
+    for output in site.outputs:
+        yield _output(output, site)
     yield _disk(site.output.directory or checked.file.path.parent)
 
 
@@ -140,6 +145,15 @@ def _access(page: PageAddress) -> Finding:
         return Finding(name, "missing", page.remark, remedy)
     who = "everybody on this machine, without signing in" if page.is_open else "who signs in"
     return Finding(name, "ok", who)
+
+
+def _output(output: DeliveryTable, site: Site) -> Finding:
+    name = f"output {output.called}"
+    try:
+        return Finding(name, "ok", look_at(output, site))
+    except Error as error:
+        remedy = "start it or correct its table; events are kept until it takes them"
+        return Finding(name, "broken", str(error), remedy)
 
 
 def _disk(folder: Path) -> Finding:

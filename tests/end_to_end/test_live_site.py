@@ -19,6 +19,7 @@ import pytest
 import trecsim
 from made_recording import make_recording
 from made_site import make_site
+from receivers import Receiver, free_port, receiving
 from trecsim.cloud_events import event_text
 from trecsim.store.ledger import Ledger
 from trecsim.store.tracks import export_tracks, read_tracks
@@ -203,3 +204,37 @@ def test_a_killed_page_comes_back_at_the_same_address_and_tracking_goes_on(long_
 
         site.until(restarted)
         assert site.is_well()
+
+
+def test_events_reach_a_web_service_that_was_away_though_the_site_was_killed_meanwhile(
+    tmp_path: Path,
+) -> None:
+    receiver = Receiver(free_port())
+    outputs = (
+        '[lines.gate]\npoints_m = [[-5.0, 0.2], [5.0, 0.2]]\n'
+        '[[rules]]\nid = "gate"\nkind = "line.cross"\nline = "gate"\n'
+        f'[[outputs]]\nkind = "webhook"\nurl = "{receiver.url}"\ncredentials = "desk"\n'
+        '[[outputs]]\nkind = "jsonl"\nfile = "events.jsonl"\nrules = ["gate"]\n'
+    )  # fmt: skip
+    site_file = make_site(tmp_path, moments=5000, more=f"{PAGE}{outputs}")
+    (tmp_path / "secrets.toml").write_text('desk = "a key"\n')
+    (tmp_path / "secrets.toml").chmod(0o600)
+    text = site_file.read_text().replace("poses =", 'secrets = "secrets.toml"\nposes =')
+    site_file.write_text(text)
+    lines = tmp_path / "events.jsonl"
+    with running(site_file) as site:  # nobody takes events
+        site.until(lambda: lines.exists() and len(lines.read_text().splitlines()) >= 2)
+        site.until(lambda: site.get("api/health").json()["outputs"]["webhook"]["queue"] >= 2)
+        site.process.kill()
+    assert not receiver.taken
+    with receiving(receiver), running(site_file) as site:
+        site.until(lambda: len(receiver.taken) >= 2)
+        site.until(lambda: len(lines.read_text().splitlines()) >= 4)
+        site.process.send_signal(signal.SIGTERM)
+        assert site.process.wait(WAIT_S) == 0
+    with Ledger(tmp_path / "recordings" / "made") as ledger:
+        kept = [one.event for one in ledger.events()]
+    sent = [json.loads(body) for _, body in receiver.taken]
+    assert list({one["id"]: one for one in sent}.values()) == kept
+    of_rule = [event_text(one) for one in kept if one["data"]["rule"]["id"] == "gate"]
+    assert lines.read_text().splitlines() == of_rule

@@ -30,6 +30,7 @@ class _Figures(Collector):
                      float(health.is_well and not self._state.is_silent))  # fmt: skip
         yield from _of_cameras(health)
         yield from _of_stages(health)
+        yield from _of_outputs(health)
         yield from _of_page(self._state)
 
 
@@ -93,6 +94,24 @@ def _of_stages(health: Health) -> Iterator[Metric]:
     for name, count in health.restarts.items():
         restarts.add_metric([name], count)
     yield restarts
+
+
+def _of_outputs(health: Health) -> Iterator[Metric]:
+    queue = GaugeMetricFamily(
+        "trecsim_output_queue", "Events that wait for an output.", labels=["output", "kind"]
+    )
+    waiting = GaugeMetricFamily(
+        "trecsim_output_waiting_seconds", "For how long an event could not be delivered.",
+        labels=["output", "kind"],
+    )  # fmt: skip
+    delivered = CounterMetricFamily(
+        "trecsim_output_delivered_events", "Events delivered.", labels=["output", "kind"]
+    )
+    for name, output in health.outputs.items():
+        queue.add_metric([name, output.kind], output.queue)
+        waiting.add_metric([name, output.kind], output.waiting_s or 0.0)
+        delivered.add_metric([name, output.kind], output.delivered)
+    yield from (queue, waiting, delivered)
 
 
 def _of_page(state: LiveState) -> Iterator[Metric]:

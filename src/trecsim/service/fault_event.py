@@ -17,8 +17,8 @@ def begun(
 ) -> dict[str, Any]:
     """Return the event that a fault begins, without its place in the episode.
 
-    The episode belongs to the rule and the camera. It points to no tracks: these are not kept
-    longer because a camera failed.
+    The episode belongs to the rule and the camera or output. It points to no tracks: these are not
+    kept longer because a camera failed.
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ def begun(
         Who was at the site then.
     """
     start_s = round(part.since_s, 3)
-    place = {"camera": part.camera} if part.camera else {}
+    place = part.place
     data = {
-        "event": derived_id(site, part.kind, part.camera, start_s),
+        "event": derived_id(site, part.kind, part.name, start_s),
         "phase": "new",
         "severity": KINDS[part.kind],
         "rule": _rule(part),
@@ -47,7 +47,11 @@ def begun(
         "people": list(people),
         **place,
         **_found(part),
-        "evidence": {"t_from_s": None, "t_to_s": None, "cameras": [*place.values()]},
+        "evidence": {
+            "t_from_s": None,
+            "t_to_s": None,
+            "cameras": [place["camera"]] if "camera" in place else [],
+        },
     }
     return event_of(site, data, now_s)
 
@@ -99,6 +103,6 @@ def _found(part: PartState) -> dict[str, Any]:
 def _rule(part: PartState) -> dict[str, str]:
     """Return the rule of a fault, which no site file has to name."""
     rule = {"id": part.kind.replace(".", "-"), "kind": part.kind}
-    facts = {**rule, "severity": KINDS[part.kind], **LIMITS[part.kind], "camera": part.camera}
+    facts = {**rule, "severity": KINDS[part.kind], **LIMITS[part.kind], "camera": part.name}
     text = json.dumps(facts, sort_keys=True)
     return {**rule, "config": hashlib.sha256(text.encode()).hexdigest()}

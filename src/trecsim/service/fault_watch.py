@@ -41,7 +41,7 @@ class _Episode:
 
     @property
     def key(self) -> _Key:
-        return self.data["rule"]["kind"], self.data.get("camera", "")
+        return self.data["rule"]["kind"], self.data.get("camera") or self.data.get("output") or ""
 
 
 @dataclass(slots=True)

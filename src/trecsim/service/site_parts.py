@@ -4,9 +4,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from trecsim.health import DOWN_S, STALE_S, STALLED_S, CameraHealth, Health
+from trecsim.health import (
+    DOWN_S,
+    LATE_S,
+    STALE_S,
+    STALLED_S,
+    CameraHealth,
+    Health,
+    OutputHealth,
+)
 
-Kind = Literal["camera.health", "fusion.health", "store.health"]
+Kind = Literal["camera.health", "fusion.health", "store.health", "output.health"]
 Verdict = Literal["well", "faulty", "unknown"]
 Severity = Literal["warning", "alarm"]
 
@@ -14,6 +22,7 @@ KINDS: Mapping[Kind, Severity] = {
     "camera.health": "warning",
     "fusion.health": "alarm",
     "store.health": "warning",
+    "output.health": "warning",
 }
 """Kinds of faults, with the severity of their events."""
 
@@ -21,6 +30,7 @@ LIMITS: Mapping[Kind, Mapping[str, float]] = {
     "camera.health": {"stale_s": STALE_S, "down_s": DOWN_S},
     "fusion.health": {"stalled_s": STALLED_S},
     "store.health": {},
+    "output.health": {"late_s": LATE_S},
 }
 """When each of them counts as faulty."""
 
@@ -33,8 +43,8 @@ class PartState:
     ----------
     kind
         What is judged.
-    camera
-        Which camera; empty for what the site has once.
+    name
+        Which camera or output; empty for what the site has once.
     verdict
         "unknown" while it has not begun.
     state
@@ -48,7 +58,7 @@ class PartState:
     """
 
     kind: Kind
-    camera: str
+    name: str
     verdict: Verdict
     state: str
     since_s: float
@@ -56,9 +66,14 @@ class PartState:
     measures: Mapping[str, float | None] = field(default_factory=dict)
 
     @property
+    def place(self) -> dict[str, str]:
+        """The camera or output, as events name it."""
+        return {self.kind.partition(".")[0]: self.name} if self.name else {}
+
+    @property
     def key(self) -> tuple[Kind, str]:
         """What tells it from other parts."""
-        return self.kind, self.camera
+        return self.kind, self.name
 
 
 def parts_of(health: Health, read_since_s: float) -> list[PartState]:
@@ -73,7 +88,8 @@ def parts_of(health: Health, read_since_s: float) -> list[PartState]:
         `DOWN_S` after that.
     """
     cameras = [_camera(name, one, health, read_since_s) for name, one in health.cameras.items()]
-    return [*cameras, _fusion(health), _store(health)]
+    outputs = [_output(name, one, health) for name, one in health.outputs.items()]
+    return [*cameras, _fusion(health), _store(health), *outputs]
 
 
 def _camera(name: str, camera: CameraHealth, health: Health, read_since_s: float) -> PartState:
@@ -106,3 +122,16 @@ def _store(health: Health) -> PartState:
     verdicts: Mapping[str, Verdict] = {"writing": "well", "failing": "faulty"}
     verdict = verdicts.get(store.state, "unknown")
     return PartState("store.health", "", verdict, store.state, health.t_s, store.said or "")
+
+
+def _output(name: str, output: OutputHealth, health: Health) -> PartState:
+    waited_s = output.waiting_s or 0.0
+    return PartState(
+        "output.health",
+        name,
+        "well" if output.state == "ok" else "faulty",
+        output.state,
+        health.t_s - waited_s,
+        output.said(name) or "",
+        {"waiting_s": waited_s, "queue": float(output.queue)},
+    )

@@ -5,6 +5,7 @@
     streams ──> run (estimate, sync, fuse, files) ──> monitor ──> pulse ──> page, service manager
                                                 ├──────────────────────────> page
                                                 └──> rules ──> ledger, page
+                                                                 └──> outputs
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,6 +19,8 @@ from trecsim.assessing import RuleSet, rule_set
 from trecsim.feed import Feed
 from trecsim.geometry import Rig
 from trecsim.health import Health
+from trecsim.outputs.delivery import Delivery
+from trecsim.outputs.opening import deliveries
 from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
 from trecsim.run_summary import RunSummary
@@ -57,6 +60,7 @@ class SiteService:
         self._reloading: Reloading | None = None
         self._keeper: EventKeeper | None = None
         self._pictures: PictureMaker | None = None
+        self._deliveries: list[Delivery] = []
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -106,7 +110,8 @@ class SiteService:
         def judged() -> Health:
             self._take_in(monitor, feed)
             health = monitor.health()
-            return replace(health, rules=rules.health(health.t_s))
+            outputs = {one.name: one.health() for one in self._deliveries}
+            return replace(health, rules=rules.health(health.t_s), outputs=outputs)
 
         def asked() -> bool:
             self._heartbeat.beat()
@@ -120,13 +125,7 @@ class SiteService:
             store = None
             if feed is not None:
                 store = ending.enter_context(_store(checked, out))
-                self._keeper, faults = _fault_events(
-                    checked, store, feed, monitor.people, self._show_event
-                )
-                ending.enter_context(self._keeper)
-                for event in _left_open(checked, store):
-                    self._keeper.put(event)
-                told += [FaultLog(), faults]
+                told += self._keep_events(checked, store, feed, monitor, ending)
             if self._pictures is not None:
                 ending.enter_context(self._pictures)
             ending.enter_context(Pulse(judged, tuple(told)))
@@ -146,6 +145,23 @@ class SiteService:
             notify("STOPPING=1")
         return summary
 
+    def _keep_events(
+        self,
+        checked: CheckedSite,
+        store: SiteStore,
+        feed: Feed,
+        monitor: Monitor,
+        ending: ExitStack,
+    ) -> list[Callable[[Health], None]]:
+        """Open what keeps and sends events; return who is told how well the site works."""
+        for one in deliveries(checked.file.site, store.ledger, partial(_open, store)):
+            self._deliveries.append(ending.enter_context(one))
+        self._keeper, faults = _fault_events(checked, store, feed, monitor.people, self._tell_event)
+        ending.enter_context(self._keeper)
+        for event in _left_open(checked, store):
+            self._keeper.put(event)
+        return [FaultLog(), faults]
+
     def _apply(self, rules: RuleWatch, rig: Rig, file: SiteFile) -> None:
         """Take over what has changed in a site file."""
         rules.change(_rules_of(file, rig))
@@ -162,6 +178,12 @@ class SiteService:
         """Show a site on the page, if there is one."""
         if self._page is not None:
             self._page.site(site_view(file, rig))
+
+    def _tell_event(self, event: Mapping[str, Any], kept: bool) -> None:
+        """Show an event, and let all outputs look for it."""
+        self._show_event(event, kept)
+        for one in self._deliveries:
+            one.look()
 
     def _show_event(self, event: Mapping[str, Any], kept: bool) -> None:
         """Show an event on the page, if there is one."""
@@ -215,6 +237,11 @@ def _fault_events(
     keeper = EventKeeper(store.ledger, tell, [*open_events, *of_rules])
     watch = FaultWatch(checked.file.site.name, open_events, people=people)
     return keeper, FaultEvents(watch, keeper.put, lambda: feed.is_read)
+
+
+def _open(store: SiteStore) -> list[Mapping[str, Any]]:
+    """Return the newest event of each episode that is open."""
+    return [one.event for one in store.ledger.open_events([*TYPES, *RULE_TYPES])]
 
 
 def _rules_of(file: SiteFile, rig: Rig) -> RuleSet:

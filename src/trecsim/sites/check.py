@@ -11,6 +11,7 @@ from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
 from trecsim.sites.fusion_table import FusionTable, earlier_names, fusion_settings
 from trecsim.sites.live_cameras import camera_remarks, secrets_faults
+from trecsim.sites.output_tables import output_remarks
 from trecsim.sites.rules import rule_remarks
 from trecsim.sites.site_file import OutputTable, PosesPlace, RigPlace, Site, SourceTable
 from trecsim.sites.site_reading import Draft, SiteFile, read_draft
@@ -83,6 +84,7 @@ def check_site(path: Path | str) -> CheckedSite:
     remarks += _remarks(site, rig, videos)
     remarks += camera_remarks(site)
     remarks += rule_remarks(site.rules)
+    remarks += output_remarks(site.outputs, site.secrets, site.is_live)
     remarks += earlier_names(draft.data.get("fusion"))
     remarks += [f"fusion: {text}" for text in fusion_settings(site.fusion).remarks()]
     return CheckedSite(SiteFile(draft.path, draft.text, site), rig, videos, tuple(remarks))

@@ -14,8 +14,10 @@ from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
 from trecsim.sites.fusion_table import FusionTable
+from trecsim.sites.output_tables import MOST_OUTPUTS, AnyOutput, output_faults
 from trecsim.sites.page_table import PageTable
 from trecsim.sites.ruled import Name, Ruled
+from trecsim.sites.rules import refuse
 from trecsim.sources.poses_files import FPS_RANGE
 from trecsim.sources.streams.stream_address import (
     Transport,
@@ -180,7 +182,7 @@ PosesPlace = Annotated[
 ]
 
 LATER = "not in this version of trecsim"
-LISTED = ("volumes", "portals", "outputs")
+LISTED = ("volumes", "portals")
 NOT_YET = {
     **dict.fromkeys(
         ("reconnect_s", "reconnect"),
@@ -218,6 +220,10 @@ class Site(Ruled):
     """How long a site with live cameras keeps what it stores."""
     page: PageTable | None = None
     """The live page; without the table there is none."""
+    outputs: Annotated[list[AnyOutput], Field(max_length=MOST_OUTPUTS)] = Field(
+        default_factory=list
+    )
+    """Where events are sent, beside the page."""
 
     @property
     def is_live(self) -> bool:
@@ -229,4 +235,11 @@ class Site(Ruled):
         if bool(self.sources) == (self.poses is not None):
             found = "both" if self.sources else "neither"
             raise ValueError(f"expected either [sources.CAMERA] or poses, found {found}")
+        return self
+
+    @model_validator(mode="after")
+    def _outputs_fit(self) -> Self:
+        faults = list(output_faults(self.outputs, self.rules))
+        if faults:
+            refuse("Site", faults)
         return self

@@ -163,6 +163,40 @@ class Ledger(LedgerReading):
                 [who, MOST_REVIEWED],
             )
 
+    def cursor(self, output: str) -> int:
+        """Return the number of the last event that an output is done with.
+
+        An output that is new here begins with the events that come from now on.
+        """
+        found = self._rows("SELECT number FROM delivered WHERE output = ?", [output])
+        if found:
+            return int(found[0][0])
+        with self._writing() as connection:
+            connection.execute(
+                "INSERT OR IGNORE INTO delivered SELECT ?, coalesce(max(number), 0) FROM event",
+                [output],
+            )
+        return self.cursor(output)
+
+    def advance(self, output: str, number: int) -> None:
+        """Note that an output is done with all events up to a number."""
+        with self._writing() as connection:
+            connection.execute("INSERT OR REPLACE INTO delivered VALUES (?, ?)", [output, number])
+
+    def forget_cursors(self, but: Iterable[str]) -> None:
+        """Forget the cursors of all outputs but these."""
+        kept = list(but)
+        with self._writing() as connection:
+            connection.execute(
+                f"DELETE FROM delivered WHERE output NOT IN ({', '.join('?' * len(kept))})", kept
+            )
+
+    def keep_setting(self, name: str, body: Mapping[str, Any]) -> None:
+        """Keep something that outlives the program, in place of what has this name."""
+        text = json.dumps(body, ensure_ascii=False, sort_keys=True, allow_nan=False)
+        with self._writing() as connection:
+            connection.execute("INSERT OR REPLACE INTO setting VALUES (?, ?)", [name, text])
+
     def append_audit(self, who: str, act: str, details: Mapping[str, Any] | None = None) -> int:
         """Add an entry to the audit log and return its number.
 

@@ -14,7 +14,7 @@ from trecsim.store.atomic import PRIVATE_FILE, PRIVATE_FOLDER, disk_faults
 logger = logging.getLogger(__name__)
 
 NAME = "ledger.sqlite"
-VERSION = 1
+VERSION = 2
 
 _APPLICATION = 0x74726563  # "trec", by which SQLite files of this program are known
 _WAIT_S = 10.0  # for another process that writes
@@ -48,6 +48,17 @@ _STEPS = (
         episode TEXT NOT NULL,
         t_s REAL NOT NULL,
         PRIMARY KEY (who, episode)
+    ) WITHOUT ROWID;
+    """,
+    # to version 2
+    """
+    CREATE TABLE delivered (
+        output TEXT PRIMARY KEY,
+        number INTEGER NOT NULL
+    ) WITHOUT ROWID;
+    CREATE TABLE setting (
+        name TEXT PRIMARY KEY,
+        body TEXT NOT NULL
     ) WITHOUT ROWID;
     """,
 )

@@ -1,9 +1,11 @@
 """What a ledger holds: events, who reviewed them, and the audit log, as they are read."""
 
+import json
 import logging
 import sqlite3
 import threading
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -130,6 +132,23 @@ class LedgerReading:
             [],
         )
         return [(float(low), float(high)) for low, high in rows]
+
+    def waiting(self, output: str) -> int:
+        """Return how many events an output is not done with."""
+        rows = self._rows(
+            "SELECT count(*) FROM event WHERE number > "
+            "coalesce((SELECT number FROM delivered WHERE output = ?), 0)",
+            [output],
+        )
+        return int(rows[0][0])
+
+    def setting(self, name: str) -> dict[str, Any] | None:
+        """Return what was kept under a name; None where there is nothing, or it is damaged."""
+        rows = self._rows("SELECT body FROM setting WHERE name = ?", [name])
+        with suppress(ValueError, RecursionError):
+            found = json.loads(rows[0][0]) if rows else None
+            return found if isinstance(found, dict) else None
+        return None
 
     def audit(self, after: int = 0, *, limit: int = MOST_AT_ONCE) -> list[AuditEntry]:
         """Return entries of the audit log in their order."""

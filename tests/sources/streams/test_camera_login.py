@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from trecsim.errors import ConfigError
-from trecsim.sources.streams.camera_login import Login, find_login, read_secrets
+from trecsim.sources.streams.camera_login import Login, find_key, find_login, read_secrets
 
 
 def secrets_file(folder: Path, text: str, mode: int = 0o600) -> Path:
@@ -35,7 +35,7 @@ def test_secrets_that_everybody_can_read_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"every user .* can read .*chmod 600"):
         read_secrets(path)
     path.chmod(0o640)
-    assert read_secrets(path) == {"north": Login("a", "b")}
+    assert read_secrets(path) == {"north": "a:b"}
 
 
 @pytest.mark.parametrize(
@@ -51,9 +51,17 @@ def test_secrets_that_everybody_can_read_are_refused(tmp_path: Path) -> None:
 )
 def test_wrong_secrets_are_told_and_never_shown(tmp_path: Path, text: str, told: str) -> None:
     with pytest.raises(ConfigError) as caught:
-        read_secrets(secrets_file(tmp_path, text))
+        find_login("north", secrets_file(tmp_path, text), {})
     assert told in str(caught.value)
     assert "s3cret" not in str(caught.value).replace("'s3cret' in", "")
+
+
+def test_a_key_is_all_of_the_value(tmp_path: Path) -> None:
+    path = secrets_file(tmp_path, 'desk = "a key"\n')
+    assert find_key("desk", path, {}) == "a key"
+    assert find_key("desk", path, {"TRECSIM_CREDENTIALS_DESK": "a:b"}) == "a:b"
+    with pytest.raises(ConfigError, match="found nothing"):
+        find_key("desk", path, {"TRECSIM_CREDENTIALS_DESK": ""})
 
 
 def test_a_file_that_is_not_there_is_told(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""User and password of a camera: from the environment or from a file, never from the site file."""
+"""Secrets: from the environment or from a file, never from the site file."""
 
 import os
 import re
@@ -60,31 +60,59 @@ def find_login(
     ConfigError
         When there are none, or they are not of the form user:password. The text never shows them.
     """
+    return _login(*_found(name, secrets, environment, _FORM))
+
+
+def find_key(
+    name: str, secrets: Path | None = None, environment: Mapping[str, str] = os.environ
+) -> str:
+    """Return the key called `name`, as a webhook is signed with: all of the value.
+
+    Parameters
+    ----------
+    name, secrets, environment
+        See `find_login`.
+
+    Raises
+    ------
+    ConfigError
+        When there is none, or it is empty. The text never shows it.
+    """
+    key, where = _found(name, secrets, environment, '"KEY"')
+    if not key:
+        raise ConfigError(f"{where}: expected a key, found nothing")
+    return key
+
+
+def _found(
+    name: str, secrets: Path | None, environment: Mapping[str, str], form: str
+) -> tuple[str, str]:
+    """Return a secret, and where it stands."""
     value = environment.get(variable(name))
     if value is not None:
-        return _login(value, f"the environment variable {variable(name)}")
+        return value, f"the environment variable {variable(name)}"
     if secrets is None:
         raise ConfigError(
             f"there are no credentials {name!r}: set the environment variable {variable(name)} to "
-            f"{_FORM}, or name a file with a line {name} = {_FORM} as `secrets`"
+            f"{form}, or name a file with a line {name} = {form} as `secrets`"
         )
     kept = read_secrets(secrets)
     if name not in kept:
         raise ConfigError(
-            f"there are no credentials {name!r}: add a line {name} = {_FORM} to {secrets}, or set "
+            f"there are no credentials {name!r}: add a line {name} = {form} to {secrets}, or set "
             f"the environment variable {variable(name)}"
         )
-    return kept[name]
+    return kept[name], f"{name!r} in {secrets}"
 
 
-def read_secrets(path: Path) -> dict[str, Login]:
-    """Return the credentials in a file, by name.
+def read_secrets(path: Path) -> dict[str, str]:
+    """Return the secrets in a file, by name.
 
     Parameters
     ----------
     path
-        A TOML file with a line `name = "user:password"` for each; only its owner and group may be
-        able to read it.
+        A TOML file with a line `name = "user:password"`, or of a key `name = "key"`, for each; only
+        its owner and group may be able to read it.
 
     Raises
     ------
@@ -108,7 +136,10 @@ def read_secrets(path: Path) -> dict[str, Login]:
         where = f"{line.group()}: " if line else ""
         # Not the parser's own words: they may quote what stands there.
         raise ConfigError(f"{path}: {where}expected lines like north = {_FORM} (TOML)") from None
-    return {name: _login(value, f"{name!r} in {path}") for name, value in lines.items()}
+    for name, value in lines.items():
+        if not isinstance(value, str):
+            raise ConfigError(f"{name!r} in {path}: expected {_FORM}, found something else")
+    return lines
 
 
 def _text(path: Path) -> str:
