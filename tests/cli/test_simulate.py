@@ -12,15 +12,38 @@ from trecsim.lab.simulation import BUILT_IN, read_scene, scene_file
 Run = Callable[..., tuple[int, str, str]]
 
 
-def test_a_built_in_scene_becomes_three_files(trecsim: Run, tmp_path: Path) -> None:
+def test_a_built_in_scene_becomes_files_with_its_rules_and_true_events(
+    trecsim: Run, tmp_path: Path
+) -> None:
     out = tmp_path / "made"
     code, told, err = trecsim("simulate", "crossing-50cm", "--out", out, "--seconds", 2)
     assert (code, err) == (0, "")
-    assert told == f"{out}: 80 images of 2 cameras, 2 people, 2 s, seed 0\n"
-    assert sorted(path.name for path in out.iterdir()) == ["poses.jsonl", "rig.toml", "truth.npz"]
+    assert told == f"{out}: 80 images of 2 cameras, 2 people, 2 s, seed 0, 6 true events\n"
+    assert sorted(path.name for path in out.iterdir()) == [
+        "poses.jsonl", "rig.toml", "site.toml", "truth-events.jsonl", "truth.npz",
+    ]  # fmt: skip
     code, told, err = trecsim("simulate", "crossing-50cm", "--out", out)
     assert (code, told) == (2, "")
     assert "is not empty" in err
+
+
+def test_true_events_may_be_those_of_other_rules(trecsim: Run, tmp_path: Path) -> None:
+    site, out = tmp_path / "site.toml", tmp_path / "made"
+    text = 'format = "trecsim.site/1"\nname = "mine"\n[[rules]]\nid = "a"\nkind = "speed.running"\n'
+    site.write_text(text + "speed_mps = 0.5\n")
+    asked = ("simulate", "one-person", "--seconds", 5, "--json", "--site", site, "--out", out)
+    code, told, err = trecsim(*asked)
+    assert (code, err, json.loads(told)["events"]) == (0, "", 1)
+    assert (out / "site.toml").read_text() == site.read_text()
+    site.write_text(text + "cooldown_s = 2.0\n")
+    code, told, err = trecsim(*asked[:-1], tmp_path / "other")
+    assert (code, json.loads(told)["events"]) == (0, 0)
+    assert "there is no truth for the rules a" in err
+    site.write_text(text + "speed = 1.0\n")
+    code, told, err = trecsim(*asked[:-1], tmp_path / "wrong")
+    assert (code, told) == (2, "")
+    assert "speed_mps" in err
+    assert not (tmp_path / "wrong").exists()
 
 
 def test_the_seed_and_the_length_may_be_given(trecsim: Run, tmp_path: Path) -> None:

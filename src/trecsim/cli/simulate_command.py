@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from trecsim.cli.terminal import counted_people, finish, progress_bar
+from trecsim.cli.terminal import counted, counted_people, finish, note, progress_bar
 from trecsim.errors import InputError
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ def simulate(
     seed: int | None = None,
     seconds: float | None = None,
     detector: Preset | None = None,
+    site: Path | None = None,
     list_: Annotated[bool, Parameter(name="--list")] = False,
     names: bool = False,
     show: str | None = None,
@@ -34,7 +35,8 @@ def simulate(
     """Simulate a scene: synthetic 2D poses with ground truth.
 
     Writes the cameras (`rig.toml`), synthetic 2D poses with the errors of a real pose estimator
-    (`poses.jsonl`), and the true position of every joint (`truth.npz`).
+    (`poses.jsonl`), and the true position of every joint (`truth.npz`). Built-in scenes have zones
+    and rules of their own (`site.toml`); what these should tell is in `truth-events.jsonl`.
 
     Parameters
     ----------
@@ -51,6 +53,8 @@ def simulate(
         Errors of the 2D pose estimator (default: those of the scene): `real`, those that differ
         between cameras; `clothed`, also those that all cameras share; `annotated`, the same with
         the bias of one recording's annotators; `perfect`, none.
+    site
+        A site file with rules; the true events are those of its rules in place of the scene's own.
     list_
         List the built-in scenes, each with a small floor plan.
     names
@@ -79,7 +83,7 @@ def simulate(
     elif pictures is not None:
         _draw(scene, pictures, json)
     elif scene is not None:
-        _simulate(scene, out, seed, seconds, detector, json)
+        _simulate(scene, out, seed, seconds, detector, site, json)
 
 
 def _simulate(
@@ -88,6 +92,7 @@ def _simulate(
     seed: int | None,
     seconds: float | None,
     detector: Preset | None,
+    site: Path | None,
     json: bool,
 ) -> None:
     from trecsim.lab.simulation.scene_file import read_scene
@@ -95,6 +100,7 @@ def _simulate(
     from trecsim.lab.staging import stage
 
     scene = read_scene(source)
+    site_text = _site_text(source, site)
     if seconds is not None:
         scene = replace(scene, seconds=seconds)
     if detector is not None:
@@ -104,12 +110,30 @@ def _simulate(
         progress_bar("cameras", quiet=json) as cameras,
         progress_bar("images", quiet=json) as images,
     ):
-        staged = stage(scene, folder, seed=seed, simulating=cameras, writing=images)
+        staged = stage(scene, folder, seed=seed, site=site_text, simulating=cameras, writing=images)
+    events = "" if staged.events is None else f", {counted(staged.events, 'true event')}"
     text = (
         f"{staged.folder}: {staged.images} images of {staged.cameras} cameras, "
-        f"{counted_people(staged.people)}, {staged.seconds:g} s, seed {staged.seed}"
+        f"{counted_people(staged.people)}, {staged.seconds:g} s, seed {staged.seed}{events}"
     )
     finish(asdict(staged), json, text)
+
+
+def _site_text(source: str, site: Path | None) -> str | None:
+    """Return the site file with the rules of which the truth is asked, if there is one."""
+    from trecsim.lab.simulation.scene_file import BUILT_IN
+    from trecsim.lab.true_events.scene_sites import site_of
+    from trecsim.lab.true_events.truth_events import unknown_rules
+    from trecsim.sites.recorded_site import read_without_rig
+    from trecsim.toml_models import read_text
+
+    if site is None:
+        return site_of(source) if source in BUILT_IN else None
+    read_without_rig(site)
+    text = read_text(site, "site file")
+    if unknown := unknown_rules(text):
+        note(f"{site}: there is no truth for the rules {', '.join(unknown)}: they are left out")
+    return text
 
 
 def _show(name: str, json: bool) -> None:

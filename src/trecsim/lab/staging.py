@@ -1,4 +1,4 @@
-"""Write synthetic scenes to files: rig, 2D poses and ground truth."""
+"""Write synthetic scenes to files: rig, 2D poses, ground truth, and what rules should tell."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,17 +7,19 @@ from pathlib import Path
 
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
+from trecsim.cloud_events import event_text
 from trecsim.errors import InputError
 from trecsim.lab.simulation.scene import Scene, Simulation, simulate
-from trecsim.store.atomic import disk_faults, partial_path
-from trecsim.store.names import POSES, RIG, TRUTH
+from trecsim.lab.true_events.truth_events import truth_events
+from trecsim.store.atomic import atomic_write, disk_faults, partial_path
+from trecsim.store.names import POSES, RIG, SITE, TRUTH, TRUTH_EVENTS
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.store.truth import write_truth
 
 
 @dataclass(frozen=True, slots=True)
 class Staged:
-    """Summary of a written scene."""
+    """Summary of a written scene; `events` counts the true events, None without a site."""
 
     folder: Path
     scene: str
@@ -26,6 +28,7 @@ class Staged:
     cameras: int
     people: int
     images: int
+    events: int | None = None
 
 
 def stage(
@@ -33,10 +36,14 @@ def stage(
     folder: Path | str,
     *,
     seed: int | None = None,
+    site: str | None = None,
     simulating: Progress | None = None,
     writing: Progress | None = None,
 ) -> Staged:
     """Simulate a scene and write ``rig.toml``, ``poses.jsonl`` and ``truth.npz``.
+
+    With a site also ``site.toml``, and the events that its rules should tell of the exact people,
+    ``truth-events.jsonl``.
 
     Parameters
     ----------
@@ -46,6 +53,8 @@ def stage(
         Folder for the files; created if missing, must be empty. After an error no file is left.
     seed
         The same one gives the same files; None takes that of the scene.
+    site
+        Text of a site file without faults.
     simulating
         Called with the number of finished cameras, and of all.
     writing
@@ -73,6 +82,7 @@ def stage(
     made = simulate(scene, seed, progress=simulating)
     with _emptied_after_an_error(folder):
         write_simulation(made, folder, writing)
+        events = None if site is None else write_truth_events(made, site, folder)
     return Staged(
         folder=folder,
         scene=scene.name,
@@ -81,6 +91,7 @@ def stage(
         cameras=len(made.rig),
         people=len(made.truth_xyz_m),
         images=len(made.poses),
+        events=events,
     )
 
 
@@ -113,6 +124,16 @@ def write_simulation(made: Simulation, folder: Path, writing: Progress | None = 
                 writing(number, len(made.poses))
 
 
+def write_truth_events(made: Simulation, site: str, folder: Path) -> int:
+    """Write a site file, and what its rules should tell; return the number of true events."""
+    with atomic_write(folder / SITE) as file:
+        file.write(site)
+    events = truth_events(site, made.truth_t_s, made.truth_xyz_m)
+    with atomic_write(folder / TRUTH_EVENTS) as file:
+        file.writelines(f"{event_text(event)}\n" for event in events)
+    return len(events)
+
+
 @contextmanager
 def _emptied_after_an_error(folder: Path) -> Iterator[None]:
     """Create the folder, and remove what the block wrote if it fails."""
@@ -124,6 +145,6 @@ def _emptied_after_an_error(folder: Path) -> Iterator[None]:
         done = True
     finally:
         if not done:
-            for name in (RIG, POSES, TRUTH):
+            for name in (RIG, POSES, TRUTH, SITE, TRUTH_EVENTS):
                 (folder / name).unlink(missing_ok=True)
                 partial_path(folder / name).unlink(missing_ok=True)

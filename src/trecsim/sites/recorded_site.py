@@ -58,14 +58,26 @@ def read_recorded_site(path: Path) -> tuple[RecordedSite, Rig | None]:
     CalibrationError
         When its rig is wrong.
     """
-    text = read_text(path, _KIND)
-    site, faults = examined(RecordedSite, parsed(path, text, _KIND), {"folder": path.parent})
-    if site is None:
-        raise file_faults(path, text, faults)
+    site = read_without_rig(path)
     if site.rig is None:
         return site, None
     rig: Rig = site.rig.read(_not_said_again)
     return site, rig
+
+
+def read_without_rig(path: Path) -> RecordedSite:
+    """Read what rules need of a site file; its rig need not be there yet.
+
+    Raises
+    ------
+    ConfigError
+        When it cannot be read or anything in it is wrong; the text lists all faults.
+    """
+    text = read_text(path, _KIND)
+    site, faults = examined(RecordedSite, parsed(path, text, _KIND), {"folder": path.parent})
+    if site is None:
+        raise file_faults(path, text, faults)
+    return site
 
 
 def _not_said_again(remark: str) -> None:
