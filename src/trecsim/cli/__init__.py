@@ -53,6 +53,7 @@ GROUPS = {
     "calibrate": (
         "Calibrate cameras, and judge the result.",
         {
+            "intrinsics": "Calibrate lenses with a board: focal length, centre and distortion.",
             "board": "Write a calibration board to print, in true size, as PDF.",
         },
     ),

@@ -1,5 +1,6 @@
 """The commands `trecsim calibrate`: each kind of calibration in a module of its own."""
 
 from trecsim.cli.calibrate_board import board
+from trecsim.cli.calibrate_intrinsics import intrinsics
 
-__all__ = ["board"]
+__all__ = ["board", "intrinsics"]
