@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from trecsim.errors import InputError as InputError
     from trecsim.errors import SetupError as SetupError
     from trecsim.estimators.pool import estimate as estimate
+    from trecsim.export.exporting import ExportSettings as ExportSettings
+    from trecsim.export.exporting import export_tracks as export_tracks
     from trecsim.forecast_files import evaluate_forecast as evaluate_forecast
     from trecsim.forecast_files import forecast as forecast
     from trecsim.forecasting import Forecaster as Forecaster
@@ -45,7 +47,6 @@ if TYPE_CHECKING:
     from trecsim.skeleton import Skeleton as Skeleton
     from trecsim.sources import VideoFile as VideoFile
     from trecsim.sources import read_poses as read_poses
-    from trecsim.store.tracks import export_tracks as export_tracks
     from trecsim.store.tracks import read_tracks as read_tracks
     from trecsim.store.truth import read_truth as read_truth
     from trecsim.sync import frame_sets as frame_sets
@@ -72,7 +73,8 @@ _HOMES = {
     "trecsim.site_run": ("run",),
     "trecsim.skeleton": ("COCO17", "Skeleton"),
     "trecsim.sources": ("VideoFile", "read_poses"),
-    "trecsim.store.tracks": ("export_tracks", "read_tracks"),
+    "trecsim.export.exporting": ("ExportSettings", "export_tracks"),
+    "trecsim.store.tracks": ("read_tracks",),
     "trecsim.store.truth": ("read_truth",),
     "trecsim.sync": ("frame_sets",),
     "trecsim.tracking": ("follow",),

@@ -23,6 +23,9 @@ EXTRAS = {
     "report": ("jinja2", "matplotlib"),
     "calibrate": ("av", "jinja2", "matplotlib", "cv2"),
     "pandas": ("pandas",),
+    "export": ("ezc3d",),
+    "movement": ("movement",),
+    "rerun": ("rerun",),
     "page": ("starlette", "uvicorn", "websockets", "argon2", "prometheus_client"),
     "outputs": ("paho.mqtt.client",),
 }

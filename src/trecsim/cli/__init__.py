@@ -31,7 +31,9 @@ COMMANDS = {
     "evaluate-events": "Evaluate events of rules against true events.",
     "forecast": "Forecast where people will be in the next seconds.",
     "evaluate-forecast": "Evaluate forecasts on recorded paths.",
-    "export": "Convert tracks to another format.",
+    "export": (
+        "Convert tracks to another format: tables, OpenSim, C3D, Blender, USD, PedPy and others."
+    ),
     "backup": "Back up the recordings and the ledger of a site to one file, while the site runs.",
     "restore": "Restore a backup to a new folder.",
     "erase": "Delete a period from recordings, for everybody or for one person.",
