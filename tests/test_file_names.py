@@ -6,7 +6,7 @@ from pathlib import Path
 
 SRC = Path(__file__).parents[1] / "src" / "trecsim"
 
-ROOMS = {"base"}  # the Protocol of a room stands in its `base`
+ROOMS = {"base", "tuning"}  # the Protocol of a room stands in its `base`, its numbers in `tuning`
 
 
 def names() -> Counter[str]:

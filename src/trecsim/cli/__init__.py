@@ -57,6 +57,7 @@ GROUPS = {
         {
             "intrinsics": "Calibrate lenses with a board: focal length, centre and distortion.",
             "board": "Write a calibration board to print, in true size, as PDF.",
+            "people": "Calibrate cameras from people who walk: poses, clocks, and a verdict.",
         },
     ),
     "site": (

@@ -2,5 +2,6 @@
 
 from trecsim.cli.calibrate_board import board
 from trecsim.cli.calibrate_intrinsics import intrinsics
+from trecsim.cli.calibrate_people import people
 
-__all__ = ["board", "intrinsics"]
+__all__ = ["board", "intrinsics", "people"]

@@ -1,0 +1,139 @@
+"""From 2D poses to a rig: the stages of the calibration from people, from top to bottom."""
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from trecsim.calibrating.people.adjusting import Adjusted, adjusted
+from trecsim.calibrating.people.camera_records import CameraRecord
+from trecsim.calibrating.people.chains import chains
+from trecsim.calibrating.people.floor_tracks import floor_tracks
+from trecsim.calibrating.people.observations import Observations, observations
+from trecsim.calibrating.people.pairs import Relation, relate
+from trecsim.calibrating.people.priors import Distance, Priors
+from trecsim.calibrating.people.state import RigState
+from trecsim.calibrating.people.tracklets import Tracklet, tracklets
+from trecsim.calibrating.people.tree import joined
+from trecsim.calibrating.people.tuning import ANNEALING
+from trecsim.calibrating.people.uprights import Level, level
+
+COARSE = ANNEALING[:-2]
+FINE = (2.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """What was found of a recording.
+
+    Attributes
+    ----------
+    tracks, chain
+        All tracklets, and the person of each, -1 where unknown.
+    levels
+        Vertical and height of each camera; None where it saw too little.
+    relations
+        Pairs of cameras whose floor tracks agree.
+    seen
+        What was adjusted.
+    rig
+        The adjusted rig, in the frame of its root camera, its scale that of `priors`.
+    priors
+        What was taken as known.
+    """
+
+    tracks: list[Tracklet]
+    chain: Int64[np.ndarray, " tracklet"]
+    levels: tuple[Level | None, ...]
+    relations: tuple[Relation, ...]
+    seen: Observations
+    rig: Adjusted
+    priors: Priors
+
+
+def start(
+    records: tuple[CameraRecord, ...],
+) -> tuple[list[Tracklet], tuple[Level | None, ...], tuple[Relation, ...], RigState]:
+    """Return tracklets, levels, relations, and the rig before the adjustment."""
+    per_camera = [tracklets(record, c) for c, record in enumerate(records)]
+    levels = tuple(level(record, own) for record, own in zip(records, per_camera, strict=True))
+    floors = {
+        c: floor_tracks(records[c], per_camera[c], one.T_level_cam)
+        for c, one in enumerate(levels)
+        if one is not None
+    }
+    relations = tuple(
+        found
+        for a, b in combinations(floors, 2)
+        if (found := relate(a, b, floors[a], floors[b])) is not None
+    )
+    state = joined(levels, relations)
+    ref_s = np.array([middle_s(record) for record in records])
+    return [one for own in per_camera for one in own], levels, relations, referred(state, ref_s)
+
+
+def middle_s(record: CameraRecord) -> float:
+    """Return the middle of a camera's recording [s]."""
+    return 0.5 * float(record.t_s[0] + record.t_s[-1]) if len(record.t_s) else 0.0
+
+
+def referred(state: RigState, ref_s: Float64[np.ndarray, " cam"]) -> RigState:
+    """Return the state with the stamps from which on drifts count."""
+    return replace(state, ref_s=ref_s)
+
+
+def find(
+    records: tuple[CameraRecord, ...],
+    *,
+    distance: Distance | None = None,
+    lens_sd: Float64[np.ndarray, "cam 3"] | None = None,
+) -> Found | None:
+    """Return the rig that a recording shows; None if no two cameras could be related."""
+    tracks, levels, relations, state = start(records)
+    if state.found.sum() < 2:
+        return None
+    priors = Priors(
+        _root(state, relations), (distance or _longest(state),), state.found, lens_sd=None
+    )
+    state = scaled_to(state, priors.distances[0])
+    chain = chains(tracks, records, state, by_rays=False)
+    seen = observations(tracks, records, chain, state, spacing_s=0.6)
+    if not seen.count:
+        return None
+    rig = adjusted(seen, state, priors, annealing=COARSE)
+    chain = chains(tracks, records, rig.state, by_rays=True)
+    seen = observations(tracks, records, chain, rig.state)
+    if not seen.count:
+        return None
+    rig = adjusted(seen, rig.state, priors, annealing=FINE)
+    if lens_sd is not None:
+        priors = replace(priors, lens_sd=lens_sd)
+    seen = observations(tracks, records, chain, rig.state)
+    rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
+    return Found(tracks, chain, levels, relations, seen, rig, priors)
+
+
+def _root(state: RigState, relations: tuple[Relation, ...]) -> int:
+    score = np.zeros(len(state.found))
+    for one in relations:
+        score[[one.a, one.b]] += one.score
+    return int(np.argmax(np.where(state.found, score, -1.0)))
+
+
+def _longest(state: RigState) -> Distance:
+    """Return the distance of the two cameras that stand furthest apart, as it is now."""
+    centre, known = state.centre_m, np.flatnonzero(state.found)
+    pairs = list(combinations(known, 2))
+    a, b = max(pairs, key=lambda pair: np.linalg.norm(centre[pair[0]] - centre[pair[1]]))
+    metres = float(np.linalg.norm(centre[a] - centre[b]))
+    return Distance(int(a), int(b), metres, 1e-4 * metres)
+
+
+def scaled_to(state: RigState, one: Distance) -> RigState:
+    """Return the rig with all distances changed by the factor that makes one right."""
+    centre = state.centre_m
+    factor = one.metres / float(np.linalg.norm(centre[one.a] - centre[one.b]))
+    changed = state.copy()
+    changed.T[:, :3, 3] *= factor
+    return changed

@@ -1,0 +1,107 @@
+"""Every number of the calibration from people, with its reason.
+
+None is taken from the simulator. Sizes of errors are what pose estimators do on real people:
+key points are off by 1 to 2 % of the body height, and for seconds in the same direction.
+"""
+
+import numpy as np
+
+# Tracklets, per camera.
+LONGEST_GAP_S = 0.5
+"""A tracklet ends when its person is missing for longer [s]."""
+LINK_GATE = 0.12
+"""Largest median step of the joints from one image to the next, over the body's size."""
+LINK_GATE_PER_S = 0.5
+"""What the gate grows by per second between the images."""
+LINK_MARGIN = 2.0
+"""A link is doubtful, and ends both tracklets, unless the second best is so many times worse."""
+LINK_SURE = 0.06
+"""And so much worse at least, over the body's size."""
+SHORTEST_TRACKLET_S = 0.5
+MOST_OPEN = 64
+"""Most people in an image that are linked."""
+
+# Body, as shares of the stature (Winter, Biomechanics and Motor Control of Human Movement).
+ANKLE, KNEE, HIP, SHOULDER, EAR, EYE, NOSE = 0.039, 0.285, 0.530, 0.818, 0.93, 0.936, 0.915
+HEIGHT_OF_JOINT = np.array([
+    NOSE, EYE, EYE, EAR, EAR, SHOULDER, SHOULDER, 0.63, 0.63, 0.485, 0.485, HIP, HIP, KNEE, KNEE,
+    ANKLE, ANKLE,
+])  # fmt: skip
+"""Height of each COCO joint of somebody who stands, over the stature."""
+WALKING = 0.985
+"""A walking body is so much shorter: knees bend."""
+STATURE_M = 1.70
+STATURE_SD_M = 0.08
+"""Mean stature of people nobody measured, and its standard deviation [m]."""
+
+# Floor tracks.
+TICK_S = 0.1
+"""Spacing of the floor tracks and of the offsets tried [s]."""
+SMOOTH_TICKS = 4
+"""Floor tracks are smoothed by a running median of so many ticks to each side."""
+LEAST_UPRIGHT = 12
+"""Fewest upright sights that give a camera's vertical and height."""
+
+# Pairs of cameras.
+LONGEST_OFFSET_S = 30.0
+"""Clocks may differ by so much [s]."""
+SHORTEST_OVERLAP_S = 2.0
+EXTENT_M = 0.4
+"""A track that spreads less tells no offset [m]."""
+FLOOR_ERROR_M = 0.2
+"""Usual error of a floor position before the adjustment [m]."""
+FLOOR_GATE_M = 0.7
+"""Two sights further apart on the floor are not the same person [m]."""
+MOST_HYPOTHESES = 60
+"""So many motions of a pair of cameras are tested on all tracks."""
+LEAST_MATCHED_S = 2.0
+"""Cameras whose tracks agree for less time are not related [s]."""
+
+# Association.
+CHAIN_FLOOR_M = 0.6
+CHAIN_RAY_M = 0.15
+"""Median distance on the floor, and of the joints' viewing rays, within which tracklets of two
+cameras are the same person, before and after the first adjustment [m]."""
+CHAIN_OVERLAP_S = 0.6
+"""Tracklets with less time in common are not compared [s]."""
+
+# Observations.
+SAMPLE_S = 0.3
+"""Spacing of the moments that are adjusted [s]."""
+MOST_SAMPLES = 700
+"""Of more moments of people, the spacing grows; time is thinned, never the joints."""
+WINDOW_S = 0.12
+"""A key point is the line through the images this near in time [s]."""
+STRAY = 0.06
+"""An image further from the line is left out of it, over the body's size."""
+
+# Adjustment.
+KNOT_S = 3.0
+"""The bias of a camera's key points is constant for so long [s]."""
+BIAS_S = 6.0
+"""Correlation time of the bias [s]."""
+BIAS_M = np.array([0.016] * 5 + [0.024] * 2 + [0.02] * 2 + [0.024] * 2 + [0.03] * 2 + [0.026] * 4)
+"""Standard deviation of the bias per joint and axis [m]: 1 to 2 % of the body height."""
+NOISE_M = np.array(
+    [0.011] * 5 + [0.015] * 2 + [0.014] * 2 + [0.018] * 2 + [0.016] * 4 + [0.018] * 2
+)
+"""Standard deviation of what changes faster, per joint and axis [m]."""
+NOISE_PX = 1.0
+"""Error of a key point that does not shrink with the person [px]."""
+LEVEL_M = np.array([0.035] * 7 + [0.15] * 2 + [0.25] * 2 + [0.035] * 2 + [0.06] * 2 + [0.09] * 2)
+"""By how much the height of a joint varies while its person walks [m]."""
+ROBUST = 3.0
+"""Residuals of more standard deviations count less and less (Geman and McClure)."""
+LEAST_WEIGHT = 1e-4
+"""A weight never falls below: a covariance of nothing is not a number."""
+ANNEALING = (10.0, 5.0, 2.5, 1.5, 1.0)
+"""Noise over its usual size, one stage after the other."""
+STEPS = 6
+"""Most steps in a stage."""
+CONVERGED_RAD = 2e-6
+"""A stage ends when no camera turns by more [rad]."""
+DRIFT_PPM = 50.0
+"""Usual drift of a clock of quartz [ppm]; a recording that shows more is believed."""
+DRIFT_LOOSE = 5e-3
+"""Standard deviation of the drift in the adjustment: a frame rate that is only nominal."""
+OFFSET_LOOSE_S = 10.0
