@@ -91,7 +91,7 @@ def demo_page(folder: Path, *, json: bool) -> Iterator["PageProcess | None"]:
     from trecsim.page.page_data import PageData
     from trecsim.page.site_view import SiteView
 
-    data = PageData(recordings=folder, ledger=folder / RUN)
+    data = PageData(folder, folder / RUN, folder / "site.toml")
     try:
         page = page_anywhere(SiteView("demo"), data, None)
     except SetupError as error:

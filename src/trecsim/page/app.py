@@ -32,6 +32,7 @@ from trecsim.page.schema import stream_schema
 from trecsim.page.site_draft import DraftDesk
 from trecsim.page.site_routes import SiteDesk, site_routes
 from trecsim.page.stream import stream
+from trecsim.page.trial import Trials
 
 LARGEST_BODY = 1_000_000  # bytes of a request
 PAGES = re.compile(r"/(?:live|review|zones|system|login)(?:/.*)?$")
@@ -76,7 +77,7 @@ def page_app(parts: Parts) -> Starlette:
         *login_routes(access, parts.journal),
         *event_routes(access, parts.journal, state.hub, parts.ask),
         *recording_routes(access, parts.data.recordings),
-        *site_routes(access, SiteDesk(state, parts.journal, parts.ask, _desk(parts.data))),
+        *site_routes(access, _site_desk(parts)),
         *picture_routes(access, state, parts.journal, parts.ask),
         Route("/{path:path}", _files(parts.bundle)),
     ]
@@ -104,8 +105,10 @@ async def _schema(request: Request) -> Response:
     return Response(json_bytes(stream_schema()), media_type="application/schema+json")
 
 
-def _desk(data: PageData) -> DraftDesk | None:
-    return None if data.site_file is None else DraftDesk(data.site_file, data.ledger)
+def _site_desk(parts: Parts) -> SiteDesk:
+    data = parts.data
+    desk = None if data.site_file is None else DraftDesk(data.site_file, data.ledger)
+    return SiteDesk(parts.state, parts.journal, parts.ask, desk, Trials(data.recordings))
 
 
 def _metrics(state: LiveState) -> Answer:

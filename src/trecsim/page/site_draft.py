@@ -1,8 +1,7 @@
-"""The draft of a site: zones, lines and edges that are not live yet."""
+"""The draft of a site: zones, lines, edges and rules that are not live yet."""
 
 import hashlib
 import shutil
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,9 @@ from typing import Any
 import msgspec
 
 from trecsim.errors import Error, InputError
-from trecsim.page.site_text import PLACES, with_places
+from trecsim.page.site_check import examined_site
+from trecsim.page.site_history import SiteHistory
+from trecsim.page.site_text import PLACES, RULES, parts_of, with_parts
 from trecsim.store.atomic import atomic_write
 
 NAME = "draft.json"
@@ -29,6 +30,8 @@ class Draft(msgspec.Struct, frozen=True):
         Who changed it last.
     zones, lines, edges
         All of them, as in the site file.
+    rules
+        All of them; None for those of the site file.
     """
 
     based_on: str
@@ -37,6 +40,7 @@ class Draft(msgspec.Struct, frozen=True):
     zones: dict[str, dict[str, Any]]
     lines: dict[str, dict[str, Any]]
     edges: dict[str, dict[str, Any]]
+    rules: list[dict[str, Any]] | None = None
 
     @property
     def places(self) -> dict[str, dict[str, dict[str, Any]]]:
@@ -84,7 +88,7 @@ class DraftDesk:
         ------
         ConflictError
             It is based on another version of the site file, or on another revision of the draft.
-        InputError
+        FaultsError
             Something in it cannot be.
         """
         self._check_version(draft.based_on)
@@ -95,10 +99,29 @@ class DraftDesk:
                 f"the draft was changed{who} meanwhile: expected revision {last}, found "
                 f"{draft.revision}; load it again"
             )
-        check_places(draft.places)
+        self._examined(draft)
+        self.text_of(draft)
         kept = msgspec.structs.replace(draft, revision=last + 1)
         self._keep(kept)
         return kept
+
+    def text_of(self, draft: Draft) -> str:
+        """Return the text of the site file as a draft would have it."""
+        return with_parts(self._text(), draft.places, draft.rules)
+
+    def remarks(self) -> list[dict[str, Any]]:
+        """Return what is doubtful about the draft, or the live site where there is none."""
+        return self._examined(self.draft)
+
+    def parts(self) -> dict[str, Any]:
+        """Return zones, lines, edges and rules of the site file, and its version."""
+        text = self._text()
+        return {"version": version_of(text), **parts_of(text)}
+
+    def trial_texts(self) -> dict[str, str]:
+        """Return the site file as it is (`live`) and as the draft would have it (`draft`)."""
+        live = self._text()
+        return {"live": live, "draft": live if self.draft is None else self.text_of(self.draft)}
 
     def discard(self) -> None:
         """Remove the draft."""
@@ -112,20 +135,35 @@ class DraftDesk:
         ConflictError
             There is no such draft any more, or the site file has changed.
         InputError
-            The site file would not be right.
+            The site file would not be right, or its last version cannot be kept.
         """
         draft = self.draft
         if draft is None or draft.revision != revision:
             raise ConflictError("there is no such draft; load it again")
         self._check_version(based_on)
         self._check_version(draft.based_on)
-        text = with_places(self._text(), draft.places)
-        _check_site(text, self.site_file)
+        before = self._text()
+        self._examined(draft)
+        text = self.text_of(draft)
+        if self.history is not None:
+            self.history.keep(before, version_of(before))
         with atomic_write(self.site_file) as file:
             shutil.copymode(self.site_file, file.name)
             file.write(text)
         self._keep(None)
         return draft, version_of(text)
+
+    @property
+    def history(self) -> SiteHistory | None:
+        """Earlier versions of the site file; None where there is no folder for them."""
+        return None if self.folder is None else SiteHistory(self.folder)
+
+    def _examined(self, draft: Draft | None) -> list[dict[str, Any]]:
+        """Check the site file as a draft would have it; return what is doubtful about it."""
+        parts: dict[str, Any] = {}
+        if draft is not None:
+            parts = {**draft.places, **({} if draft.rules is None else {RULES: draft.rules})}
+        return examined_site(self.site_file, self._text(), parts)
 
     def _check_version(self, based_on: str) -> None:
         if based_on != self.version():
@@ -151,44 +189,3 @@ class DraftDesk:
 def version_of(text: str) -> str:
     """Return the version of the text of a site file: its SHA-256."""
     return hashlib.sha256(text.encode()).hexdigest()
-
-
-def check_places(places: Mapping[str, Mapping[str, Any]]) -> None:
-    """Check zones, lines and edges as the site file would.
-
-    Raises
-    ------
-    InputError
-        Something is wrong; all faults are in the message.
-    """
-    from pydantic import TypeAdapter, ValidationError
-
-    from trecsim.sites.places import EdgeTable, LineTable, ZoneTable
-    from trecsim.sites.ruled import Name
-
-    kinds: dict[str, TypeAdapter[Any]] = {
-        "zones": TypeAdapter(dict[Name, ZoneTable]),
-        "lines": TypeAdapter(dict[Name, LineTable]),
-        "edges": TypeAdapter(dict[Name, EdgeTable]),
-    }
-    faults = []
-    for kind, adapter in kinds.items():
-        try:
-            adapter.validate_python(places.get(kind, {}))
-        except ValidationError as error:
-            faults += [
-                f"{'.'.join(str(key) for key in (kind, *fault['loc']))}: {fault['msg']}"
-                for fault in error.errors(include_url=False, include_input=False)
-            ]
-    if faults:
-        raise InputError("; ".join(faults[:20]))
-
-
-def _check_site(text: str, path: Path) -> None:
-    from trecsim.sites.site_file import Site
-    from trecsim.toml_models import examined, file_faults, parsed
-
-    context = {"folder": path.parent}
-    _, faults = examined(Site, parsed(path, text, "site file"), context)
-    if faults:
-        raise file_faults(path, text, faults)

@@ -19,13 +19,14 @@ from trecsim.page.asking import Ask
 from trecsim.page.bodies import body_of
 from trecsim.page.journal import Journal
 from trecsim.page.live_state import LiveState
+from trecsim.page.recordings_shown import recording_folder
+from trecsim.page.site_check import FaultsError
 from trecsim.page.site_draft import ConflictError, Draft, DraftDesk
+from trecsim.page.site_text import parts_of
+from trecsim.page.trial import Trials
 
 LARGEST_DRAFT = 500_000  # bytes
-NO_RULES = (
-    "this version of trecsim cannot try rules from the page, and has no modes; try them with "
-    "trecsim assess RECORDING SITE.toml"
-)
+NO_MODES = "this site has no modes"
 
 Result = TypeVar("Result")
 _Version = Annotated[str, msgspec.Meta(max_length=100)]
@@ -40,6 +41,17 @@ class DraftBody(msgspec.Struct, frozen=True):
     zones: _Tables = {}
     lines: _Tables = {}
     edges: _Tables = {}
+    rules: list[dict[str, Any]] | None = None
+
+
+class TryBody(msgspec.Struct, frozen=True):
+    """On what to try the draft: a recording, or a part of it [s]."""
+
+    based_on: _Version
+    revision: int | None = None
+    recording: Annotated[str, msgspec.Meta(max_length=200)] | None = None
+    from_s: float = -1e12
+    to_s: float = 1e12
 
 
 class LiveBody(msgspec.Struct, frozen=True):
@@ -64,11 +76,17 @@ def site_routes(access: Access, site: "SiteDesk") -> list[Route]:
         Route("/api/site/draft", access.needs("viewer", site.draft), methods=["GET"]),
         Route("/api/site/draft", access.needs("admin", site.put), methods=["PUT"]),
         Route("/api/site/draft", access.needs("admin", site.discard), methods=["DELETE"]),
-        Route("/api/site/draft/try", access.needs("admin", site.needs_rules), methods=["POST"]),
+        Route("/api/site/draft/try", access.needs("admin", site.try_draft), methods=["POST"]),
         Route("/api/site/draft/live", access.needs("admin", site.make_live), methods=["POST"]),
+        Route("/api/site/parts", access.needs("viewer", site.parts), methods=["GET"]),
+        Route("/api/site/kinds", access.needs("viewer", site.kinds), methods=["GET"]),
+        Route("/api/site/history", access.needs("viewer", site.history), methods=["GET"]),
+        Route(
+            "/api/site/history/{version:str}", access.needs("viewer", site.version), methods=["GET"]
+        ),
         Route("/api/site/reload", access.needs("admin", site.reload), methods=["POST"]),
         Route("/api/mode", access.needs("viewer", site.mode), methods=["GET"]),
-        Route("/api/mode", access.needs("operator", site.needs_rules), methods=["POST", "PUT"]),
+        Route("/api/mode", access.needs("operator", site.set_mode), methods=["POST", "PUT"]),
     ]
 
 
@@ -86,28 +104,87 @@ class SiteDesk:
         Asks the tracking process to read the site file again.
     desk
         Keeps the draft; None for a site without a file.
+    trials
+        Tries drafts on recordings.
     """
 
     state: LiveState
     journal: Journal
     ask: Ask
     desk: DraftDesk | None
+    trials: Trials
 
     async def show(self, request: Request) -> Response:
         """Return the live site and its version."""
         return json_answer(self.state.site)
 
     async def draft(self, request: Request) -> Response:
-        """Return the draft; null where there is none."""
-        return json_answer(self._desk().draft)
+        """Return the draft, and what is doubtful about it; null where there is none."""
+        desk = self._desk()
+        if desk.draft is None:
+            return json_answer(None)
+        return await self._shown(desk.draft)
+
+    async def parts(self, request: Request) -> Response:
+        """Return what the page can change of the site file, and what is doubtful about it."""
+        desk = self._desk()
+        parts = await _done(desk.parts)
+        remarks = await _done(desk.remarks) if desk.draft is None else []
+        return json_answer({**parts, "remarks": remarks})
+
+    async def kinds(self, request: Request) -> Response:
+        """Return the kinds of rules there are, as forms need them."""
+        return json_answer({"kinds": await asyncio.to_thread(_rule_kinds)})
+
+    async def history(self, request: Request) -> Response:
+        """Return which earlier versions of the site file are kept."""
+        history = self._desk().history
+        kept = [] if history is None else await asyncio.to_thread(history.versions)
+        return json_answer({"versions": kept})
+
+    async def version(self, request: Request) -> Response:
+        """Return zones, lines, edges and rules of an earlier version."""
+        history, version = self._desk().history, request.path_params["version"]
+        text = None if history is None else await asyncio.to_thread(history.text, version)
+        if text is None:
+            raise HTTPException(404, "there is no such version")
+        return json_answer({"version": version, **parts_of(text)})
 
     async def put(self, request: Request) -> Response:
         """Replace the draft."""
         given = await body_of(request, DraftBody, LARGEST_DRAFT)
         wanted = Draft(
-            given.based_on, given.revision, _by(request), given.zones, given.lines, given.edges
+            given.based_on,
+            given.revision,
+            _by(request),
+            given.zones,
+            given.lines,
+            given.edges,
+            given.rules,
         )
-        return json_answer(await _done(partial(self._desk().put, wanted)))
+        try:
+            kept = await _done(partial(self._desk().put, wanted))
+        except FaultsError as wrong:
+            return json_answer({"error": str(wrong), "faults": wrong.faults}, 422)
+        return await self._shown(kept)
+
+    async def try_draft(self, request: Request) -> Response:
+        """Judge the draft on a recording, beside the rules that are live."""
+        given, desk = await body_of(request, TryBody), self._desk()
+        if given.based_on != await _done(desk.version):
+            raise HTTPException(409, "the site file has changed meanwhile; load the site again")
+        if given.revision not in (None, 0 if desk.draft is None else desk.draft.revision):
+            raise HTTPException(409, "there is no such draft; load it again")
+        folder, name = self.trials.recordings, given.recording
+        found = None
+        if folder is not None and name is not None:
+            found = await asyncio.to_thread(recording_folder, folder, name)
+        if found is None:
+            raise HTTPException(404, "expected the id of a recording that /api/recordings lists")
+        texts = await _done(desk.trial_texts)
+        part = (given.from_s, given.to_s)
+        answer = await self.trials.run(desk.site_file, texts, found, part)
+        return json_answer({"recording": name, **answer})
 
     async def discard(self, request: Request) -> Response:
         """Remove the draft."""
@@ -136,9 +213,13 @@ class SiteDesk:
         """Return the mode in force, and those there are."""
         return json_answer({"mode": self.state.site["site"].get("mode"), "modes": []})
 
-    async def needs_rules(self, request: Request) -> Response:
-        """Refuse what only rules make possible."""
-        raise HTTPException(409, NO_RULES)
+    async def set_mode(self, request: Request) -> Response:
+        """Refuse: there are no modes."""
+        raise HTTPException(409, NO_MODES)
+
+    async def _shown(self, draft: Draft) -> Response:
+        shown = {**msgspec.to_builtins(draft), "remarks": await _done(self._desk().remarks)}
+        return json_answer(shown)
 
     def _desk(self) -> DraftDesk:
         if self.desk is None:
@@ -157,5 +238,13 @@ async def _done(work: Callable[[], Result]) -> Result:
         return await asyncio.to_thread(work)
     except ConflictError as error:
         raise HTTPException(409, str(error)) from None
+    except FaultsError:
+        raise
     except InputError as error:
         raise HTTPException(422, str(error)) from None
+
+
+def _rule_kinds() -> list[dict[str, Any]]:
+    from trecsim.sites.rule_kinds import rule_kinds
+
+    return rule_kinds()

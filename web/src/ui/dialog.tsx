@@ -5,7 +5,10 @@ import { store } from "../store.ts";
 const close = (): void => store.set({ menu: null });
 
 /** A dialog over the page: it keeps the focus, and gives it back to where it was. */
-export function Dialog({ name, children }: { name: string; children: ComponentChildren }) {
+export function Dialog(
+  { name, children, closed = close }:
+  { name: string; children: ComponentChildren; closed?: () => void },
+) {
   const box = useRef<HTMLDialogElement>(null);
   const before = useRef(document.activeElement);
   useEffect(() => {
@@ -17,8 +20,8 @@ export function Dialog({ name, children }: { name: string; children: ComponentCh
     };
   }, []);
   return (
-    <dialog class="dialog" ref={box} aria-label={name} onClose={close}
-      onClick={(event) => event.target === event.currentTarget && close()}>
+    <dialog class="dialog" ref={box} aria-label={name} onClose={closed}
+      onClick={(event) => event.target === event.currentTarget && closed()}>
       <div>{children}</div>
     </dialog>
   );

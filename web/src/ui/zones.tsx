@@ -1,86 +1,213 @@
-import { Icon, type IconName } from "./icons.tsx";
-import { Plan } from "./planview.tsx";
+// The zone editor: what is live, the draft beside it, its trial, and making it live.
+
+import { useEffect, useState } from "preact/hooks";
+import { desk, useDesk } from "./desk.ts";
+import { Dialog } from "./dialog.tsx";
+import { Glyph, Icon, type IconName } from "./icons.tsx";
+import { Counts, TrialBox, TryButton } from "./trial.tsx";
 import { useStore } from "./use.ts";
+import { EverywhereForm, PlaceForm } from "./zoneform.tsx";
+import { ZonePlan, type Tool } from "./zoneplan.tsx";
+import {
+  changes, everywhere, freeName, kindOf, ONE, PLACE_KINDS, rulesOf, withCorners, type PlaceKind,
+} from "../state/draft.ts";
 import type { Point } from "../state/site.ts";
-import { named } from "../state/words.ts";
+import { count, list, named } from "../state/words.ts";
 import { store } from "../store.ts";
+import "../styles/zones.css";
 
-const area = (polygon: readonly Point[]): number =>
-  Math.abs(polygon.reduce((sum, a, i) => {
-    const b = polygon[(i + 1) % polygon.length] as Point;
-    return sum + a[0] * b[1] - b[0] * a[1];
-  }, 0)) / 2;
-
-const length = (points: readonly Point[]): number =>
-  points.slice(1).reduce((sum, b, i) => {
-    const a = points[i] as Point;
-    return sum + Math.hypot(b[0] - a[0], b[1] - a[1]);
-  }, 0);
+/** The subject that stands for rules about no place; no place can have this name. */
+export const EVERYWHERE = "*";
+const ICONS: Record<PlaceKind, IconName> = { zones: "area", lines: "line", edges: "edge" };
+const HEADS: Record<PlaceKind, string> = { zones: "Zones", lines: "Lines", edges: "Edges" };
 
 export function Zones() {
-  const { state, address } = useStore();
-  const site = state.site;
-  const zone = site?.zones.find((one) => one.name === address.subject);
-  const path = [...(site?.lines ?? []), ...(site?.edges ?? [])]
-    .find((one) => one.name === address.subject);
+  const { address, state } = useStore();
+  const { parts, mayEdit, loaded, fault } = useDesk();
+  const [tool, setTool] = useState<Tool>("select");
+  useEffect(() => void desk.load(), [state.site?.version]);
+  useKeys(setTool);
+  const kind = kindOf(parts, address.subject);
   return (
     <div class="zones">
-      <section class="bar" aria-label="Version">
-        <h2>Zones</h2><span class="tagged">Live version</span>
-        <p>What is in force now. Zones and rules are written in the site file.</p>
-      </section>
+      <Bar />
       <section class="names" aria-label="Zones, lines and edges">
-        <Group title="Zones" icon="area" names={site?.zones.map((one) => one.name) ?? []} />
-        <Group title="Lines" icon="line" names={site?.lines.map((one) => one.name) ?? []} />
-        <Group title="Edges" icon="edge" names={site?.edges.map((one) => one.name) ?? []} />
+        <div class="scroll">
+          {PLACE_KINDS.map((of) => <Group key={of} of={of} />)}
+          <Everywhere />
+        </div>
+        {mayEdit && <Add />}
       </section>
-      <main class="plan" aria-label="Plan of the zones"><Plan large /></main>
+      <main class="plan" aria-label="Plan of the zones"><ZonePlan tool={tool} setTool={setTool} /></main>
       <aside class="form" aria-label="Selected">
-        {zone && (
-          <Sheet name={zone.name} rows={[
-            ["Area", `${area(zone.polygon).toFixed(1)} m²`],
-            ["Height", `${zone.z[0].toFixed(2)} to ${zone.z[1].toFixed(2)} m`],
-            ["Corners", String(zone.polygon.length)],
-          ]} />
-        )}
-        {path && <Sheet name={path.name} rows={[["Length", `${length(path.points).toFixed(2)} m`]]} />}
-        {(site?.rules ?? 0) === 0 && (
-          <div class="none">
-            <strong>No rules yet</strong>
-            <p>A rule says when someone in a zone, at an edge or over a line is an alert. Zones, lines, edges and rules are read from the site file.</p>
-          </div>
-        )}
+        <div class="scroll">
+          {fault && <p class="note-page" role="alert">{fault}</p>}
+          {kind && address.subject && <PlaceForm key={address.subject} kind={kind} name={address.subject} />}
+          {address.subject === EVERYWHERE && <EverywhereForm />}
+          {!kind && address.subject !== EVERYWHERE && loaded && <Nothing />}
+        </div>
+        <TrialBox />
       </aside>
     </div>
   );
 }
 
-function Sheet({ name, rows }: { name: string; rows: [string, string][] }) {
+function Nothing() {
+  const { parts, mayEdit } = useDesk();
   return (
-    <>
-      <div class="head"><h2>{named(name)}</h2></div>
-      <div class="block">
-        <dl class="facts-list">
-          {rows.map(([key, value]) => <div key={key}><dt>{key}</dt><dd>{value}</dd></div>)}
-        </dl>
-      </div>
-    </>
+    <div class="none">
+      <strong>{parts.rules.length === 0 ? "No rules yet" : "Nothing chosen"}</strong>
+      <p>
+        {mayEdit
+          ? "Choose a zone, line or edge, or draw one on the plan. A rule says when someone in it is an alert."
+          : "Choose a zone, line or edge. Only admins change them."}
+      </p>
+      <p>Rules are advisory: trecsim is no certified safety function.</p>
+    </div>
   );
 }
 
-function Group({ title, icon, names }: { title: string; icon: IconName; names: string[] }) {
+function useKeys(setTool: (tool: Tool) => void): void {
+  useEffect(() => {
+    const tools: Record<string, Tool> = { v: "select", z: "zones", i: "lines", d: "edges" };
+    const pressed = (event: KeyboardEvent) => {
+      const target = event.target as HTMLElement;
+      if (target.closest("input, select, textarea, dialog") || !desk.mayEdit) return;
+      const key = event.key.toLowerCase();
+      if ((event.ctrlKey || event.metaKey) && key === "z") {
+        event.preventDefault();
+        if (event.shiftKey) desk.redo();
+        else desk.undo();
+      } else if (event.ctrlKey || event.metaKey || event.altKey) return;
+      else if (tools[key]) setTool(tools[key]);
+      else if (event.key === "Escape") {
+        setTool("select");
+        store.go({ subject: null }, true);
+      }
+    };
+    addEventListener("keydown", pressed);
+    return () => removeEventListener("keydown", pressed);
+  }, []);
+}
+
+function Bar() {
+  const { live, parts, keeping, mayEdit, isDraft, by, said, remarks } = useDesk();
+  const [asks, setAsks] = useState(false);
+  const changed = changes(live, parts);
+  const told = changed.length === 0
+    ? "What is in force now."
+    : `${count(changed.length, "change")}: ${list(changed.slice(0, 3))}${changed.length > 3 ? " and more" : ""}. The live rules stay as they are.`;
+  const fault = keeping === "wrong" || keeping === "conflict" || keeping === "failed" ? said : "";
+  return (
+    <section class="bar" aria-label="Version">
+      <h2>Zones</h2>
+      {isDraft
+        ? <span class="tagged draft"><Icon name="pen" size={16} />Draft, not live</span>
+        : <span class="tagged">Live version</span>}
+      {fault
+        ? <p class="wrong" role="alert"><Glyph severity="warning" size={14} />{keeping === "wrong" ? `Not kept: ${said}` : said}</p>
+        : <p title={told}>{said || told}{isDraft && by && keeping === "kept" && by !== "local" ? ` Kept by ${by}.` : ""}</p>}
+      <div class="end">
+        {keeping === "conflict" && (
+          <>
+            <button type="button" class="button" onClick={() => void desk.load(true)}>Load theirs</button>
+            <button type="button" class="button" onClick={() => void desk.overwrite()}>Keep mine</button>
+          </>
+        )}
+        {mayEdit && keeping !== "conflict" && (
+          <>
+            {isDraft && <button type="button" class="button quiet" onClick={() => void desk.discard()}>Discard</button>}
+            <TryButton />
+            <button type="button" class="button primary" disabled={!isDraft || keeping === "wrong"}
+              title={isDraft ? "" : "There is no draft"} onClick={() => setAsks(true)}>Make live</button>
+          </>
+        )}
+      </div>
+      {asks && <Ask changed={changed} doubts={remarks.length} done={() => setAsks(false)} />}
+    </section>
+  );
+}
+
+function Ask({ changed, doubts, done }: { changed: string[]; doubts: number; done: () => void }) {
+  const { trial, said, keeping } = useDesk();
+  return (
+    <Dialog name="Make live" closed={done}>
+      <h2>Make the draft live?</h2>
+      <ul class="changed">{changed.map((one) => <li key={one}>{one}</li>)}</ul>
+      {trial ? <Counts trial={trial} /> : <p>It has not been tried on a recording.</p>}
+      {doubts > 0 && <p>{count(doubts, "remark")} on it, shown in place.</p>}
+      <p>Rules change at once, without a restart. The version before is kept.</p>
+      {(keeping === "wrong" || keeping === "conflict" || keeping === "failed") && <p class="fault" role="alert">{said}</p>}
+      <div class="row">
+        <button type="button" class="button primary" onClick={async () => {
+          if (await desk.makeLive()) done();
+        }}>Make live</button>
+        <button type="button" class="button quiet" onClick={done}>Cancel</button>
+      </div>
+    </Dialog>
+  );
+}
+
+function Group({ of }: { of: PlaceKind }) {
   const { address } = useStore();
+  const { parts, faults, remarks } = useDesk();
+  const names = Object.keys(parts[of]);
+  const marked = new Set([...faults, ...remarks].filter((one) => one.at[0] === of).map((one) => one.at[1]));
   return (
     <>
-      <h3>{title}</h3>
-      {names.length === 0 && <p class="empty">None in the site file.</p>}
+      <h3>{HEADS[of]}</h3>
+      {names.length === 0 && <p class="empty">None.</p>}
       {names.map((name) => (
         <button key={name} type="button" class="item"
           aria-current={address.subject === name ? "true" : undefined}
           onClick={() => store.go({ subject: name }, true)}>
-          <Icon name={icon} size={16} /><b>{named(name)}</b><span />
+          <Icon name={ICONS[of]} size={16} /><b>{named(name)}</b>
+          <span class="end">
+            {marked.has(name) ? <Glyph severity="warning" size={14} /> : null}
+            {count(rulesOf(parts, of, name).length, "rule")}
+          </span>
         </button>
       ))}
     </>
   );
 }
+
+function Everywhere() {
+  const { address } = useStore();
+  const { parts } = useDesk();
+  return (
+    <>
+      <h3>Everywhere</h3>
+      <button type="button" class="item" aria-current={address.subject === EVERYWHERE ? "true" : undefined}
+        onClick={() => store.go({ subject: EVERYWHERE }, true)}>
+        <Icon name="user" size={16} /><b>People</b>
+        <span class="end">{count(everywhere(parts).length, "rule")}</span>
+      </button>
+    </>
+  );
+}
+
+/** Add a place in the middle of the floor: without a pointer, too. */
+function Add() {
+  const add = (of: PlaceKind) => {
+    const site = store.state.site;
+    if (!site) return;
+    const { low, high } = site.floor;
+    const [x, y] = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2].map((v) => Math.round(v)) as [number, number];
+    const shape: Point[] = of === "zones"
+      ? [[x - 1, y - 1], [x + 1, y - 1], [x + 1, y + 1], [x - 1, y + 1]] : [[x - 1, y], [x + 1, y]];
+    const name = freeName(desk.parts, of);
+    desk.change(withCorners(desk.parts, of, name, shape));
+    store.go({ subject: name }, true);
+  };
+  return (
+    <div class="add">
+      {PLACE_KINDS.map((of) => (
+        <button key={of} type="button" class="button" onClick={() => add(of)}>
+          <Icon name="add" size={16} />{named(ONE[of])}
+        </button>
+      ))}
+    </div>
+  );
+}
+
