@@ -24,6 +24,7 @@ EXTRAS = {
     "calibrate": ("av", "jinja2", "matplotlib", "cv2"),
     "pandas": ("pandas",),
     "export": ("ezc3d",),
+    "render": ("av", "cv2"),
     "movement": ("movement",),
     "rerun": ("rerun",),
     "page": ("starlette", "uvicorn", "websockets", "argon2", "prometheus_client"),

@@ -34,6 +34,7 @@ COMMANDS = {
     "export": (
         "Convert tracks to another format: tables, OpenSim, C3D, Blender, USD, PedPy and others."
     ),
+    "render": "Make a film or a picture of tracks: over the videos, in 3D and on the floor plan.",
     "backup": "Back up the recordings and the ledger of a site to one file, while the site runs.",
     "restore": "Restore a backup to a new folder.",
     "erase": "Delete a period from recordings, for everybody or for one person.",

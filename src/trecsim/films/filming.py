@@ -1,0 +1,311 @@
+"""Films and pictures of tracks."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from trecsim.errors import InputError
+from trecsim.export.motions import collect
+from trecsim.films.alerts import Alert, Alerts, open_at, read_alerts
+from trecsim.films.camera_tiles import CameraTile
+from trecsim.films.film_layout import Layout, layout
+from trecsim.films.film_writer import write_film
+from trecsim.films.people_at import PeopleAt
+from trecsim.films.plan2d import Plan2D
+from trecsim.films.predicted import Predicted
+from trecsim.films.scene3d import Scene3D
+from trecsim.films.stage import stage_around
+from trecsim.films.strokes import (
+    ALARM,
+    FAINT,
+    INK,
+    PAPER,
+    WARNING,
+    Image,
+    Pen,
+    blank,
+    opencv,
+)
+from trecsim.geometry import Rig
+from trecsim.sources import VideoFile
+from trecsim.store.atomic import atomic_write
+from trecsim.store.tracks import read_tracks
+
+PICTURES = (".png", ".jpg", ".jpeg")
+FILMS = (".mp4",)
+_FASTEST_HZ = 60.0
+_USUAL_HZ = 25.0
+
+Progress = Callable[[int, int | None], None]
+
+
+@dataclass(frozen=True, slots=True)
+class FilmSettings:
+    """How a film looks.
+
+    Attributes
+    ----------
+    width, height
+        Size of the image [px]; made even.
+    rate_hz
+        Frames per second; None takes the rate of the tracks, at most 30.
+    from_s, to_s
+        Part of the tracks [s], from their first time; None for the beginning and the end.
+    at_s
+        Moment of a picture [s], from the first time; None for that with most people.
+    trail_s
+        Length of the paths behind people [s].
+    """
+
+    width: int = 1280
+    height: int = 720
+    rate_hz: float | None = None
+    from_s: float | None = None
+    to_s: float | None = None
+    at_s: float | None = None
+    trail_s: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name, value in (("width", self.width), ("height", self.height)):
+            if not 240 <= value <= 7680:
+                raise InputError(f"--{name} {value}: expected 240 to 7680 pixels")
+        if self.rate_hz is not None and not 0.1 <= self.rate_hz <= _FASTEST_HZ:
+            raise InputError(f"--rate-hz {self.rate_hz:g}: expected 0.1 to {_FASTEST_HZ:g}")
+        if not 0.0 <= self.trail_s < math.inf:
+            raise InputError(f"--trail-s {self.trail_s:g}: expected seconds, 0 or more")
+
+
+@dataclass(frozen=True, slots=True)
+class FilmInput:
+    """What a film shows besides the tracks; each part may be missing.
+
+    Attributes
+    ----------
+    rig
+        The cameras.
+    videos
+        Video of each camera, by its name in the rig.
+    zones, lines
+        Areas and lines on the floor, by name [m].
+    events
+        `events.jsonl`.
+    forecasts
+        `forecast.jsonl`.
+    """
+
+    rig: Rig | None = None
+    videos: Mapping[str, Path] = field(default_factory=dict)
+    zones: Mapping[str, np.ndarray] = field(default_factory=dict)
+    lines: Mapping[str, np.ndarray] = field(default_factory=dict)
+    events: Path | None = None
+    forecasts: Path | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Filmed:
+    """What was made.
+
+    Attributes
+    ----------
+    out
+        The file.
+    frames
+        Number of images.
+    rate_hz
+        Frames per second; NaN for a picture.
+    from_s, to_s
+        Times of the first and the last image [s].
+    people
+        Number of people in it.
+    cameras
+        Names of the cameras whose video is shown.
+    """
+
+    out: Path
+    frames: int
+    rate_hz: float
+    from_s: float
+    to_s: float
+    people: int
+    cameras: tuple[str, ...]
+
+
+def render(
+    tracks: Path | str,
+    out: Path | str,
+    shown: FilmInput | None = None,
+    settings: FilmSettings | None = None,
+    progress: Progress | None = None,
+) -> Filmed:
+    """Make a film (`*.mp4`) or a picture (`*.png`, `*.jpg`) of tracks.
+
+    Parameters
+    ----------
+    tracks
+        What :func:`trecsim.read_tracks` reads.
+    out
+        The file to write; its ending says which of the two.
+    shown
+        What is shown besides the tracks.
+    settings
+        How it looks.
+    progress
+        Called with the number of images done and of all.
+
+    Raises
+    ------
+    InputError
+        When something given is wrong, or nobody is in the tracks.
+    SetupError
+        When OpenCV or PyAV is missing, or the disk has no room.
+    """
+    out, shown, settings = Path(out), shown or FilmInput(), settings or FilmSettings()
+    ending = out.suffix.lower()
+    if ending not in (*FILMS, *PICTURES):
+        raise InputError(
+            f"{out}: expected {', '.join(FILMS)} for a film or {', '.join(PICTURES)} for a picture"
+        )
+    opencv()
+    lookup = PeopleAt(collect(read_tracks(tracks)))
+    if not lookup.motion.people:
+        raise InputError(f"{tracks}: nobody is in these tracks, so there is nothing to show")
+    times_s, rate_hz = _times(lookup, settings, ending in PICTURES)
+    with ExitStack() as stack:
+        camera = _Projector(lookup, shown, settings, times_s, stack)
+        images = camera.images(times_s, progress)
+        if ending in PICTURES:
+            _write_picture(out, next(images))
+        else:
+            write_film(out, images, rate_hz, camera.size)
+    people = {
+        one.person for t_s in times_s[:: max(len(times_s) // 500, 1)] for one in lookup.at(t_s)
+    }
+    return Filmed(out, len(times_s), rate_hz, times_s[0], times_s[-1], len(people), camera.cameras)
+
+
+def _times(lookup: PeopleAt, settings: FilmSettings, picture: bool) -> tuple[list[float], float]:
+    """Return the moments to show [s], and the frame rate."""
+    motion = lookup.motion
+    last_s = max(float(one.t_s[-1]) for one in motion.people)
+    if picture:
+        return [_moment(lookup, settings, last_s)], math.nan
+    from_s = motion.t0_s + (settings.from_s or 0.0)
+    to_s = min(last_s, motion.t0_s + settings.to_s) if settings.to_s is not None else last_s
+    if from_s > to_s:
+        raise InputError(
+            f"there are no tracks from {from_s - motion.t0_s:g} to {to_s - motion.t0_s:g} s; they "
+            f"last {last_s - motion.t0_s:.3f} s"
+        )
+    usual_hz = 1.0 / motion.step_s if motion.step_s > 0 else _USUAL_HZ
+    rate_hz = settings.rate_hz or min(round(usual_hz, 3), 30.0)
+    count = math.floor((to_s - from_s) * rate_hz + 1e-6) + 1
+    return [from_s + number / rate_hz for number in range(count)], rate_hz
+
+
+def _moment(lookup: PeopleAt, settings: FilmSettings, last_s: float) -> float:
+    first_s = lookup.motion.t0_s
+    if settings.at_s is not None:
+        if not 0.0 <= settings.at_s <= last_s - first_s:
+            raise InputError(
+                f"--at-s {settings.at_s:g}: expected 0 to {last_s - first_s:.3f}, the length of "
+                "the tracks"
+            )
+        return first_s + settings.at_s
+    some = np.linspace(first_s, last_s, 41)
+    counts = [len(lookup.at(t_s)) for t_s in some.tolist()]
+    most = np.flatnonzero(np.array(counts) == max(counts))
+    return float(some[most[len(most) // 2]])
+
+
+class _Projector:
+    """Puts the images of a film together."""
+
+    def __init__(
+        self,
+        lookup: PeopleAt,
+        shown: FilmInput,
+        settings: FilmSettings,
+        times_s: list[float],
+        stack: ExitStack,
+    ) -> None:
+        self.size = (settings.width // 2 * 2, settings.height // 2 * 2)
+        self._lookup = lookup
+        self._trail_s = settings.trail_s
+        self._alerts: list[Alert] = read_alerts(shown.events) if shown.events else []
+        self._predicted = Predicted(shown.forecasts)
+        probes = [VideoFile(path, name) for name, path in shown.videos.items()]
+        aspects = [one.size_px[0] / one.size_px[1] for one in probes]
+        self._layout: Layout = layout(*self.size, aspects)
+        self._tiles = _tiles(shown, probes, self._layout)
+        for tile in self._tiles:
+            stack.callback(tile.close)
+        floor_m = lookup.floor_m(times_s[0] - settings.trail_s, times_s[-1])
+        stage = stage_around(floor_m, shown.rig, shown.zones, shown.lines)
+        self._scene = Scene3D(stage, self._layout.scene.width, self._layout.scene.height)
+        self._plan = Plan2D(stage, self._layout.plan.width, self._layout.plan.height)
+        self.cameras = tuple(tile.camera.name for tile in self._tiles)
+
+    def images(self, times_s: list[float], progress: Progress | None) -> Iterator[Image]:
+        """Yield one image per moment."""
+        for number, t_s in enumerate(times_s, 1):
+            yield self._image(t_s)
+            if progress is not None:
+                progress(number, len(times_s))
+
+    def _image(self, t_s: float) -> Image:
+        image = blank(*self.size)
+        people = self._lookup.at(t_s)
+        alerts = open_at(self._alerts, t_s)
+        parts = self._layout
+        for tile, box in zip(self._tiles, parts.tiles, strict=True):
+            image[box.slices] = tile.draw(t_s, self._lookup)
+        image[parts.scene.slices] = self._scene.draw(
+            people, self._lookup, t_s, self._trail_s, alerts
+        )
+        image[parts.plan.slices] = self._plan.draw(
+            people, self._lookup, t_s, self._trail_s, alerts, self._predicted
+        )
+        self._write_line(image, t_s, len(people), alerts)
+        return image
+
+    def _write_line(self, image: Image, t_s: float, people: int, alerts: Alerts) -> None:
+        box = self._layout.bar
+        image[box.slices] = PAPER
+        pen = Pen(image)
+        base = box.top + 0.68 * box.height
+        since_s = t_s - self._lookup.motion.t0_s
+        counted = "1 person" if people == 1 else f"{people} people"
+        pen.text(f"{since_s:.2f} s", (14, base), 16, INK)
+        pen.text(counted, (110, base), 16, FAINT)
+        left = 220.0
+        for alert in alerts.open[:4]:
+            tint = WARNING if alert.severity in ("warning", "info") else ALARM
+            pen.disc(np.array([left, base - 5]), 6, tint)
+            pen.text(alert.text, (left + 12, base), 16, INK)
+            left += 36 + pen.width_of(alert.text, 16)
+
+
+def _tiles(shown: FilmInput, probes: list[VideoFile], parts: Layout) -> list[CameraTile]:
+    tiles = []
+    for probe, box in zip(probes, parts.tiles, strict=True):
+        if shown.rig is None or probe.camera not in shown.rig:
+            known = ", ".join(shown.rig.names) if shown.rig is not None else "no rig is given"
+            raise InputError(
+                f"video {probe.path}: camera {probe.camera!r} is not in the rig ({known}); name it "
+                f"as NAME={probe.path.name}"
+            )
+        size = (box.width, box.height)
+        video = VideoFile(probe.path, probe.camera, decode_size_px=size, threads=1)
+        tiles.append(CameraTile(shown.rig[probe.camera], video, *size))
+    return tiles
+
+
+def _write_picture(out: Path, image: Image) -> None:
+    cv = opencv()
+    _, blob = cv.imencode(out.suffix.lower(), image[..., ::-1])
+    with atomic_write(out, "wb") as file:
+        file.write(blob.tobytes())

@@ -1,0 +1,100 @@
+"""The floor plan: zones, cameras, paths, forecasts and people from above."""
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.films.alerts import Alerts
+from trecsim.films.bodies_drawn import pale, person_colour
+from trecsim.films.people_at import PeopleAt, PersonAt
+from trecsim.films.predicted import Predicted
+from trecsim.films.stage import Stage
+from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, Image, Pen, blank
+
+_SHOULDERS = (5, 6)
+_MARGIN_PX = 26
+
+
+class Plan2D:
+    """Draws the floor plan; what stands still is drawn once."""
+
+    def __init__(self, stage: Stage, width: int, height: int) -> None:
+        room = np.array([width, height]) - 2.0 * _MARGIN_PX
+        self._px_per_m = float((room / stage.size_m).min())
+        self._low_m = stage.low_m
+        self._bottom_px = np.array([width, height]) / 2 + self._px_per_m * stage.size_m * [
+            -0.5,
+            0.5,
+        ]
+        self._ground = self._drawn_ground(stage, width, height)
+
+    def _px(self, xy_m: Float64[np.ndarray, "point 2"]) -> Float64[np.ndarray, "point 2"]:
+        return np.asarray(
+            (xy_m - self._low_m) * [self._px_per_m, -self._px_per_m] + self._bottom_px
+        )
+
+    def _drawn_ground(self, stage: Stage, width: int, height: int) -> Image:
+        image = blank(width, height)
+        pen = Pen(image)
+        pen.area(self._px(stage.corners()), FLOOR)
+        for line in stage.grid_lines():
+            pen.line(self._px(line), GRID, 1)
+        for name, zone in stage.zones.items():
+            pen.area(self._px(zone), EDGE, 0.15)
+            pen.line(self._px(np.concatenate([zone, zone[:1]])), EDGE, 1)
+            pen.text(name, self._px(zone.mean(axis=0)[None])[0], 13, FAINT, "middle")
+        for line in stage.lines.values():
+            pen.line(self._px(line), FAINT, 2)
+        for at_m in stage.cameras_m():
+            middle = self._px(at_m[None, :2])[0]
+            pen.area(middle + 4.0 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), FAINT)
+        self._draw_scale(pen, stage, height)
+        return image
+
+    def _draw_scale(self, pen: Pen, stage: Stage, height: int) -> None:
+        length = stage.grid_m * self._px_per_m
+        left, low = 12.0, height - 10.0
+        pen.line(np.array([[left, low], [left + length, low]]), FAINT, 2)
+        pen.text(f"{stage.grid_m:g} m", (left + length + 6, low + 4), 13, FAINT)
+
+    def draw(
+        self,
+        people: list[PersonAt],
+        lookup: PeopleAt,
+        t_s: float,
+        trail_s: float,
+        alerts: Alerts,
+        predicted: Predicted,
+    ) -> Image:
+        """Return the plan at one moment."""
+        image = self._ground.copy()
+        pen = Pen(image)
+        for one in people:
+            path = lookup.path_m(one.person, t_s - trail_s, t_s)
+            if len(path) > 1:
+                pen.line(self._px(path), pale(person_colour(one.person), 0.35), 2)
+        for one in people:
+            self._draw_forecast(pen, one, predicted, t_s)
+        for one in people:
+            self._draw_person(pen, one, one.person in alerts.people)
+        return image
+
+    def _draw_forecast(self, pen: Pen, one: PersonAt, predicted: Predicted, t_s: float) -> None:
+        tint = pale(person_colour(one.person), 0.25)
+        for path_m, region_m in predicted.at(one.person, t_s):
+            pen.area(self._px(region_m), tint, 0.18)
+            steps = self._px(path_m)
+            for point in steps:
+                pen.disc(point, 1.8, tint)
+
+    def _draw_person(self, pen: Pen, one: PersonAt, alarmed: bool) -> None:
+        tint = person_colour(one.person)
+        middle = self._px(one.floor_m[None])[0]
+        shoulders = self._px(one.xyz_m[list(_SHOULDERS), :2])
+        pen.line(shoulders, tint, max(0.12 * self._px_per_m, 3.0))
+        radius = float(np.clip(0.2 * self._px_per_m, 9.0, 14.0))
+        if alarmed:
+            pen.ring(middle, radius + 4.0, ALARM, 2)
+        pen.disc(middle, radius, tint)
+        text = str(one.person)
+        size = 1.25 * radius if len(text) < 3 else radius
+        pen.text(text, (middle[0], middle[1] + 0.38 * size), size, (255, 255, 255), "middle")
