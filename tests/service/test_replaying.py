@@ -8,7 +8,7 @@ import pytest
 from made_rigs import ring
 from trecsim.calibration import write_rig
 from trecsim.errors import InputError
-from trecsim.service.replaying import paced, recording_at, recording_view
+from trecsim.service.replaying import paced, recording_at, recording_view, replay
 from trecsim.store.names import TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recorder import Recorder
@@ -80,3 +80,36 @@ def test_what_is_no_recording_is_told_and_of_several_one_is_to_be_given(tmp_path
     make_recording(tmp_path / "two")
     with pytest.raises(InputError, match="holds 2 recordings; give one of them, as"):
         recording_at(tmp_path)
+
+
+class Shown:
+    """A page that keeps what it is shown."""
+
+    def __init__(self):
+        self.events, self.healths = [], []
+
+    def write(self, snapshot):
+        """Take where everybody is."""
+
+    def event(self, event):
+        self.events.append(event)
+
+    def health(self, health):
+        self.healths.append(health)
+
+
+def test_a_replay_tells_the_events_of_the_rules_that_the_site_had(tmp_path):
+    folder = make_recording(tmp_path / "day", times_s=[0.04 * n for n in range(25)])
+    zone = {"polygon_m": [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]}
+    site = {
+        "format": "trecsim.site/1", "name": "hall", "zones": {"all": zone},
+        "rules": [{"id": "in", "kind": "zone.enter", "zone": "all", "on_delay_s": 0.2}],
+        "rig": {"file": "somewhere else"}, "sources": {"north": {"video": "gone.mp4"}},
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps({"configuration": site}))
+    page = Shown()
+    recording = recording_at(folder)
+    replay(recording, page, speed=1000.0, stop=lambda: len(page.healths) > 1)
+    assert [one["data"]["rule"]["id"] for one in page.events] == ["in"]
+    assert (page.healths[0].rules.armed, page.healths[0].rules.total) == (1, 1)
+    assert recording_view(recording).rules == {"armed": 1, "total": 1}

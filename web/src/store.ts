@@ -36,11 +36,11 @@ export const LAYERS: Record<Layer, string> = {
 /** How often the site is asked for again [s]: while it is not complete, and later. */
 const [ASK_SOON_S, ASK_S] = [2, 20];
 
-type Kept = Pick<Own, "theme" | "sound" | "layers">;
+type Kept = Pick<Own, "theme" | "layers">;
 
 function kept(): Kept {
   const plain: Kept = {
-    theme: "system", sound: false,
+    theme: "system",
     layers: {
       paths: true, forecasts: true, zones: true, cameras: true, numbers: true, uncertainty: true,
     },
@@ -56,7 +56,7 @@ function kept(): Kept {
 export class Store {
   state: State = initial(now());
   own: Own = {
-    ...kept(), mutedUntil: 0, follow: false, playing: true, speed: 1, menu: null, toast: null,
+    ...kept(), sound: false, mutedUntil: 0, follow: false, playing: true, speed: 1, menu: null, toast: null,
   };
   address: Address = parse(location.pathname, location.search);
   readonly history = new History();
@@ -106,6 +106,7 @@ export class Store {
     try {
       const me = await getMe();
       this.dispatch({ type: "access", access: "in", me });
+      this.own = { ...this.own, sound: this.#keptSound() };
     } catch (error) {
       if (error instanceof SignedOut) {
         this.dispatch({ type: "access", access: "out" });
@@ -222,12 +223,26 @@ export class Store {
     this.own = { ...this.own, ...own };
     const { theme, sound, layers } = this.own;
     try {
-      localStorage.setItem("trecsim", JSON.stringify({ theme, sound, layers }));
+      localStorage.setItem("trecsim", JSON.stringify({ theme, layers }));
+      if (own.sound !== undefined) localStorage.setItem(this.#soundKey, String(sound));
     } catch {
       // a browser that keeps nothing: the choice holds until the page is closed
     }
     this.changed();
     this.draw();
+  }
+
+  /** Whether somebody wants sound is kept for each user: several sit at one machine. */
+  get #soundKey(): string {
+    return `trecsim sound ${this.state.me?.user ?? ""}`;
+  }
+
+  #keptSound(): boolean {
+    try {
+      return localStorage.getItem(this.#soundKey) === "true";
+    } catch {
+      return false;
+    }
   }
 
   go(to: Partial<Address>, replace = false): void {

@@ -33,6 +33,7 @@ from trecsim.page.site_draft import DraftDesk
 from trecsim.page.site_routes import SiteDesk, site_routes
 from trecsim.page.stream import stream
 from trecsim.page.trial import Trials
+from trecsim.page.why import Reasons
 
 LARGEST_BODY = 1_000_000  # bytes of a request
 PAGES = re.compile(r"/(?:live|review|zones|system|login)(?:/.*)?$")
@@ -69,15 +70,17 @@ class Parts:
 def page_app(parts: Parts) -> Starlette:
     """Return the application that answers browsers and programs."""
     state, access = parts.state, parts.access
+    site = _site_desk(parts)
+    reasons = Reasons(parts.data.recordings, site.desk)
     routes: list[BaseRoute] = [
         Route("/api/health", _health(state, access)),
         Route("/api/schema", _schema),
         Route("/metrics", access.needs("viewer", _metrics(state))),
         WebSocketRoute("/api/stream", _stream(parts)),
         *login_routes(access, parts.journal),
-        *event_routes(access, parts.journal, state.hub, parts.ask),
+        *event_routes(access, parts.journal, state.hub, parts.ask, reasons),
         *recording_routes(access, parts.data.recordings),
-        *site_routes(access, _site_desk(parts)),
+        *site_routes(access, site),
         *picture_routes(access, state, parts.journal, parts.ask),
         Route("/{path:path}", _files(parts.bundle)),
     ]

@@ -1,5 +1,6 @@
 """`/api/events`: what happened, and what people do to it."""
 
+import asyncio
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -16,9 +17,11 @@ from trecsim.page.bodies import body_of
 from trecsim.page.hub import Hub
 from trecsim.page.journal import Journal
 from trecsim.page.queries import number_in, text_in
+from trecsim.page.why import Reasons
 
 MOST_AT_ONCE = 1000
 LONGEST_NOTE = 2000  # characters
+TOLD = ("new", "update", "end")  # phases in which a rule tells
 
 _Id = Annotated[str, msgspec.Meta(min_length=1, max_length=200)]
 
@@ -40,7 +43,9 @@ class Reviewed(msgspec.Struct, frozen=True):
     reviewed: bool = True
 
 
-def event_routes(access: Access, journal: Journal, hub: Hub, ask: Ask) -> list[Route]:
+def event_routes(
+    access: Access, journal: Journal, hub: Hub, ask: Ask, reasons: Reasons
+) -> list[Route]:
     """Return the routes of events.
 
     Parameters
@@ -53,7 +58,10 @@ def event_routes(access: Access, journal: Journal, hub: Hub, ask: Ask) -> list[R
         Shows them to viewers.
     ask
         Tells the tracking process.
+    reasons
+        Finds out why an event fired.
     """
+    looking = asyncio.Semaphore(1)
 
     async def listed(request: Request) -> Response:
         found = await journal.events(
@@ -84,6 +92,19 @@ def event_routes(access: Access, journal: Journal, hub: Hub, ask: Ask) -> list[R
         await ask("event", identity.by, {"event": event})
         return json_answer({"event": event})
 
+    async def why(request: Request) -> Response:
+        found = await journal.events(episode=request.path_params["event"])
+        told = [one["data"] for one in found if one.get("data", {}).get("phase") in TOLD]
+        if not told:
+            raise HTTPException(404, "there is no such event")
+        async with looking:
+            try:
+                answer = await asyncio.to_thread(reasons.of, told[-1])
+            except (InputError, KeyError, TypeError, ValueError) as error:
+                text = str(error) if isinstance(error, InputError) else "no rule has made it"
+                raise HTTPException(404, text) from None
+        return json_answer(answer)
+
     async def reviewed(request: Request) -> Response:
         identity: Identity = request.state.identity
         return json_answer({"events": await journal.reviewed(identity.by)})
@@ -96,6 +117,7 @@ def event_routes(access: Access, journal: Journal, hub: Hub, ask: Ask) -> list[R
 
     return [
         Route("/api/events", access.needs("viewer", listed), methods=["GET"]),
+        Route("/api/events/{event:str}/why", access.needs("viewer", why), methods=["GET"]),
         Route("/api/events", access.needs("operator", act), methods=["POST"]),
         Route("/api/events/{event:str}", access.needs("operator", act), methods=["POST"]),
         Route("/api/users/me/reviewed", access.needs("viewer", reviewed), methods=["GET"]),

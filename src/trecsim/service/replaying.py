@@ -7,15 +7,20 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from trecsim.assessing import RuleEvents, RuleSet, rule_set
 from trecsim.calibration import read_rig
-from trecsim.errors import InputError
-from trecsim.health import CameraHealth, FusionHealth, FusionState, Health
+from trecsim.errors import Error, InputError
+from trecsim.geometry import Rig
+from trecsim.health import CameraHealth, FusionHealth, FusionState, Health, RulesHealth
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView, cameras_of, floor_of
 from trecsim.run_summary import SUMMARY
+from trecsim.safety.engine import Clock
+from trecsim.sites.recorded_site import RecordedSite
 from trecsim.store.names import RIG
 from trecsim.store.playback import Recording, recordings, snapshots
 from trecsim.store.precision import rounded
+from trecsim.toml_models import examined
 from trecsim.values import Snapshot
 
 TICK_S = 0.05
@@ -59,9 +64,22 @@ def recording_view(recording: Recording) -> SiteView:
         zones=site.get("zones", {}),
         lines=site.get("lines", {}),
         edges=site.get("edges", {}),
+        rules={"armed": len(site.get("rules", ())), "total": len(site.get("rules", ()))},
         floor_m=floor_of(rig),
         kind="recording",
     )
+
+
+def recorded_rules(recording: Recording, rig: Rig) -> RuleSet:
+    """Return the rules that a site had when a recording of it was made; none if not known."""
+    site = _configuration(recording.folder)
+    wanted = ("format", "name", "timezone", "zones", "lines", "edges", "rules")
+    kept = {key: site[key] for key in wanted if key in site}
+    with suppress(Error):
+        read, _ = examined(RecordedSite, kept, {"folder": recording.folder})
+        if read is not None:
+            return rule_set(read.name, read, rig)
+    return RuleSet(recording.id, (), Clock(), rig)
 
 
 def _configuration(folder: Path) -> dict[str, Any]:
@@ -93,14 +111,20 @@ def replay(
     stop
         Asked about 20 times a second.
     """
-    cameras = dict.fromkeys(read_rig(recording.folder / RIG).names, CameraHealth("ended"))
+    rig = read_rig(recording.folder / RIG)
+    cameras = dict.fromkeys(rig.names, CameraHealth("ended"))
+    rules = recorded_rules(recording, rig)
+    events, total = RuleEvents(rules), len(rules.rules)
 
     def tell(state: FusionState, people: int = 0) -> None:
-        page.health(Health(time.time(), cameras, FusionHealth(state, people=people)))
+        fusion = FusionHealth(state, people=people)
+        page.health(Health(time.time(), cameras, fusion, rules=RulesHealth(total, total)))
 
     told_s = -1.0
     for snapshot in paced(snapshots(recording.folder), speed, stop):
         page.write(rounded(snapshot))
+        for event in events.step(snapshot):
+            page.event(event)
         if time.monotonic() - told_s >= 0.5:
             told_s = time.monotonic()
             tell("running", int(snapshot.is_confirmed.sum()))

@@ -125,3 +125,23 @@ export async function getSnapshots(id: string, from: number, to: number): Promis
   if (!response.ok) throw new Error(await reason(response));
   return (await response.text()).split("\n").filter(Boolean);
 }
+
+export interface Curve {
+  rule: string;
+  kind: string;
+  about: string;
+  person: number | null;
+  p_on: number;
+  p_off: number;
+  on_delay_s: number;
+  off_delay_s: number;
+  hold_s: number;
+  keys: Record<string, number | string>;
+  t_s: number[];
+  probability: (number | null)[];
+  measures: Record<string, (number | null)[]>;
+}
+
+/** Return the probability of an alert's condition over time, as the recording gives it. */
+export const getCurve = (event: string): Promise<Curve> =>
+  json(`/api/events/${encodeURIComponent(event)}/why`);

@@ -12,6 +12,11 @@ export interface Alert {
   severity: Severity;
   raisedFrom: Severity | null;
   predicted: boolean;
+  /** How long before the beginning the warning came [s], and when it came; null without one. */
+  lead: number | null;
+  warned: number | null;
+  joints: string[];
+  threshold: Record<string, number>;
   /** When the condition began to hold, or will [s]. */
   start: number;
   detected: number;
@@ -66,6 +71,10 @@ function begun(event: CloudEvent, now: number): Alert {
     severity: data.severity ?? "warning",
     raisedFrom: null,
     predicted: false,
+    lead: null,
+    warned: data.predicted ? t : null,
+    joints: [],
+    threshold: {},
     start: data.t_start_s ?? t,
     detected: t,
     end: null,
@@ -100,6 +109,9 @@ function told(alert: Alert, data: EventData): Alert {
     severity: data.severity ?? alert.severity,
     raisedFrom: raised ? alert.severity : alert.raisedFrom,
     predicted: data.predicted ?? alert.predicted,
+    lead: data.lead_s ?? alert.lead,
+    joints: data.joints ?? alert.joints,
+    threshold: data.threshold ? numbers(data.threshold) : alert.threshold,
     start: data.t_start_s ?? alert.start,
     end: data.t_end_s ?? alert.end,
     probability: data.probability ?? alert.probability,

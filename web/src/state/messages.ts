@@ -93,6 +93,8 @@ export interface EventData {
   fault?: string | null;
   direction?: string;
   count?: number;
+  joints?: string[];
+  threshold?: Record<string, number | string | null>;
   measures?: Record<string, number | string | null>;
   evidence?: { t_from_s?: number; t_to_s?: number; cameras?: string[] };
 }

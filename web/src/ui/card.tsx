@@ -195,7 +195,7 @@ function onEscape(event: KeyboardEvent, done: (() => void) | undefined): void {
   done();
 }
 
-function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => void; now: number }) {
+export function Shelve({ group, done, now }: { group: readonly Alert[]; done: () => void; now: number }) {
   const note = useRef<HTMLInputElement>(null);
   // A browser heeds autofocus once per page; without the focus what is typed would be keys.
   useLayoutEffect(() => note.current?.focus(), []);

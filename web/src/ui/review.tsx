@@ -1,17 +1,13 @@
 import { useEffect, useRef, useState } from "preact/hooks";
-import { Close, acknowledge } from "./card.tsx";
 import { around, recordings, type Film } from "./film.ts";
-import { Glyph, Icon } from "./icons.tsx";
 import { Controls, Lanes } from "./reel.tsx";
 import { List } from "./reviewlist.tsx";
 import { Stage } from "./stage.tsx";
 import { Tiles } from "./tiles.tsx";
 import { useStore } from "./use.ts";
 import type { Recording } from "../net/api.ts";
-import { actor, figures, handling, lasted, REASONS, title, where, type Alert } from "../state/alerts.ts";
-import { faultRule, why } from "../state/faults.ts";
-import { dataTime } from "../state/state.ts";
-import { clock, count, day, duration, named, SEVERITY } from "../state/words.ts";
+import { Why } from "./why.tsx";
+import type { Alert } from "../state/alerts.ts";
 import { store } from "../store.ts";
 
 const [BEFORE_S, AFTER_S] = [30, 60];
@@ -96,81 +92,4 @@ function chosen(
     return films.find((one) => one.from_s <= alert.start && alert.start <= one.to_s) ?? null;
   }
   return films.find((one) => one.id === subject) ?? null;
-}
-
-function Why({ alert, recording }: { alert: Alert | null; recording: Recording | null }) {
-  const shop = useStore();
-  const { state } = shop;
-  const zone = state.site?.timezone ?? "UTC";
-  const now = dataTime(state);
-  if (!alert) {
-    return (
-      <aside class="why" aria-label="About">
-        <div class="none">
-          <strong>{recording ? "Recording" : "Nothing chosen"}</strong>
-          <p>
-            {recording
-              ? `${day(recording.from_s, zone)} ${clock(recording.from_s, zone)} to ${clock(recording.to_s, zone)}, ${count(recording.people, "person", "people")}. Joints only: no picture is kept.`
-              : "Choose an alert or a recording. Then stands here why an alert fired, whether it is real, and its times."}
-          </p>
-        </div>
-      </aside>
-    );
-  }
-  const how = handling(alert, now);
-  const real = figures(alert, state.site?.cameras.length ?? 0);
-  return (
-    <aside class="why" aria-label="About the alert">
-      <div class="block">
-        <p class="first"><Glyph severity={alert.severity} open={!alert.closed} />{SEVERITY[alert.severity]}</p>
-        <h2>{title(alert, true)}</h2>
-        <p class="soft">{where(alert, now)}</p>
-      </div>
-      <div class="block">
-        <h3>Why it fired</h3>
-        <p>
-          {alert.part ? faultRule(alert) : `Rule ${named(alert.rule)}.`}
-        </p>
-        {why(alert) && <p class="soft">{named(why(alert))}.</p>}
-      </div>
-      {real.length > 0 && (
-        <div class="block">
-          <h3>Is it real?</h3>
-          <ul class="checks">
-            {real.map((one) => <li key={one.words}><Icon name="check" size={16} />{one.words}<span class="end">{one.value}</span></li>)}
-          </ul>
-        </div>
-      )}
-      <div class="block">
-        <h3>Times</h3>
-        <dl class="facts-list">
-          <div><dt>Began</dt><dd>{clock(alert.start, zone, 2)}</dd></div>
-          <div><dt>Detected</dt><dd>{`${duration(Math.max(0, alert.detected - alert.start))} later`}</dd></div>
-          <div><dt>Lasted</dt><dd>{alert.end === null ? "still there" : duration(lasted(alert, now))}</dd></div>
-          {alert.ack && <div><dt>Acknowledged</dt><dd>{clock(alert.ack.t, zone)} {actor(alert.ack.by)}</dd></div>}
-          {alert.closed && <div><dt>Closed</dt><dd>{clock(alert.closed.t, zone)} {actor(alert.closed.by)}</dd></div>}
-          {alert.closed && <div><dt>As</dt><dd>{REASONS[alert.closed.reason]}</dd></div>}
-        </dl>
-      </div>
-      <div class="block">
-        <button type="button" class="button" aria-pressed={shop.reviewed.has(alert.id)}
-          onClick={() => void store.review(alert.id)}>
-          {shop.reviewed.has(alert.id) && <Icon name="check" size={16} />}
-          Reviewed<span class="key">X</span>
-        </button>
-      </div>
-      {store.mayAct && (
-        <div class="block">
-          {(how === "new" || how === "ended") && (
-            <button type="button" class="button" onClick={() => acknowledge([alert])}>Acknowledge</button>
-          )}
-          {!alert.closed && alert.end !== null && <Close key={alert.id} alert={alert} />}
-          {alert.closed && (
-            <button type="button" class="button"
-              onClick={() => void store.act(alert.id, { phase: "reopen" }, "Open again.")}>Reopen</button>
-          )}
-        </div>
-      )}
-    </aside>
-  );
 }
