@@ -30,6 +30,7 @@ _IN_ORDER = (
     "noise",
     "speed",
     "forecast",
+    "early_warnings",
     "simulating",
     "evaluating",
     "reading",

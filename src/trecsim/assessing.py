@@ -11,8 +11,11 @@ from typing import Any, TypedDict
 from trecsim.callbacks import Progress
 from trecsim.cloud_events import UNIX_FROM_S, event_of, event_text, numbered
 from trecsim.errors import InputError
+from trecsim.floor_points import floor_xy
+from trecsim.forecasting import Forecaster as PathForecaster
+from trecsim.forecasting.forecasts import Forecasts
 from trecsim.geometry import Rig
-from trecsim.safety.early_warning import Forecaster
+from trecsim.safety.early_warning import EVERY_S, Forecaster
 from trecsim.safety.engine import Clock, RuleEngine
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
@@ -72,6 +75,32 @@ def armed_rules(site: Ruled, now_s: float) -> int:
     return sum(armed(rule.schedule, now) for rule in rules_of(site.rules, site.places))
 
 
+class _Looking:
+    """Forecasts floor paths, where a rule warns early.
+
+    Parameters
+    ----------
+    rules
+        The rules.
+    """
+
+    def __init__(self, rules: Sequence[Rule]) -> None:
+        self._forecaster: PathForecaster | None = None
+        self.change(rules)
+
+    def change(self, rules: Sequence[Rule]) -> None:
+        """Take other rules from now on."""
+        if self._forecaster is None and any(rule.early_s > 0.0 for rule in rules):
+            self._forecaster = PathForecaster(every_s=EVERY_S)
+
+    def __call__(self, snapshot: Snapshot) -> Forecasts | None:
+        """Take the next moment; see `Forecaster`."""
+        if self._forecaster is None:
+            return None
+        xy_m = floor_xy(snapshot.xyz_m, snapshot.support)
+        return self._forecaster.together(snapshot.t_s, snapshot.id, xy_m)
+
+
 class RuleEvents:
     """Makes complete events of snapshots: each with its place in its episode, and its identity.
 
@@ -80,14 +109,16 @@ class RuleEvents:
     rules
         The rules.
     forecaster
-        Tells where people will be, for rules that warn early.
+        Tells where people will be, for rules that warn early; None takes the usual one.
     """
 
     def __init__(self, rules: RuleSet, forecaster: Forecaster | None = None) -> None:
         self._site = rules.site
+        forecaster = forecaster or _Looking(rules.rules)
         self._engine = RuleEngine(
             rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster
         )
+        self._looking = forecaster
         self._next_seq: dict[str, int] = {}
 
     def step(self, snapshot: Snapshot) -> list[dict[str, Any]]:
@@ -96,6 +127,8 @@ class RuleEvents:
 
     def change(self, rules: RuleSet, t_s: float) -> list[dict[str, Any]]:
         """Take other rules from now on; return the ends of what has changed."""
+        if isinstance(self._looking, _Looking):
+            self._looking.change(rules.rules)
         ends = self._engine.change(rules.rules, rules.clock, t_s)
         return [self._event(data, t_s) for data in ends]
 

@@ -74,6 +74,7 @@ def test_the_recording_of_a_site_gives_the_bytes_that_its_ledger_holds(tmp_path:
     assert (tmp_path / "events.jsonl").read_text() == kept
     kinds = {event["data"]["rule"]["kind"] for event in shown}
     assert kinds >= {"zone.enter", "zone.exit", "zone.dwell", "zone.restricted", "line.cross"}
+    assert any(event["data"]["predicted"] for event in shown)
 
 
 def test_a_rule_that_fails_is_a_fault_of_the_site_until_it_works_again(

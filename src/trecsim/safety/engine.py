@@ -3,12 +3,13 @@
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, tzinfo
-from typing import Any
+from typing import Any, NamedTuple
 
 from trecsim.cloud_events import derived_id
 from trecsim.geometry import Rig
+from trecsim.safety.ahead import TOLD_S, Expected
 from trecsim.safety.conditions.base import HERE, Condition
-from trecsim.safety.early_warning import Forecaster
+from trecsim.safety.early_warning import Forecaster, Foreseeing
 from trecsim.safety.event_data import (
     TIME_DECIMALS,
     cameras_in_view,
@@ -19,6 +20,7 @@ from trecsim.safety.machine import (
     IDLE,
     NOTHING,
     Change,
+    Ending,
     Episode,
     Finding,
     disarmed,
@@ -28,9 +30,25 @@ from trecsim.safety.machine import (
 from trecsim.safety.rule import Rule
 from trecsim.safety.rule_scene import Memory, Scene
 from trecsim.safety.schedules import LocalTime, armed, local_time
+from trecsim.safety.warned import Warned, foreseen, unforeseen
 from trecsim.values import Snapshot
 
 EventData = dict[str, Any]
+
+
+class _Opened(NamedTuple):
+    """An episode that a warning has opened.
+
+    Attributes
+    ----------
+    start_s
+        The predicted time; the identity of the episode follows from it [s].
+    told_s
+        When the warning was given [s].
+    """
+
+    start_s: float
+    told_s: float
 
 
 @dataclass(slots=True, eq=False)
@@ -47,6 +65,10 @@ class _Kept:
         By person, or under `HERE`; without those of which nothing has to be remembered.
     seen
         Of each of these the scene in which the condition held last.
+    warned
+        What is expected, by person.
+    opened
+        Episodes that a warning has opened, by person.
     """
 
     rule: Rule
@@ -54,6 +76,8 @@ class _Kept:
     memory: Any = None
     episodes: dict[int, Episode] = field(default_factory=dict)
     seen: dict[int, Scene] = field(default_factory=dict)
+    warned: dict[int, Warned] = field(default_factory=dict)
+    opened: dict[int, _Opened] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +142,7 @@ class RuleEngine:
         if not snapshot.t_s > self._last_s:
             return []
         self._last_s = snapshot.t_s
-        forecasts = self._forecaster(snapshot) if self._forecaster is not None else ()
+        forecasts = self._forecaster(snapshot) if self._forecaster is not None else None
         scene = self._memory.take(snapshot, forecasts)
         now = self._clock.local(scene.t_s)
         return [data for kept in self._kept for data in self._judge(kept, scene, now)]
@@ -158,6 +182,7 @@ class RuleEngine:
         timing, t_s = kept.rule.timing, scene.t_s
         seen = {HERE, *scene.people.id[scene.is_seen].tolist()}
         there = set(scene.people.id.tolist())
+        yield from self._look_ahead(kept, scene, seen, there)
         for key in sorted({*kept.episodes, *found}):
             before, finding = kept.episodes.get(key, IDLE), found.get(key)
             if finding is None and key not in seen:  # coasting, or lost
@@ -171,12 +196,61 @@ class RuleEngine:
                 yield self._event(kept, key, change, t_s, about)
             self._keep(kept, key, after, t_s)
 
+    def _look_ahead(
+        self, kept: _Kept, scene: Scene, seen: set[int], there: set[int]
+    ) -> Iterator[EventData]:
+        """Warn of what is expected, and take back warnings of what is not expected any more."""
+        condition, rule = kept.condition, kept.rule
+        if not rule.early_s > 0.0 or not isinstance(condition, Foreseeing):
+            return
+        t_s = scene.t_s
+        expected = {} if scene.ahead is None else condition.expect(scene.ahead, rule.early_s)
+        for key in sorted({*kept.warned, *expected}):
+            episode, before = kept.episodes.get(key, IDLE), kept.warned.get(key)
+            if episode.phase in ("active", "clearing") or t_s < episode.free_s:
+                kept.warned.pop(key, None)
+                continue
+            if key not in seen and before is not None:
+                after, change = unforeseen(before, rule.timing, t_s, lost=key not in there)
+            elif scene.ahead is not None:
+                after, change = foreseen(before, rule.timing, t_s, expected.get(key))
+            else:
+                continue
+            about = self._memory.last_of(key) or scene
+            if change == "given":
+                assert after is not None
+                yield self._warn(kept, key, after, t_s, about)
+            elif change is not None and before is not None:
+                yield self._take_back(kept, key, before, t_s, about, change)
+            if after is None:
+                kept.warned.pop(key, None)
+            else:
+                kept.warned[key] = after
+
+    def _warn(self, kept: _Kept, key: int, warned: Warned, t_s: float, about: Scene) -> EventData:
+        kept.opened[key] = _Opened(warned.expected.at_s, t_s)
+        change = Change("new", warned.expected.at_s, None, t_s, 0, _finding(warned.expected))
+        return self._event(kept, key, change, t_s, about, predicted=True)
+
+    def _take_back(
+        self, kept: _Kept, key: int, warned: Warned, t_s: float, about: Scene, why: Ending
+    ) -> EventData:
+        start_s = kept.opened[key].start_s
+        finding = _finding(warned.expected)
+        change = Change("end", start_s, max(t_s, start_s), warned.told_s, 0, finding, why)
+        return self._event(kept, key, change, t_s, about, predicted=True)
+
     def _disarm(self, kept: _Kept, t_s: float) -> Iterator[EventData]:
         for key, before in sorted(kept.episodes.items()):
             after, change = disarmed(before, kept.rule.timing, t_s)
             if change is not None:
                 yield self._event(kept, key, change, t_s, kept.seen[key])
             self._keep(kept, key, after, t_s)
+        for key, warned in sorted(kept.warned.items()):
+            about = self._memory.last_of(key)
+            if key in kept.opened and about is not None:
+                yield self._take_back(kept, key, warned, t_s, about, "disarmed")
+        kept.warned.clear()
 
     def _keep(self, kept: _Kept, key: int, after: Episode, t_s: float) -> None:
         if after.is_forgotten(t_s):
@@ -185,14 +259,35 @@ class RuleEngine:
         else:
             kept.episodes[key] = after
 
-    def _event(self, kept: _Kept, key: int, change: Change, t_s: float, scene: Scene) -> EventData:
-        rule = kept.rule
-        start_s = round(change.start_s, TIME_DECIMALS)
-        episode = derived_id(self._site, rule.id, None if key == HERE else key, start_s)
+    def _event(
+        self,
+        kept: _Kept,
+        key: int,
+        change: Change,
+        t_s: float,
+        scene: Scene,
+        *,
+        predicted: bool = False,
+    ) -> EventData:
+        rule, opened = kept.rule, kept.opened.get(key)
+        if opened is not None and change.phase == "new" and not predicted:  # it was warned of
+            change = change._replace(phase="update")
+        begun_s = round(change.start_s if opened is None else opened.start_s, TIME_DECIMALS)
+        episode = derived_id(self._site, rule.id, None if key == HERE else key, begun_s)
         rows = list(_rows(scene, key, change.finding))
         people = [person_entry(scene, row) for row in rows]
         names = {name for row in rows for name in self._cameras(scene, row)}
-        return event_data(episode, rule, change, t_s, people, sorted(names))
+        lead_s = None if opened is None else change.start_s - opened.told_s
+        if change.phase == "end":
+            kept.opened.pop(key, None)
+        return event_data(
+            episode, rule, change, t_s, people, sorted(names), predicted=predicted, lead_s=lead_s
+        )
+
+
+def _finding(expected: Expected) -> Finding:
+    within = {f"probability_{at_s:g}s": p for at_s, p in zip(TOLD_S, expected.within, strict=True)}
+    return Finding(expected.probability, within)
 
 
 def _rows(scene: Scene, key: int, finding: Finding) -> Iterable[int]:

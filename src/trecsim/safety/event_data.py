@@ -53,6 +53,9 @@ def event_data(
     t_s: float,
     people: list[dict[str, Any]],
     cameras: list[str],
+    *,
+    predicted: bool = False,
+    lead_s: float | None = None,
 ) -> dict[str, Any]:
     """Return the `data` of an event, still without its place (`seq`) in the episode.
 
@@ -66,6 +69,10 @@ def event_data(
         Who has to do with it.
     cameras
         Which cameras have them in view.
+    predicted
+        Whether it is only expected.
+    lead_s
+        How long before its beginning a warning was given [s]; None without a warning.
     """
     found = change.finding
     optional = {
@@ -88,8 +95,8 @@ def event_data(
         "t_detect_s": round(t_s, TIME_DECIMALS),
         "t_end_s": None if change.end_s is None else round(change.end_s, TIME_DECIMALS),
         "probability": round(found.probability, 4),
-        "predicted": False,
-        "lead_s": None,
+        "predicted": predicted,
+        "lead_s": None if lead_s is None else _known(lead_s, TIME_DECIMALS),
         "people": people,
         **place,
         **{key: value for key, value in optional.items() if value is not None},

@@ -88,7 +88,7 @@ _ALL = (
         "zone.enter",
         "The floor point is inside the zone.",
         "delay: NVIDIA behaviour analytics, 0.1 to 0.5 s",
-        _in_zone, place="zone", on_delay_s=0.2,
+        _in_zone, place="zone", on_delay_s=0.2, can_warn=True,
     ),
     Kind(
         "zone.exit",
@@ -107,7 +107,7 @@ _ALL = (
         "zone.restricted",
         "Any joint that a camera supports is inside the prism of the zone.",
         "delay: restricted area of NVIDIA behaviour analytics, 0.1 s",
-        _joint_in_zone, place="zone", on_delay_s=0.1, early_s=2.0,
+        _joint_in_zone, place="zone", on_delay_s=0.1, early_s=2.0, can_warn=True,
     ),
     Kind(
         "line.cross",
@@ -161,7 +161,7 @@ _ALL = (
         "Any joint that a camera supports is within `distance_m` of the edge; beyond the edge "
         "it counts at once, with a higher severity.",
         "distance and delay: ours",
-        _at_edge, place="edge", on_delay_s=2.0, early_s=2.0,
+        _at_edge, place="edge", on_delay_s=2.0, early_s=2.0, can_warn=True,
         keys=(
             Key("distance_m", float, "So near is near [m].", 0.5, {"gt": 0.0, "le": 100.0}),
             Key(

@@ -79,7 +79,7 @@ class Kind:
     on_delay_s, off_delay_s
         Defaults [s].
     early_s
-        Default of how long before the event a warning comes, once there are forecasts [s].
+        Default of how soon an event must be expected for a warning of it [s].
     gap_s
         Gaps that are bridged before it counts [s].
     escalate_s
@@ -90,6 +90,8 @@ class Kind:
         Whether an episode is over as soon as it begins.
     is_about_place
         Whether there is one episode for the place in place of one for each person.
+    can_warn
+        Whether its condition looks ahead, so that it can warn early.
     """
 
     name: str
@@ -107,6 +109,7 @@ class Kind:
     hold_key: str | None = None
     at_once: bool = False
     is_about_place: bool = False
+    can_warn: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,7 +127,7 @@ class Rule:
     timing
         What makes an episode of its condition.
     early_s
-        How long before the event a warning should come [s].
+        So soon an event must be expected for a warning of it [s].
     keys
         Values of the keys of its kind.
     config

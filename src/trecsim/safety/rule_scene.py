@@ -1,13 +1,14 @@
 """What the rules see of one moment."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.floor_points import HIPS, FloorPoints, floor_points
-from trecsim.forecasting.forecasts import Forecast
+from trecsim.forecasting.forecasts import Forecasts
+from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.body_states import Bodies, bodies
 from trecsim.safety.polygons import Polygon
 from trecsim.safety.traces import KEEP_S, Sample, Trace
@@ -32,8 +33,8 @@ class Scene:
         What rules on bodies look at.
     traces
         Their last seconds, by identity.
-    forecasts
-        Where they will be, for rules that warn early.
+    ahead
+        Where they will be, for rules that warn early; None when nobody looks ahead now.
     """
 
     people: Snapshot
@@ -41,7 +42,7 @@ class Scene:
     floor: FloorPoints
     body: Bodies
     traces: Mapping[int, Trace]
-    forecasts: Sequence[Forecast] = field(default=())
+    ahead: Ahead | None = None
     _inside: dict[int, Float64[np.ndarray, " person"]] = field(default_factory=dict)
 
     @property
@@ -94,7 +95,7 @@ class Memory:
         """Return the last moment in which a person was seen, if that is not long ago."""
         return self._last.get(person)
 
-    def take(self, snapshot: Snapshot, forecasts: Sequence[Forecast] = ()) -> Scene:
+    def take(self, snapshot: Snapshot, forecasts: Forecasts | None = None) -> Scene:
         """Return what the rules see of a moment.
 
         Parameters
@@ -102,7 +103,7 @@ class Memory:
         snapshot
             The moment.
         forecasts
-            Made of it and of what was before.
+            Made of it and of what was before; None when none are due.
         """
         people = snapshot.confirmed()
         seen = (people.state != COASTING) & (people.support > 0).any(axis=1)
@@ -118,7 +119,8 @@ class Memory:
                     float(body.standing_m[row]), bool(postures[row] == "lying"),
                 )
             )  # fmt: skip
-        scene = Scene(people, seen, floor, body, self._traces, forecasts)
+        ahead = None if forecasts is None else ahead_of(people, seen, floor.xy_m, forecasts)
+        scene = Scene(people, seen, floor, body, self._traces, ahead)
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
         return scene
 

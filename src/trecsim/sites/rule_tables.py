@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import AfterValidator, Field, create_model, model_validator
 from pydantic.fields import FieldInfo
 
+from trecsim.safety.early_warning import LONGEST_S
 from trecsim.safety.kinds import KINDS
 from trecsim.safety.rule import Key, Kind, Severity
 from trecsim.safety.schedules import read_hours
@@ -45,8 +46,8 @@ class RuleTable(Table):
     """From which probability on the condition holds."""
     p_off: Annotated[float, Field(gt=0.0, lt=1.0)] = 0.5
     """Below which probability it does not hold any more."""
-    early_s: Annotated[float, Field(ge=0.0, le=10.0)] = 0.0
-    """How long before the event a warning should come [s]; not in this version of trecsim."""
+    early_s: Annotated[float, Field(ge=0.0, le=LONGEST_S)] = 0.0
+    """So soon an event must be expected for a warning of it [s]; 0 warns of nothing."""
 
     @model_validator(mode="after")
     def _hysteresis(self) -> Self:

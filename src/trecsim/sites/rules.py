@@ -67,8 +67,8 @@ def _too_small(
 def rule_remarks(rules: Sequence[RuleTable]) -> Iterator[str]:
     """Yield what rules ask for and do not get."""
     for rule in rules:
-        if rule.early_s > 0.0 and "early_s" in rule.model_fields_set:
-            yield f"rule {rule.id}: early_s has no effect: this version does not warn early"
+        if rule.early_s > 0.0 and not rule.of_kind.can_warn:
+            yield f"rule {rule.id}: early_s has no effect: {rule.kind} cannot warn early"
 
 
 def refuse(title: str, faults: Sequence[Fault]) -> NoReturn:

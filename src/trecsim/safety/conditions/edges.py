@@ -1,11 +1,13 @@
 """The condition at the edge of a drop."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.safety.ahead import Ahead, Expected
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.gaussian import normal_cdf
@@ -59,3 +61,7 @@ class AtEdge:
                 joints=joints,
             )
         return Judged(findings)
+
+    def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
+        """Look ahead for joints beyond the edge; see `Foreseeing`."""
+        return ahead.beyond(self.edge.nearest, self.depth_m).expected(within_s)

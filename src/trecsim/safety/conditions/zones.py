@@ -1,11 +1,13 @@
 """Conditions on zones: who is inside, with the floor point or with any joint, and how many."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.safety.ahead import Ahead, Expected
 from trecsim.safety.conditions.base import HERE, LEAST, Judged
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Polygon, Prism
@@ -31,6 +33,10 @@ class InZone:
             }
         )
 
+    def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
+        """Look ahead; see `Foreseeing`."""
+        return ahead.in_polygon(self.polygon).expected(within_s)
+
 
 @dataclass(frozen=True, slots=True)
 class JointInZone:
@@ -51,6 +57,10 @@ class JointInZone:
             found = Finding(float(inside[n].max()), {}, joints=joints)
             findings[int(scene.people.id[rows[n]])] = found
         return Judged(findings)
+
+    def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
+        """Look ahead; see `Foreseeing`."""
+        return ahead.in_polygon(self.prism.polygon, self.prism.z_m).expected(within_s)
 
 
 @dataclass(frozen=True, slots=True)

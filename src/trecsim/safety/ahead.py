@@ -1,0 +1,252 @@
+"""How probable it is that people will be somewhere soon, from the forecasts of their paths.
+
+Notes
+-----
+A forecast is a mixture: mode m has weight w_m and, at each time ahead, a mean and a covariance.
+Within a mode the error of a path grows steadily and hardly changes its direction, so the
+probability that the person has been at a place by a time is the highest of the probabilities up to
+then, ``F_m(t) = max_{s <= t} p_m(s)``, and over all modes ``F(t) = sum_m w_m F_m(t)``. This is
+never more than the share of all paths that get there, and less where paths may pass at different
+times. The body reaches farther than its floor point: where a rule is about joints, each mean is
+moved towards the place by as much as the joints stick out in that direction now, but not beyond
+its border.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from trecsim.forecasting.forecasts import Forecasts
+from trecsim.safety.gaussian import normal_cdf
+from trecsim.safety.polygons import LEAST_SIGMA_M, Polygon
+from trecsim.values import Snapshot
+
+STEP_S = 0.2
+"""Between two steps people at 2 m/s go less than a body is wide [s]."""
+TOLD_S = (1.0, 2.0, 4.0)
+"""The probabilities within these times stand in events [s]."""
+_LIKELY = 0.5
+_SURE = 4.0  # standard deviations from a place: nobody gets there
+_LEAST = 0.01
+
+Within = Float64[np.ndarray, "person step"]
+
+
+class Expected(NamedTuple):
+    """What is expected of one person.
+
+    Attributes
+    ----------
+    probability
+        That it happens within the time asked for.
+    at_s
+        When it will probably begin [s].
+    within
+        Probability that it happens within each of `TOLD_S`.
+    """
+
+    probability: float
+    at_s: float
+    within: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ahead:
+    """Where the people that a camera supports will be, at steps of `STEP_S`.
+
+    Attributes
+    ----------
+    t_s
+        The moment of the forecasts [s].
+    person
+        Identities.
+    ahead_s
+        Times after the moment, 0 first [s].
+    weight
+        Of the modes.
+    xy_m, cov_m2
+        Floor points of the modes [m], and their covariances [m^2].
+    joint_m
+        Joints that a camera supports now, seen from the floor point [m]; NaN for others.
+    """
+
+    t_s: float
+    person: Int64[np.ndarray, " person"]
+    ahead_s: Float64[np.ndarray, " step"]
+    weight: Float64[np.ndarray, "person mode"]
+    xy_m: Float64[np.ndarray, "person mode step 2"]
+    cov_m2: Float64[np.ndarray, "person mode step 2 2"]
+    joint_m: Float64[np.ndarray, "person joint 3"]
+
+    def of(self, rows: Int64[np.ndarray, " row"]) -> "Ahead":
+        """Return some of the people."""
+        return Ahead(
+            self.t_s, self.person[rows], self.ahead_s, self.weight[rows], self.xy_m[rows],
+            self.cov_m2[rows], self.joint_m[rows],
+        )  # fmt: skip
+
+    def in_polygon(self, polygon: Polygon, z_m: tuple[float, float] | None = None) -> "Arrivals":
+        """Return how probable it is that each person will have been in a polygon.
+
+        Parameters
+        ----------
+        polygon
+            On the floor.
+        z_m
+            Joints between these heights count [m]; None looks at the floor point alone.
+        """
+        near = self.of(np.flatnonzero(self._may_reach(polygon)))
+        shape = near.xy_m.shape[:-1]
+        xy_m, cov_m2 = near.xy_m.reshape(-1, 2), near.cov_m2.reshape(-1, 2, 2)
+        if z_m is not None and len(xy_m):
+            outside_m = np.maximum(-polygon.distance_m(xy_m), 0.0)
+            towards = polygon.normals(xy_m)
+            reach_m = near.reach_m(towards.reshape(*shape, 2), z_m).reshape(-1)
+            has_joint = np.isfinite(reach_m)
+            moved_m = np.minimum(np.where(has_joint, reach_m, 0.0), outside_m + LEAST_SIGMA_M)
+            inside = polygon.probability(xy_m + moved_m[:, None] * towards, cov_m2) * has_joint
+        else:
+            inside = polygon.probability(xy_m, cov_m2)
+        return Arrivals.of(near, inside.reshape(shape))
+
+    def beyond(
+        self,
+        nearest: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
+        depth_m: float,
+    ) -> "Arrivals":
+        """Return how probable it is that a joint of each person will have been beyond an edge.
+
+        Parameters
+        ----------
+        nearest
+            Returns the distance from the edge of floor points, and the direction in which it grows.
+        depth_m
+            Who is farther beyond is on the other side [m].
+        """
+        shape = self.xy_m.shape[:-1]
+        distance_m, normal = nearest(self.xy_m.reshape(-1, 2))
+        reach_m = self.reach_m(-normal.reshape(*shape, 2), (-np.inf, np.inf)).reshape(-1)
+        cov_m2 = self.cov_m2.reshape(-1, 2, 2)
+        sigma_m = np.sqrt(np.einsum("ni,nij,nj->n", normal, cov_m2, normal)) + LEAST_SIGMA_M
+        beside = distance_m >= -depth_m  # not where it is NaN
+        over = np.where(beside, (reach_m - distance_m) / sigma_m, -np.inf)
+        return Arrivals.of(self, normal_cdf(over).reshape(shape))
+
+    def reach_m(
+        self, towards: Float64[np.ndarray, "person mode step 2"], z_m: tuple[float, float]
+    ) -> Float64[np.ndarray, "person mode step"]:
+        """Return how far joints between two heights stick out in a direction [m].
+
+        It is -inf where no joint is at these heights.
+        """
+        low_m, high_m = z_m
+        counts = (self.joint_m[..., 2] >= low_m) & (self.joint_m[..., 2] <= high_m)
+        joint_m = np.where(counts[..., None], self.joint_m[..., :2], 0.0)
+        out_m: Float64[np.ndarray, "person mode step joint"] = (
+            towards @ joint_m.swapaxes(1, 2)[:, None]
+        )
+        out_m = np.where(counts[:, None, None], out_m, -np.inf)
+        reach_m: Float64[np.ndarray, "person mode step"] = out_m.max(axis=-1, initial=-np.inf)
+        return reach_m
+
+    def _may_reach(self, polygon: Polygon) -> Bool[np.ndarray, " person"]:
+        """Tell who gets near the box around a polygon."""
+        spread_m = _SURE * np.sqrt(np.trace(self.cov_m2, axis1=-2, axis2=-1)).max(axis=(1, 2))
+        body_m = np.nan_to_num(np.abs(self.joint_m[..., :2])).max(axis=(1, 2), initial=0.0)
+        wide_m = (spread_m + body_m)[:, None]
+        low_m, high_m = self.xy_m.min(axis=(1, 2)), self.xy_m.max(axis=(1, 2))
+        corners_m = polygon.corners_m
+        may: Bool[np.ndarray, " person"] = (
+            (high_m + wide_m > corners_m.min(axis=0)) & (low_m - wide_m < corners_m.max(axis=0))
+        ).all(axis=1)
+        return may
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrivals:
+    """How probable it is that each person will have been somewhere by each time ahead."""
+
+    t_s: float
+    person: Int64[np.ndarray, " person"]
+    ahead_s: Float64[np.ndarray, " step"]
+    by: Within
+
+    @staticmethod
+    def of(ahead: Ahead, there: Float64[np.ndarray, "person mode step"]) -> "Arrivals":
+        """Return them from the probability of being there at each time; see the module."""
+        by = np.einsum("pm,pms->ps", ahead.weight, np.maximum.accumulate(there, axis=2))
+        return Arrivals(ahead.t_s, ahead.person, ahead.ahead_s, by)
+
+    def expected(self, within_s: float) -> dict[int, Expected]:
+        """Return what is expected of each person within a time [s]."""
+        by = self.by
+        asked = _at(self.ahead_s, within_s)
+        told = [_at(self.ahead_s, one) for one in TOLD_S]
+        found = {}
+        for row in np.flatnonzero(by[:, asked] > _LEAST):
+            when = int(np.argmax(by[row] >= _LIKELY * by[row, asked]))
+            found[int(self.person[row])] = Expected(
+                float(by[row, asked]),
+                self.t_s + float(self.ahead_s[when]),
+                tuple(float(by[row, n]) for n in told),
+            )
+        return found
+
+
+def _at(ahead_s: Float64[np.ndarray, " step"], within_s: float) -> int:
+    """Return the last step that is not later than a time."""
+    return int(np.searchsorted(ahead_s, within_s + 1e-6, side="right")) - 1
+
+
+def ahead_of(
+    people: Snapshot,
+    is_seen: Bool[np.ndarray, " person"],
+    floor_m: Float64[np.ndarray, "person 2"],
+    forecasts: Forecasts,
+) -> Ahead:
+    """Return where people will be.
+
+    Parameters
+    ----------
+    people
+        The moment.
+    is_seen
+        Whom a camera supports: of others nothing is expected.
+    floor_m
+        Floor points [m].
+    forecasts
+        Made of this moment and of what was before.
+    """
+    known = {person: row for row, person in enumerate(forecasts.person.tolist())}
+    rows = [row for row in np.flatnonzero(is_seen) if int(people.id[row]) in known]
+    at = [known[int(people.id[row])] for row in rows]
+    ahead_s, xy_m = _finer(forecasts.ahead_s, forecasts.xy_m[at], forecasts.from_m[at])
+    _, cov_m2 = _finer(forecasts.ahead_s, forecasts.cov_m2[at], np.zeros((len(at), 2, 2)))
+    xyz_m = people.xyz_m[rows]
+    counts = (people.support[rows] > 0) & np.isfinite(xyz_m).all(axis=-1)
+    joint_m = xyz_m.copy()
+    joint_m[..., :2] -= floor_m[rows][:, None]
+    joint_m[~counts] = np.nan
+    return Ahead(
+        forecasts.t_s, people.id[rows], ahead_s, forecasts.weight[at], xy_m, cov_m2, joint_m
+    )
+
+
+def _finer(
+    ahead_s: Float64[np.ndarray, " step"],
+    values: Float64[np.ndarray, "person mode step *n"],
+    now: Float64[np.ndarray, "person *n"],
+) -> tuple[Float64[np.ndarray, " fine"], Float64[np.ndarray, "person mode fine *n"]]:
+    """Return values at steps of `STEP_S`, the present first; straight lines in between."""
+    first = np.broadcast_to(now[:, None, None], (*values.shape[:2], 1, *values.shape[3:]))
+    coarse_s = np.concatenate([[0.0], ahead_s])
+    coarse = np.concatenate([first, values], axis=2)
+    fine_s = np.arange(0.0, coarse_s[-1] + 1e-6, STEP_S).round(6)
+    after = np.clip(np.searchsorted(coarse_s, fine_s - 1e-9), 1, len(coarse_s) - 1)
+    share = (fine_s - coarse_s[after - 1]) / (coarse_s[after] - coarse_s[after - 1])
+    share = share.reshape(-1, *[1] * (values.ndim - 3))
+    fine = (1.0 - share) * coarse[:, :, after - 1] + share * coarse[:, :, after]
+    return fine_s, fine

@@ -1,0 +1,172 @@
+"""Early warnings: given before it happens, and taken back when it does not."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from made_paths import bodies_on, events_of, line, moments, through, times, told
+from trecsim.forecasting.forecasts import Forecasts
+from trecsim.safety.ahead import Ahead, Arrivals, ahead_of
+from trecsim.safety.machine import Timing
+from trecsim.safety.polygons import Polygon
+from trecsim.safety.warned import foreseen, unforeseen
+from trecsim.values import Snapshot
+
+T = times(8.0)
+RESTRICTED = '[[rules]]\nid = "r"\nkind = "zone.restricted"\nzone = "room"\n'
+EDGE = '[[rules]]\nid = "r"\nkind = "edge.platform"\nedge = "platform"\n'
+NEVER: list[Any] = []
+
+
+def walking(*paths: Any, t_s: np.ndarray = T, **options: Any) -> list[Snapshot]:
+    return moments([bodies_on(path, t_s) for path in paths], t_s, **options)
+
+
+def test_who_walks_into_a_restricted_zone_is_expected_there_more_than_a_second_before() -> None:
+    events = events_of(RESTRICTED, walking(line((-4.0, 0.0), (1.2, 0.0))))
+    warned, begun = events[:2]
+    data = [event["data"] for event in events]
+    assert [(one["phase"], one["predicted"]) for one in data[:2]] == [
+        ("new", True), ("update", False),
+    ]  # fmt: skip
+    assert warned["data"]["event"] == begun["data"]["event"]
+    assert warned["data"]["lead_s"] == pytest.approx(
+        warned["data"]["t_start_s"] - warned["data"]["t_detect_s"], abs=2e-3
+    )
+    without = events_of(f"{RESTRICTED}early_s = 0\n", walking(line((-4.0, 0.0), (1.2, 0.0))))
+    assert begun["data"]["t_start_s"] == without[0]["data"]["t_start_s"]
+    lead_s = begun["data"]["t_start_s"] - warned["data"]["t_detect_s"]
+    assert lead_s == pytest.approx(begun["data"]["lead_s"], abs=2e-3)
+    assert 1.0 <= lead_s <= 2.1
+    assert [one["seq"] for one in data] == list(range(len(data)))
+    assert data[-1]["phase"] == "end"
+    assert {one["event"] for one in data} == {data[0]["event"]}
+
+
+def test_a_warning_says_how_probable_it_is_within_one_two_and_four_seconds() -> None:
+    warned = events_of(RESTRICTED, walking(line((-4.0, 0.0), (1.2, 0.0))))[0]["data"]
+    within = [warned["measures"][f"probability_{n}s"] for n in (1, 2, 4)]
+    assert within == sorted(within)
+    assert warned["probability"] == pytest.approx(within[1], abs=1e-3)
+    assert warned["probability"] >= 0.9
+
+
+def test_who_turns_away_is_not_expected_any_more() -> None:
+    path = through((0, -5, 0), (3.6, -0.7, 0), (8, -5, 0))
+    events = events_of(RESTRICTED, walking(path))
+    assert told(events, "phase", "predicted") == [("new", True), ("end", True)]
+    new, end = (event["data"] for event in events)
+    assert end["event"] == new["event"]
+    assert end["t_end_s"] is not None
+
+
+def test_who_passes_by_is_not_expected() -> None:
+    assert events_of(RESTRICTED, walking(line((-3.0, 3.5), (1.3, 0.0)))) == NEVER
+
+
+def test_who_goes_straight_for_the_edge_is_expected_beyond_it() -> None:
+    events = events_of(EDGE, walking(line((2.0, -4.0), (0.0, 1.3))))
+    assert told(events, "phase", "predicted")[:2] == [("new", True), ("update", False)]
+    warned, begun = (event["data"] for event in events[:2])
+    assert warned["t_detect_s"] < begun["t_start_s"]
+
+
+def test_the_same_frames_give_the_same_warnings() -> None:
+    people = walking(line((-4.0, 0.0), (1.2, 0.0)), line((2.0, -4.0), (0.0, 1.3)), sigma_m=0.03)
+    assert events_of(RESTRICTED + EDGE.replace('"r"', '"e"'), people) == events_of(
+        RESTRICTED + EDGE.replace('"r"', '"e"'), people
+    )
+
+
+TIMING = Timing(on_delay_s=0.1, off_delay_s=0.5)
+
+
+def expected(probability: float) -> Any:
+    from trecsim.safety.ahead import Expected
+
+    return Expected(probability, 9.0, (probability,) * 3)
+
+
+def test_one_forecast_alone_warns_of_nothing() -> None:
+    once, change = foreseen(None, TIMING, 1.0, expected(0.95))
+    assert change is None
+    assert foreseen(once, TIMING, 1.2, expected(0.2)) == (None, None)
+    _, change = foreseen(once, TIMING, 1.2, expected(0.95))
+    assert change == "given"
+
+
+def test_a_warning_bridges_moments_of_doubt_and_ends_once_they_last() -> None:
+    once, _ = foreseen(None, TIMING, 1.0, expected(0.95))
+    given, _ = foreseen(once, TIMING, 1.2, expected(0.95))
+    doubted, change = foreseen(given, TIMING, 1.4, expected(0.3))
+    assert change is None
+    again, change = foreseen(doubted, TIMING, 1.6, expected(0.6))
+    assert (again is not None and again.off_s, change) == (None, None)
+    doubted, _ = foreseen(again, TIMING, 1.8, None)
+    assert foreseen(doubted, TIMING, 2.3, None) == (None, "over")
+
+
+def test_who_is_lost_is_unknown_and_then_not_expected_any_more() -> None:
+    once, _ = foreseen(None, TIMING, 1.0, expected(0.95))
+    given, _ = foreseen(once, TIMING, 1.2, expected(0.95))
+    assert given is not None
+    assert unforeseen(given, TIMING, 1.6, lost=True) == (given, None)
+    assert unforeseen(given, TIMING, 9.0, lost=False) == (given, None)
+    assert unforeseen(given, TIMING, 1.8, lost=True) == (None, "lost")
+
+
+def made_ahead(means: Sequence[Any], sigma_m: float, weight: Sequence[float]) -> Ahead:
+    """Return one person whose modes go straight to these places within 4 s."""
+    steps = np.arange(0.0, 4.01, 0.2)
+    share = (steps / 4.0)[None, None, :, None]
+    xy_m = share * np.array(means, float)[None, :, None, :]
+    cov_m2 = np.broadcast_to((share * sigma_m)[..., None] ** 2 * np.eye(2), (*xy_m.shape, 2))
+    joint_m = np.zeros((1, 17, 3))
+    return Ahead(0.0, np.array([7]), steps, np.array([weight]), xy_m, cov_m2.copy(), joint_m)
+
+
+def test_the_probability_is_not_above_the_share_of_paths_that_get_there_and_not_far_below() -> None:
+    ahead = made_ahead([(4.0, 0.0), (0.0, 4.0), (-1.0, 0.5)], 1.0, [0.6, 0.3, 0.1])
+    zone = Polygon(np.array([[2.0, -1.0], [6.0, -1.0], [6.0, 1.5], [2.0, 1.5]]))
+    by = ahead.in_polygon(zone).by[0]
+    rng = np.random.default_rng(5)
+    mode = rng.choice(3, 20_000, p=ahead.weight[0])
+    error = rng.normal(size=(20_000, 1, 2))  # grows along the path, in one direction
+    paths = ahead.xy_m[0, mode] + error * (ahead.ahead_s / 4.0)[:, None]
+    there = zone.distance_m(paths.reshape(-1, 2)).reshape(paths.shape[:2]) > 0.0
+    sampled = np.maximum.accumulate(there, axis=1).mean(axis=0)
+    assert (by <= sampled + 0.01).all()
+    assert (by >= sampled - 0.1).all()
+
+
+def test_the_hand_that_is_stretched_out_gets_there_first() -> None:
+    ahead = made_ahead([(4.0, 0.0)], 0.2, [1.0])
+    zone = Polygon(np.array([[3.0, -2.0], [6.0, -2.0], [6.0, 2.0], [3.0, 2.0]]))
+    floor = ahead.in_polygon(zone, (0.0, 2.5)).by[0]
+    ahead.joint_m[0, 10] = [0.7, 0.0, 1.2]
+    hand = ahead.in_polygon(zone, (0.0, 2.5)).by[0]
+    half = [float(np.interp(0.5, by, ahead.ahead_s)) for by in (hand, floor)]
+    assert half[1] - half[0] == pytest.approx(0.7, abs=0.1)
+    assert ahead.in_polygon(zone, (2.0, 2.5)).by.max(initial=0.0) == 0.0
+
+
+def test_who_is_far_away_is_not_looked_at() -> None:
+    zone = Polygon(np.array([[30.0, 0.0], [31.0, 0.0], [31.0, 1.0]]))
+    arrivals = made_ahead([(4.0, 0.0)], 0.5, [1.0]).in_polygon(zone)
+    assert isinstance(arrivals, Arrivals)
+    assert len(arrivals.person) == 0
+
+
+def test_nothing_is_expected_of_people_whom_no_camera_supports() -> None:
+    people = walking(line((0.0, 0.0), (1.0, 0.0)), line((0.0, 1.0), (1.0, 0.0)))[5]
+    here_m = people.xyz_m[:, 0, :2]
+    step = np.ones((2, 1, 1, 2))
+    cov_m2 = np.ones((2, 1, 1, 2, 2))
+    made = Forecasts(
+        people.t_s, people.id, here_m, np.array([1.0]), np.ones((2, 1)), step, cov_m2,
+        cov_m2, cov_m2[:, 0],
+    )  # fmt: skip
+    seen = np.array([False, True])
+    assert ahead_of(people, seen, here_m, made).person.tolist() == [people.id[1]]
