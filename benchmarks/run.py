@@ -35,6 +35,7 @@ _IN_ORDER = (
     "evaluating",
     "reading",
     "storing",
+    "exporting",
     "long_recordings",
     "consistency_cost",
     "memory",

@@ -25,9 +25,9 @@ def export(
     """Convert tracks to another format: tables, OpenSim, C3D, Blender, USD, PedPy and others.
 
     The ending of OUT chooses the format: .csv .parquet .json .trc .c3d .bvh .glb .usda .nc
-    .pedpy.txt .rrd. Formats that hold one person get a file for each: walk_0.trc for person 0 of
-    walk.trc. Missing positions stay missing. A recording that a crash or a power failure cut off
-    is read from the parts beside it.
+    .pedpy.txt .rrd, and .angles.csv and .mot for joint angles. Formats that hold one person get a
+    file for each: walk_0.trc for person 0 of walk.trc. Missing positions stay missing. A recording
+    that a crash or a power failure cut off is read from the parts beside it.
 
     Parameters
     ----------

@@ -51,7 +51,8 @@ def run(
     Parameters
     ----------
     site
-        The site file. `trecsim site schema` lists its keys.
+        The site file. `trecsim site schema` lists its keys. Or the `Config.toml` of a project of
+        Pose2Sim, beside which a site file is then written.
     out
         Directory to write to. Without it: a directory named by the time, under `recordings`
         beside the site file or where the site file says.
@@ -74,11 +75,14 @@ def run(
     from trecsim.service.live_inputs import live_inputs
     from trecsim.service.site_service import SiteService
     from trecsim.sites.check import check_site
+    from trecsim.sites.pose2sim_project import is_project, site_of_project
 
     if resume and out is None:
         raise InputError("--resume needs the directory of the recording: give --out DIRECTORY")
     if seconds is not None and not seconds > 0.0:
         raise InputError(f"--seconds: expected a time above 0, found {seconds:g}")
+    if is_project(site):
+        site = site_of_project(site, note)
     with stopping_in_order() as stop, site_page(site, out, json=json) as page:
         checked = check_site(site)
         for remark in checked.remarks:

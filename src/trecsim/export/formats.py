@@ -8,6 +8,8 @@ from trecsim.export.base import Format
 FORMATS = (
     Format(".csv", "CSV", "native_files:write_csv"),
     Format(".parquet", "Parquet", "native_files:write_parquet"),
+    Format(".angles.csv", "joint angles as CSV", "angle_files:write_angles_csv"),
+    Format(".mot", "joint angles (OpenSim)", "angle_files:write_mot", True, True),
     Format(".json", "JSON", "json_file:write_json"),
     Format(".trc", "TRC (OpenSim, Pose2Sim)", "trc_file:write_trc", True, True),
     Format(

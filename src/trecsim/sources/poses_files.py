@@ -11,6 +11,7 @@ from typing import Literal
 from trecsim.errors import InputError
 from trecsim.sources.camera_names import renamed, unknown_camera
 from trecsim.sources.coco import read_coco
+from trecsim.sources.csv_poses import read_table_poses, table_kind
 from trecsim.sources.empty_images import with_empty_images
 from trecsim.sources.faults import Faults
 from trecsim.sources.frame_spans import counted, remarking
@@ -26,14 +27,15 @@ DEFAULT_FPS = 30.0
 FPS_RANGE = (1e-3, 1e5)
 _KINDS = (
     "a *.poses.jsonl file, a folder of them, a folder of OpenPose json folders (one per camera), "
-    "or results of MMPose or COCO tools (*.json, one per camera)"
+    "results of MMPose, AlphaPose or COCO tools (*.json, one per camera), or tables of DeepLabCut "
+    "or SLEAP (*.csv, one per camera)"
 )
 _KIND_BYTES = 4096
 _FIRST_KEY = re.compile(rb'\s*(?:\[\s*)?\{\s*"(\w{1,40})"')
 _INSTANCE = re.compile(rb'\[\s*\{\s*"keypoints"\s*:\s*\[\s*\[')  # MMPose's file of a single image
 _MMPOSE_KEYS = {b"frame_id", b"instances", b"meta_info", b"instance_info"}
 _ANNOTATION_KEYS = {b"info", b"licenses", b"images", b"annotations", b"categories"}
-Kind = Literal["coco", "mmpose", "annotations", "other"]
+Kind = Literal["coco", "mmpose", "annotations", "table", "other"]
 
 
 Remark = Callable[[str], None]
@@ -55,8 +57,9 @@ def read_poses(
     ----------
     path
         A ``*.poses.jsonl`` file or a folder of such files; a folder with a folder of OpenPose
-        json files for each camera, or a project of Pose2Sim; a file of MMPose or of COCO key
-        point results, or a folder with one for each camera (named like the camera).
+        json files for each camera, or a project of Pose2Sim; a file of MMPose, of COCO key point
+        results (AlphaPose's are), or a table of DeepLabCut or SLEAP, or a folder with one for each
+        camera (named like the camera).
     rig_cameras
         Names of the cameras that may occur; all, if None.
     fps
@@ -85,7 +88,7 @@ def read_poses(
         raise InputError(f"{path}: no such file or folder; expected {_KINDS}")
     if path.is_dir():
         return _read_folder(path, cameras, fps, remark)
-    if path.suffix == ".json":
+    if path.suffix == ".json" or (path.suffix == ".csv" and _kind(path) == "table"):
         return _read_results({path: _kind(path)}, path, cameras, fps, remark)
     return _jsonl([path], cameras)
 
@@ -115,7 +118,8 @@ def _read_folder(
     if jsonl:
         return _jsonl(jsonl, cameras)
     kinds = {file: _kind(file) for file in sorted(path.glob("*.json"))}
-    results = {file: kind for file, kind in kinds.items() if kind in ("coco", "mmpose")}
+    kinds |= {file: _kind(file) for file in sorted(path.glob("*.csv"))}
+    results = {file: kind for file, kind in kinds.items() if kind in ("coco", "mmpose", "table")}
     if results:
         return _read_results(results, path, cameras, fps, remark)
     annotations = [file for file, kind in kinds.items() if kind == "annotations"]
@@ -131,9 +135,12 @@ def _read_folder(
 
 
 def _kind(file: Path) -> Kind:
-    """Return what a json file is, by how it begins: results for one camera, or none."""
+    """Return what a file is, by how it begins: results for one camera, or none."""
     with opened_for_reading(file) as content:
         start = content.read(_KIND_BYTES).removeprefix(b"\xef\xbb\xbf").lstrip()
+    if file.suffix == ".csv":
+        line = start.partition(b"\n")[0].decode(errors="replace")
+        return "table" if table_kind(line) else "other"
     match = _FIRST_KEY.match(start)
     key = match[1] if match else b""
     if key in _MMPOSE_KEYS:
@@ -163,6 +170,8 @@ def _read_results(
     for camera, file in files.items():
         if kinds[file] == "mmpose":
             frames[camera] = read_mmpose(file, camera=camera, fps=fps)
+        elif kinds[file] == "table":
+            results[camera] = read_table_poses(file, camera=camera, fps=fps)
         else:
             results[camera] = read_coco(file, camera=camera, fps=fps)
     return _merged([_every_frame(frames, fps, path), with_empty_images(results, fps)])

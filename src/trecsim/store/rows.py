@@ -5,6 +5,7 @@ covariance of each joint.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -222,25 +223,39 @@ def snapshots_of(
 
 
 def _steps(rows: Rows, skeleton: Skeleton) -> Iterator[Snapshot]:
-    starts = np.flatnonzero(np.diff(rows["t_s"])) + 1
-    for step in np.split(rows, starts) if len(rows) else ():
-        yield _snapshot(step, len(skeleton.joints))
-
-
-def _snapshot(rows: Rows, joints: int) -> Snapshot:
-    identities, first, person = np.unique(rows["person"], return_index=True, return_inverse=True)
-    whole = np.zeros((len(identities), joints), ROW)
+    """Yield the snapshots of rows in order of time; all are built together and share memory."""
+    if not len(rows):
+        return
+    rows = rows[np.lexsort((rows["person"], rows["t_s"]))]
+    new = (np.diff(rows["t_s"]) != 0) | (np.diff(rows["person"]) != 0)
+    first = np.concatenate([[0], np.flatnonzero(new) + 1])
+    whole = np.zeros((len(first), len(skeleton.joints)), ROW)
     for name in ("xyz_m", "sigma_m", "velocity_mps", "cov_m2"):
         whole[name] = np.nan
-    whole[person, rows["joint"]] = rows
+    whole[np.concatenate([[0], np.cumsum(new)]), rows["joint"]] = rows
     support = whole["support"].astype(np.int64)
     code = rows["state"][first]
     seen = np.where(support.any(axis=1), CONFIRMED, COASTING)
-    return Snapshot(
-        float(rows["t_s"][0]), identities, whole["xyz_m"].astype(np.float64), _covariance(whole),
-        support,
+    cov_m2 = _covariance(whole)
+    everybody = Snapshot(
+        0.0, rows["person"][first], whole["xyz_m"].astype(np.float64), cov_m2, support,
         velocity_mps=whole["velocity_mps"].astype(np.float64),
+        velocity_cov_m2ps2=np.full(cov_m2.shape, np.nan),
         state=np.where(code < 0, seen, np.array(STATES)[code]),
+    )  # fmt: skip
+    t_s = rows["t_s"][first]
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(t_s)) + 1, [len(t_s)]])
+    for start, stop in pairwise(edges.tolist()):
+        yield _part(everybody, float(t_s[start]), slice(start, stop))
+
+
+def _part(everybody: Snapshot, t_s: float, people: slice) -> Snapshot:
+    return Snapshot(
+        t_s, everybody.id[people], everybody.xyz_m[people], everybody.cov_m2[people],
+        everybody.support[people],
+        velocity_mps=everybody.velocity_mps[people],
+        velocity_cov_m2ps2=everybody.velocity_cov_m2ps2[people],
+        state=everybody.state[people],
     )  # fmt: skip
 
 
