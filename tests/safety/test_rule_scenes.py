@@ -219,6 +219,38 @@ def test_a_fall_is_told_a_second_after_the_person_lies_there() -> None:
     assert events_of(rule("body.down"), falls) == NEVER
 
 
+@pytest.mark.parametrize(("changes_s", "overlap_s"), [(3.5, 0.0), (3.85, 0.0), (3.85, 0.1)])
+def test_who_gets_another_identity_while_falling_has_fallen(
+    changes_s: float, overlap_s: float
+) -> None:
+    before, after = (falling((1.0, 0.0), 3.0, 0.9, T) for _ in range(2))
+    before[changes_s + overlap_s <= T] = np.nan
+    after[changes_s > T] = np.nan
+    falls = moments([before, after], T)
+    ((start_s, detect_s, people),) = told(
+        events_of(rule("body.fall"), falls), "t_start_s", "t_detect_s", "people"
+    )
+    assert 3.7 < start_s < 3.9
+    assert detect_s == pytest.approx(start_s + 1.0, abs=FRAME_S)
+    assert [one["person"] for one in people] == [1]
+
+
+def test_who_is_first_seen_lying_elsewhere_has_not_fallen() -> None:
+    before, after = falling((1.0, 0.0), 3.0, 0.9, T), falling((2.5, 0.0), 3.0, 0.9, T)
+    before[T >= 3.85] = after[T < 3.85] = np.nan
+    assert events_of(rule("body.fall"), moments([before, after], T)) == NEVER
+
+
+def test_who_squats_down_quickly_and_then_lies_down_has_not_fallen() -> None:
+    standing = bodies_on(line((0.0, 0.0), (0.0, 0.0)), T)
+    squats = standing.copy()
+    squats[:, :13, 2] -= 0.55 * np.clip((T - 3.0) / 0.5, 0.0, 1.0)[:, None]  # 1.1 m/s
+    share = np.clip((T - 4.0) / 1.0, 0.0, 1.0)[:, None, None]
+    down = (1.0 - share) * squats + share * falling((0.0, 0.0), 0.0, 0.01, T)
+    assert events_of(rule("body.fall"), moments([down], T)) == NEVER
+    assert events_of(rule("body.down", "on_delay_s = 3"), moments([down], T)) != NEVER
+
+
 def test_lying_down_slowly_is_no_fall_but_somebody_who_stays_down_is_told() -> None:
     t_s = times(45.0)
     slow = moments([falling((0.0, 0.0), 3.0, 3.0, t_s)], t_s)

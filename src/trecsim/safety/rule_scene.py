@@ -14,6 +14,10 @@ from trecsim.safety.polygons import Polygon
 from trecsim.safety.traces import KEEP_S, Sample, Trace
 from trecsim.values import COASTING, Snapshot
 
+HAND_OVER_S, HAND_OVER_M = 0.5, 0.5
+"""Who is first seen so soon after another person was seen last, with the hips so near to where
+theirs were, is the same body under another identity [s, m]."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
@@ -111,8 +115,16 @@ class Memory:
         self._forget(people.t_s - KEEP_S)
         postures = body.postures
         variance_m2 = np.square(body.hip_sigma_m[:, :2]).mean(axis=1)
-        for row in np.flatnonzero(seen & np.isfinite(body.hip_m).all(axis=1)):
-            self._traces.setdefault(int(people.id[row]), Trace()).add(
+        judged = np.flatnonzero(seen & np.isfinite(body.hip_m).all(axis=1))
+        rows = {int(people.id[row]): int(row) for row in judged}
+        begun = {
+            person: self._begun(body.hip_m[row], people.t_s)
+            for person, row in rows.items()
+            if person not in self._traces
+        }
+        self._traces |= begun
+        for person, row in rows.items():
+            self._traces[person].add(
                 Sample(
                     people.t_s, body.hip_m[row], float(variance_m2[row]), floor.xy_m[row],
                     float(body.trunk_rad[row]),
@@ -123,6 +135,20 @@ class Memory:
         scene = Scene(people, seen, floor, body, self._traces, ahead)
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
         return scene
+
+    def _begun(self, hip_m: Float64[np.ndarray, " 3"], t_s: float) -> Trace:
+        """Return what is remembered of the body that is first seen here under this identity.
+
+        Fast movement is where identities change: whoever falls may lie there as another person,
+        while the old one is still followed for a moment.
+        """
+        near = [
+            (float(np.linalg.norm(hip_m - trace.hip_m())), person)
+            for person, trace in self._traces.items()
+            if t_s - trace.last_s <= HAND_OVER_S
+        ]
+        away_m, person = min(near, default=(np.inf, -1))
+        return self._traces[person].handed_over() if away_m <= HAND_OVER_M else Trace()
 
     def _forget(self, before_s: float) -> None:
         for person in [one for one, scene in self._last.items() if scene.t_s < before_s]:

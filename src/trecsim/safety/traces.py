@@ -1,7 +1,7 @@
 """What is remembered of each person: a few seconds of movement, and whether it was a fall."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +20,9 @@ FALL_DROP_SHARE = 0.4
 """The hips drop by this share of their height in standing."""
 FALL_MPS = 1.0
 """The hips go down faster than this [m/s]; slower ones lie down, or slide down."""
+FASTEST_S = 1.0
+"""They do so in the last moments before the person lies [s]: who squats down quickly and then lies
+down has stopped in between."""
 STOOD_RAD = math.radians(30.0)
 """The trunk of somebody who falls leaned less than this before."""
 _FALL_BASE_S = 0.12
@@ -164,6 +167,15 @@ class Trace:
         self._end += 1
         self._note_lying(now)
 
+    def handed_over(self) -> "Trace":
+        """Return a copy, for the same body under another identity."""
+        return replace(self, _rows=self._rows.copy())
+
+    def hip_m(self) -> Float64[np.ndarray, " 3"]:
+        """Return where the hips were last [m]; needs a moment."""
+        hip_m: Float64[np.ndarray, " 3"] = self._rows[self._end - 1, 1:4]
+        return hip_m
+
     def _make_room(self, from_s: float) -> None:
         while self._begin < self._end and self._rows[self._begin, 0] < from_s:
             self._begin += 1
@@ -195,7 +207,8 @@ class Trace:
         rows = rows[np.searchsorted(rows[:, 0], lying_since_s - FALL_S) :]
         t_s, z_m, leans = rows[:, 0], rows[:, 3], rows[:, 7]
         drop_m = float(z_m.max() - z_m[-1])
-        fall = Fall(drop_m, _fastest_down_mps(t_s, z_m))
+        late = t_s >= lying_since_s - FASTEST_S
+        fall = Fall(drop_m, _fastest_down_mps(t_s[late], z_m[late]))
         stood = bool((leans < STOOD_RAD).any()) and bool(leans[-1] > LYING_RAD)
         has_dropped = drop_m >= FALL_DROP_SHARE * standing_m
         return fall if fall.v_down_mps > FALL_MPS and (has_dropped or stood) else None

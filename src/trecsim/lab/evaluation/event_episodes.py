@@ -1,7 +1,7 @@
 """Files of events, put together to episodes: what happened when, to whom."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -65,6 +65,14 @@ def read_episodes(path: Path) -> list[EpisodeTold]:
             raise InputError(
                 f"{path}: line {number}: expected the event of a rule, as in events.jsonl: {what}"
             ) from None
+    return list(episodes.values())
+
+
+def episodes_of(events: Iterable[Mapping[str, Any]]) -> list[EpisodeTold]:
+    """Return the episodes of events, in the order of their first events; see `read_episodes`."""
+    episodes: dict[str, EpisodeTold] = {}
+    for event in events:
+        _take(episodes, event["data"])
     return list(episodes.values())
 
 

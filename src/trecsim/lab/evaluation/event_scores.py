@@ -131,8 +131,8 @@ def compared(
             [one for one in told if one.rule == rule and one.kind == kind],
             [one for one in true if one.rule == rule and one.kind == kind],
         )
-        by_kind[kind] = _together([by_kind[kind], scores]) if kind in by_kind else scores
-    return EventEvaluation(by_kind, _together(list(by_kind.values())), warnings)
+        by_kind[kind] = together([by_kind[kind], scores]) if kind in by_kind else scores
+    return EventEvaluation(by_kind, together(list(by_kind.values())), warnings)
 
 
 def _scores_of(told: Sequence[EpisodeTold], true: Sequence[EpisodeTold]) -> EventScores:
@@ -164,7 +164,8 @@ def _apart(told: EpisodeTold, true: EpisodeTold) -> float:
     return abs(late_s) + min(math.dist(told.floor_m, true.floor_m), FAR_M)
 
 
-def _together(parts: Sequence[EventScores]) -> EventScores:
+def together(parts: Sequence[EventScores]) -> EventScores:
+    """Return the scores of several files or kinds as those of one."""
     return EventScores(
         sum(one.told for one in parts),
         sum(one.true for one in parts),

@@ -127,6 +127,28 @@ class Bend:
 
 
 @dataclass(frozen=True, slots=True, config=TABLE_VALUE)
+class Crouch:
+    """Squat down with both feet on the floor, as to look into a low shelf."""
+
+    seconds: Seconds = 2.0
+    """Duration, without going down and getting up [s]."""
+    do: Literal["crouch"] = "crouch"
+    """Which action this is."""
+
+
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
+class Kneel:
+    """Kneel on one knee; leaning far forward, as to tie a shoe."""
+
+    seconds: Seconds = 2.0
+    """Duration, without going down and getting up [s]."""
+    lean_deg: Annotated[Number, Field(ge=5, le=70)] = 14.3
+    """Lean of the trunk [degrees]; 50 reaches the shoe of the foot ahead."""
+    do: Literal["kneel"] = "kneel"
+    """Which action this is."""
+
+
+@dataclass(frozen=True, slots=True, config=TABLE_VALUE)
 class Sit:
     """Sit down on a seat that is right behind."""
 
@@ -193,6 +215,8 @@ class Clip:
         return self
 
 
-Action = Walk | Run | Crawl | Stand | Turn | RaiseArms | Bend | Sit | Lie | Fall | Clip
+Action = (
+    Walk | Run | Crawl | Stand | Turn | RaiseArms | Bend | Crouch | Kneel | Sit | Lie | Fall | Clip
+)
 AnyAction = Annotated[Action, Field(discriminator="do")]
 """An action in a scene file; the key `do` says which one."""

@@ -188,16 +188,16 @@ def on_the_side(body: Body, side: int) -> Pose:
     )
 
 
-def kneeling(body: Body) -> Pose:
-    """Return the pose on the right knee, the left foot ahead."""
+def kneeling(body: Body, lean_rad: float) -> Pose:
+    """Return the pose on the right knee, the left foot ahead, the trunk leaning forward."""
     (_, left_m, height_m), (_, right_m, _) = _feet(body)
     return _pose(
         (body.shin_m, 0.0, KNEE_M + 0.985 * body.thigh_m),
         ((body.shin_m + 0.9 * body.thigh_m, left_m, height_m), (0.0, right_m, height_m + 0.02)),
-        pitched(0.05),
-        pitched(0.25),
-        pitched(0.2),
-        _both(0.5, 0.15, 0.7),
+        pitched(0.2 * lean_rad),
+        pitched(lean_rad),
+        pitched(0.8 * lean_rad),
+        _both(0.25 + lean_rad, 0.15, 0.7),
         spread=0.0,
     )
 

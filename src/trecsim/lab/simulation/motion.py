@@ -13,7 +13,9 @@ from trecsim.lab.simulation.actions import (
     Bend,
     Clip,
     Crawl,
+    Crouch,
     Fall,
+    Kneel,
     Lie,
     Point,
     RaiseArms,
@@ -278,12 +280,16 @@ def _least_s(place: Place, actions: Sequence[OnFoot]) -> float:
     return seconds
 
 
-def _posture(action: RaiseArms | Bend | Sit | Lie) -> Posture:
+def _posture(action: RaiseArms | Bend | Crouch | Kneel | Sit | Lie) -> Posture:
     """Return the posture an action holds."""
     if isinstance(action, RaiseArms):
         return Posture("arms", action.arms)
     if isinstance(action, Bend):
         return Posture("bend", radians(action.angle_deg))
+    if isinstance(action, Crouch):
+        return Posture("squat")
+    if isinstance(action, Kneel):
+        return Posture("kneel", radians(action.lean_deg))
     if isinstance(action, Sit):
         return Posture("sit", action.seat_m)
     return Posture(action.on)

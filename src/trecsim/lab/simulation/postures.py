@@ -30,6 +30,7 @@ Name = Literal[
     "fours",
     "front",
 ]
+KNEELING_RAD = 0.25  # lean of the trunk of somebody who kneels on the way down or up
 STEP_M = 0.06  # lift of a foot that steps elsewhere
 MIDST_M = 0.15  # lateral shift of a person who rolls over
 
@@ -43,7 +44,7 @@ class Posture:
     name
         Name of the posture.
     detail
-        Height of the seat [m], bend [rad], or which arms are up.
+        Height of the seat [m], bend or lean [rad], or which arms are up; 0 for the usual one.
     """
 
     name: Name
@@ -299,7 +300,7 @@ _KEYPOSES: dict[Name, Callable[[Body, Posture], Pose]] = {
     "back": lambda body, _: keyposes.on_the_back(body),
     "left": lambda body, _: keyposes.on_the_side(body, 0),
     "right": lambda body, _: keyposes.on_the_side(body, 1),
-    "kneel": lambda body, _: keyposes.kneeling(body),
+    "kneel": lambda body, posture: keyposes.kneeling(body, float(posture.detail) or KNEELING_RAD),
     "fours": lambda body, _: on_all_fours(body),
     "front": lambda body, _: keyposes.on_the_front(body),
 }

@@ -13,7 +13,9 @@ from trecsim.lab.simulation.actions import (
     Bend,
     Clip,
     Crawl,
+    Crouch,
     Fall,
+    Kneel,
     Lie,
     RaiseArms,
     Run,
@@ -118,7 +120,7 @@ def _in_time(
             way_m, left_s = _way_in_time(action, here_m, left_s)
             yield replace(action, to_m=way_m)
             here_m = way_m[-1]
-        elif isinstance(action, Stand | RaiseArms | Bend | Sit | Lie | Fall):
+        elif isinstance(action, Stand | RaiseArms | Bend | Crouch | Kneel | Sit | Lie | Fall):
             yield replace(action, seconds=min(action.seconds, left_s))
             left_s -= action.seconds
         else:

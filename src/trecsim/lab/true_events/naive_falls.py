@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from trecsim.lab.true_events.true_people import TruePerson
 
 WITHIN_S, DROP_SHARE, DOWN_MPS, STOOD_DEG, LIES_DEG = 1.5, 0.4, 1.0, 30.0, 60.0
-SETTLED_S, UP_S, SPEED_OVER_S = 0.5, 1.0, 0.12
+FASTEST_S, SETTLED_S, UP_S, SPEED_OVER_S = 1.0, 0.5, 1.0, 0.12
 
 
 def fallen_since_s(person: TruePerson) -> Float64[np.ndarray, " time"]:
@@ -44,6 +44,8 @@ def _fell(person: TruePerson, lying_s: float, until: int) -> bool:
     has_tilted = (trunk_deg < STOOD_DEG).any() and trunk_deg[-1] > LIES_DEG
     speeds_mps = [0.0]
     for k, n in enumerate(rows):
+        if person.t_s[n] < lying_s - FASTEST_S:
+            continue
         later = [m for m in rows[k:] if person.t_s[m] >= person.t_s[n] + SPEED_OVER_S - 1e-9]
         if later:
             took_s = person.t_s[later[0]] - person.t_s[n]
