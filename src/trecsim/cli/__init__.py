@@ -39,6 +39,9 @@ COMMANDS = {
     "restore": "Restore a backup to a new folder.",
     "erase": "Delete a period from recordings, for everybody or for one person.",
     "report": "Write a report on a recording: one HTML page with quality checks.",
+    "day-report": (
+        "Write the report of a day of a site: alerts, counts, dwell and density on one HTML page."
+    ),
     "simulate": "Simulate a scene: synthetic 2D poses with ground truth.",
     "study": "Vary settings of the fusion on synthetic scenes; report which of them matter.",
     "doctor": "Check the installation, and the cameras of a site.",
