@@ -210,6 +210,37 @@ def predicted_px(corners: Corners, state: State) -> Float64[np.ndarray, "corner 
     return shown
 
 
+def expected_error_px(
+    used: Corners, tested: Corners, state: State, sigma_px: float
+) -> Float64[np.ndarray, " corner"]:
+    """Return how far corners are expected from where boards that others placed would show them.
+
+    Parameters
+    ----------
+    used
+        The corners from which the placements of `state` were estimated.
+    tested
+        Other corners of the same placements.
+    state
+        Cameras and placements.
+    sigma_px
+        Standard deviation of a coordinate of a corner [px].
+
+    Returns
+    -------
+    Root mean square distance for each of the tested corners [px]: their own noise and what is
+    unknown about the placement.
+    """
+    problem = _Problem(used, state, no_freedom(state))
+    own = problem.equations(state, sigma_px).own
+    covariance = np.linalg.pinv(own + 1e-9 * np.eye(6), hermitian=True)
+    *_, by_placement = _Problem(tested, state, no_freedom(state))._compare(state)
+    of_corner = covariance[tested.placement]
+    variance = np.einsum("nka,nab,nkb->n", by_placement, of_corner, by_placement)
+    expected: Float64[np.ndarray, " corner"] = np.sqrt(variance + 2 * sigma_px**2)
+    return expected
+
+
 def _scale(residual: Float64[np.ndarray, "corner 2"], unknowns: int) -> float:
     """Return the standard deviation of the residuals, robustly [px]."""
     known = np.abs(residual[np.isfinite(residual)])
@@ -333,7 +364,7 @@ class _Problem:
             places = self.place_of[flat]
             kept = places >= 0
             J = np.concatenate((by_camera[start:end], by_board[start:end]), axis=2)[:, :, kept]
-            J = J.reshape(-1, J.shape[2])
+            J = J.reshape(2 * (end - start), -1)
             L = by_placement[start:end].reshape(-1, 6)
             w = np.repeat(weight[start:end], 2)
             r_w = residual[start:end].ravel() * w

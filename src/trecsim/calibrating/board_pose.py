@@ -46,6 +46,21 @@ def board_pose(
     return min(refined, key=lambda pose: pose[1])[0] if refined else None
 
 
+def other_pose(T: RigidMotion, middle_m: Float64[np.ndarray, " 3"]) -> RigidMotion:
+    """Return the pose with which a small distant board looks nearly the same.
+
+    Notes
+    -----
+    Its normal is mirrored at the line of sight to the middle of the board. Of the two, one picture
+    alone cannot always tell the right one.
+    """
+    centre = T[:3, :3] @ middle_m + T[:3, 3]
+    half_turn = 2 * np.outer(centre, centre) / (centre @ centre) - np.eye(3)
+    R = half_turn @ T[:3, :3] @ np.diag([-1.0, -1.0, 1.0])
+    other: RigidMotion = rigid_motion(R, centre - R @ middle_m)
+    return other
+
+
 def _refined(
     T: RigidMotion,
     points_m: Float64[np.ndarray, "corner 3"],

@@ -83,9 +83,16 @@ class Board:
         return self.square_m * flat.astype(np.float64)
 
     @property
-    def turned(self) -> Int64[np.ndarray, " corner"]:
-        """The number of each corner after half a turn of the board."""
-        return np.arange(self.columns * self.rows)[::-1]
+    def symmetries(self) -> list[Int64[np.ndarray, " corner"]]:
+        """Which corner each corner becomes, for every turn after which the board looks the same.
+
+        The first is no turn at all. A checkerboard with a top, and a ChArUco board, have no other.
+        """
+        numbers = np.arange(self.columns * self.rows).reshape(self.rows, self.columns)
+        if self.has_a_top:
+            return [numbers.ravel()]
+        quarters = (0, 1, 2, 3) if self.columns == self.rows and self.rows % 2 == 0 else (0, 2)
+        return [np.rot90(numbers, quarter).ravel() for quarter in quarters]
 
     def on_side(self, number: int) -> "Board":
         """Return the board with this number, of several alike with markers that follow on."""

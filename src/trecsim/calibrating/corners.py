@@ -10,7 +10,8 @@ from trecsim.calibrating.board_images import Grey
 from trecsim.calibrating.boards import Board, opencv_board
 from trecsim.extras import needed
 
-SEARCHED_PX = 1280  # longer side of the picture in which a checkerboard is searched
+SEARCHED_PX, SMALL_PX, LARGE_PX = 800, 400, 1280  # longer sides of the pictures searched
+SMOOTHED_PX = 1.2
 WINDOW_SHARE = 0.35  # of the distance of corners: what is used to refine one
 LARGEST_WINDOW_PX = 11
 REFINED = (3, 60, 1e-3)  # OpenCV's criterion: both, steps, px
@@ -89,26 +90,37 @@ class BoardFinder:
     def _find_checkerboard(
         self, grey: Grey
     ) -> tuple[Int64[np.ndarray, " corner"], Float64[np.ndarray, "corner 2"]] | None:
-        cv2 = self._cv2
-        size = (self.board.columns, self.board.rows)
-        scale = min(1.0, SEARCHED_PX / max(grey.shape))
-        small = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-        quick = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
-        found, corners = cv2.findChessboardCorners(
-            small, size, flags=quick | (0 if self._thorough else cv2.CALIB_CB_FAST_CHECK)
-        )
-        if not found and self._thorough:
-            found, corners = cv2.findChessboardCornersSB(
-                small, size, flags=cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE
-            )
-        if not found or corners is None:
+        xy = self._searched(grey)
+        if xy is None:
             return None
-        xy = (corners.reshape(-1, 2).astype(np.float64) + 0.5) / scale - 0.5
         ids = np.arange(len(xy))
         xy = self._refined(grey, ids, xy)
         if not np.isfinite(xy).all():
             return None
         return ids, facing(grey, self.board, xy)
+
+    def _searched(self, grey: Grey) -> Float64[np.ndarray, "corner 2"] | None:
+        """Return the corners of a checkerboard in pixels, by the quickest way that finds them."""
+        cv2 = self._cv2
+        size = (self.board.columns, self.board.rows)
+        quick = cv2.CALIB_CB_ADAPTIVE_THRESH | cv2.CALIB_CB_NORMALIZE_IMAGE
+        quick |= cv2.CALIB_CB_FAST_CHECK
+        sector = cv2.CALIB_CB_NORMALIZE_IMAGE
+        ways = [(SEARCHED_PX, False), (SEARCHED_PX, True)]
+        ways += [(SMALL_PX, True), (LARGE_PX, False), (LARGE_PX, True)] if self._thorough else []
+        for long_side, by_sectors in ways:
+            scale = min(1.0, long_side / max(grey.shape))
+            small = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+            if by_sectors:
+                found, corners = cv2.findChessboardCornersSB(small, size, flags=sector)
+            else:  # noise would make it slow
+                smooth = cv2.GaussianBlur(small, (0, 0), SMOOTHED_PX)
+                found, corners = cv2.findChessboardCorners(smooth, size, flags=quick)
+            if found and corners is not None:
+                xy = corners.reshape(-1, 2).astype(np.float64)
+                pixels: Float64[np.ndarray, "corner 2"] = (xy + 0.5) / scale - 0.5
+                return pixels
+        return None
 
     def _refined(
         self,
@@ -154,8 +166,9 @@ def facing(
     right, down = grid[0, -1] - grid[0, 0], grid[-1, 0] - grid[0, 0]
     if right[0] * down[1] - right[1] * down[0] < 0:  # read from behind
         grid = grid[:, ::-1]
-    if board.has_a_top and _first_is_white(grey, grid):
-        grid = grid[::-1, ::-1]
+    odd_square = board.columns == board.rows and board.rows % 2 == 1
+    if (board.has_a_top or odd_square) and _first_is_white(grey, grid):
+        grid = np.rot90(grid) if odd_square else grid[::-1, ::-1]
     return grid.reshape(-1, 2)
 
 

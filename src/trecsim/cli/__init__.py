@@ -60,6 +60,7 @@ GROUPS = {
         "Calibrate cameras, and judge the result.",
         {
             "intrinsics": "Calibrate lenses with a board: focal length, centre and distortion.",
+            "rig": "Calibrate where cameras stand with a board that is carried through the room.",
             "board": "Write a calibration board to print, in true size, as PDF.",
             "people": "Calibrate cameras from people who walk: poses, clocks, and a verdict.",
         },

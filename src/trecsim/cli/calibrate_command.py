@@ -3,5 +3,6 @@
 from trecsim.cli.calibrate_board import board
 from trecsim.cli.calibrate_intrinsics import intrinsics
 from trecsim.cli.calibrate_people import people
+from trecsim.cli.calibrate_rig import rig
 
-__all__ = ["board", "intrinsics", "people"]
+__all__ = ["board", "intrinsics", "people", "rig"]
