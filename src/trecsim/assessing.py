@@ -17,8 +17,10 @@ from trecsim.forecasting.forecasts import Forecasts
 from trecsim.geometry import Rig
 from trecsim.safety.early_warning import EVERY_S, Forecaster
 from trecsim.safety.engine import Clock, RuleEngine
+from trecsim.safety.modes import Mode, Overrides, rules_off
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
+from trecsim.sites.mode_tables import modes_of
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
 from trecsim.sites.rules import rule_remarks, rules_of, zone_of
@@ -43,12 +45,15 @@ class RuleSet:
         What the times of snapshots are.
     rig
         Its cameras, if they are known.
+    modes
+        Its modes.
     """
 
     site: str
     rules: tuple[Rule, ...]
     clock: Clock
     rig: Rig | None = None
+    modes: tuple[Mode, ...] = ()
 
 
 def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> RuleSet:
@@ -66,13 +71,15 @@ def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> R
         Is added to the times of snapshots to get Unix times [s].
     """
     clock = Clock(zone_of(site.timezone), start_s)
-    return RuleSet(name, rules_of(site.rules, site.places), clock, rig)
+    return RuleSet(name, rules_of(site.rules, site.places), clock, rig, modes_of(site.modes))
 
 
-def armed_rules(site: Ruled, now_s: float) -> int:
+def armed_rules(site: Ruled, now_s: float, overrides: Overrides = Overrides()) -> int:  # noqa: B008
     """Return how many rules of a site are armed at a Unix time [s]."""
     now = Clock(zone_of(site.timezone)).local(now_s)
-    return sum(armed(rule.schedule, now) for rule in rules_of(site.rules, site.places))
+    off = rules_off(modes_of(site.modes), overrides.at(now_s), now)
+    rules = rules_of(site.rules, site.places)
+    return sum(rule.id not in off and armed(rule.schedule, now) for rule in rules)
 
 
 class _Looking:
@@ -116,8 +123,9 @@ class RuleEvents:
         self._site = rules.site
         forecaster = forecaster or _Looking(rules.rules)
         self._engine = RuleEngine(
-            rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster
-        )
+            rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster,
+            modes=rules.modes,
+        )  # fmt: skip
         self._looking = forecaster
         self._next_seq: dict[str, int] = {}
 
@@ -129,8 +137,16 @@ class RuleEvents:
         """Take other rules from now on; return the ends of what has changed."""
         if isinstance(self._looking, _Looking):
             self._looking.change(rules.rules)
-        ends = self._engine.change(rules.rules, rules.clock, t_s)
+        ends = self._engine.change(rules.rules, rules.clock, t_s, rules.modes)
         return [self._event(data, t_s) for data in ends]
+
+    def override(self, overrides: Overrides) -> None:
+        """Take what people have put in place of the modes, from now on."""
+        self._engine.overrides = overrides
+
+    def mode(self, t_s: float) -> str | None:
+        """Return the mode that is in force at a time [s]."""
+        return self._engine.mode(t_s)
 
     def armed(self, t_s: float) -> int:
         """Return how many rules are armed at a time [s]."""

@@ -170,11 +170,14 @@ class RulesHealth:
         How many rules are armed now, and how many there are.
     fault
         What is wrong; None where nothing is.
+    mode
+        The mode in force; None where all rules are on.
     """
 
     armed: int = 0
     total: int = 0
     fault: str | None = None
+    mode: str | None = None
 
     @property
     def said(self) -> str | None:

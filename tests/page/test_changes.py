@@ -242,9 +242,7 @@ def test_a_draft_is_checked_kept_and_made_live_once(changing: RunningPage, folde
     assert gone.status_code == 409
 
 
-def test_there_are_no_modes_and_no_pictures_yet(changing: RunningPage) -> None:
-    assert changing.client.get("/api/mode").json() == {"mode": None, "modes": []}
-    assert changing.client.post("/api/mode", json={"mode": "Night"}).status_code == 409
+def test_a_site_without_pictures_has_none(changing: RunningPage) -> None:
     assert changing.client.get("/api/cameras/north/picture").status_code == 404
 
 

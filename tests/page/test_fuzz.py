@@ -32,6 +32,7 @@ QUERIES = ("", "?after=one", "?limit=1", "?limit=1e99", "?from_s=0&to_s=1", "?un
 KEYS = (
     "phase", "event", "events", "until_s", "reason", "note", "user", "password", "based_on",
     "revision", "zones", "lines", "edges", "polygon_m", "points_m", "mode", "reviewed",
+    "bypass", "rule",
 )  # fmt: skip
 
 texts = st.text(max_size=20)

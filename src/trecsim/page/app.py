@@ -24,6 +24,7 @@ from trecsim.page.live_state import LiveState
 from trecsim.page.login import login_routes
 from trecsim.page.messages import json_bytes
 from trecsim.page.metrics import metrics_text
+from trecsim.page.mode_routes import mode_routes
 from trecsim.page.page_data import PageData
 from trecsim.page.picture_routes import picture_routes
 from trecsim.page.policy import Policy
@@ -81,6 +82,7 @@ def page_app(parts: Parts) -> Starlette:
         *event_routes(access, parts.journal, state.hub, parts.ask, reasons),
         *recording_routes(access, parts.data.recordings),
         *site_routes(access, site),
+        *mode_routes(access, state, parts.journal, parts.ask),
         *picture_routes(access, state, parts.journal, parts.ask),
         Route("/{path:path}", _files(parts.bundle)),
     ]

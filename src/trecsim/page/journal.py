@@ -18,8 +18,10 @@ from typing import Any, TypeVar
 
 from trecsim.errors import Error, InputError, SetupError
 from trecsim.page.event_log import EVENTS_KEPT, EventLog
+from trecsim.safety.modes import Overrides
 from trecsim.store.ledger import MOST_REVIEWED, Ledger
 from trecsim.store.ledger_events import act_event, checked_act
+from trecsim.store.names import OVERRIDES
 
 logger = logging.getLogger(__name__)
 
@@ -51,6 +53,7 @@ class Journal:
         self._lock = Lock()
         self._waiting: deque[Event] = deque(maxlen=EVENTS_KEPT)  # the ledger has them later
         self._reviewed: dict[str, dict[str, None]] = {}
+        self._overrides = Overrides()
         if self._ledger is not None:
             for kept in self._ledger.events(limit=EVENTS_KEPT, newest=True):
                 log.append(kept.event)
@@ -148,6 +151,21 @@ class Journal:
         if self._ledger is not None:
             return await _apart(partial(self._ledger.reviewed, who))
         return list(self._reviewed.get(who, {}))
+
+    async def overrides(self) -> Overrides:
+        """Return what people have put in place of the modes of the site."""
+        if self._ledger is not None:
+            return Overrides.of(await _apart(partial(self._ledger.setting, OVERRIDES)))
+        return self._overrides
+
+    async def keep_overrides(
+        self, who: str, overrides: Overrides, details: Mapping[str, Any]
+    ) -> None:
+        """Keep what people put in place of the modes, in the audit log too."""
+        if self._ledger is not None:
+            keep = self._ledger.keep_setting
+            await _apart(partial(keep, OVERRIDES, overrides.to_json(), who, details))
+        self._overrides = overrides
 
     def _act(
         self, ledger: Ledger, episode: str, phase: str, by: str, said: Mapping[str, Any]

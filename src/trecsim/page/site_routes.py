@@ -26,7 +26,6 @@ from trecsim.page.site_text import parts_of
 from trecsim.page.trial import Trials
 
 LARGEST_DRAFT = 500_000  # bytes
-NO_MODES = "this site has no modes"
 
 Result = TypeVar("Result")
 _Version = Annotated[str, msgspec.Meta(max_length=100)]
@@ -85,8 +84,6 @@ def site_routes(access: Access, site: "SiteDesk") -> list[Route]:
             "/api/site/history/{version:str}", access.needs("viewer", site.version), methods=["GET"]
         ),
         Route("/api/site/reload", access.needs("admin", site.reload), methods=["POST"]),
-        Route("/api/mode", access.needs("viewer", site.mode), methods=["GET"]),
-        Route("/api/mode", access.needs("operator", site.set_mode), methods=["POST", "PUT"]),
     ]
 
 
@@ -208,14 +205,6 @@ class SiteDesk:
         await self.journal.audit(by, "reload", {})
         await self.ask("reload", by, {})
         return Response(status_code=202)
-
-    async def mode(self, request: Request) -> Response:
-        """Return the mode in force, and those there are."""
-        return json_answer({"mode": self.state.site["site"].get("mode"), "modes": []})
-
-    async def set_mode(self, request: Request) -> Response:
-        """Refuse: there are no modes."""
-        raise HTTPException(409, NO_MODES)
 
     async def _shown(self, draft: Draft) -> Response:
         shown = {**msgspec.to_builtins(draft), "remarks": await _done(self._desk().remarks)}

@@ -29,8 +29,13 @@ class SiteView:
         Extent of the floor to draw: least x, least y, greatest x, greatest y [m].
     rules
         Number of rules in all (`total`) and of those that are armed (`armed`).
+    rule_ids
+        All rules, by their `id`.
     mode
-        The mode in force; None without modes.
+        The mode that its schedule puts in force; None without modes. What is in force now is in
+        `/api/mode`, and in the health as `rules.mode`.
+    modes
+        Which rules are `off` in each mode, and its `schedule`, by name.
     pictures
         Whether the site file allows pictures of the cameras.
     kind
@@ -46,7 +51,9 @@ class SiteView:
     edges: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     floor_m: Sequence[float] = (-5.0, -5.0, 5.0, 5.0)
     rules: Mapping[str, int] = field(default_factory=lambda: {"armed": 0, "total": 0})
+    rule_ids: Sequence[str] = ()
     mode: str | None = None
+    modes: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     pictures: bool = False
     kind: str = "live"
 

@@ -27,6 +27,7 @@ from trecsim.safety.machine import (
     judged,
     unjudged,
 )
+from trecsim.safety.modes import Mode, Overrides, in_force, rules_off
 from trecsim.safety.rule import Rule
 from trecsim.safety.rule_scene import Memory, Scene
 from trecsim.safety.schedules import LocalTime, armed, local_time
@@ -115,6 +116,13 @@ class RuleEngine:
         The cameras, to tell which of them have somebody in view.
     forecaster
         Tells where people will be, for rules that warn early.
+    modes
+        Of the site.
+
+    Attributes
+    ----------
+    overrides
+        What people have put in place of the modes.
     """
 
     def __init__(
@@ -125,8 +133,10 @@ class RuleEngine:
         clock: Clock = Clock(),
         rig: Rig | None = None,
         forecaster: Forecaster | None = None,
+        modes: Sequence[Mode] = (),
     ) -> None:
         self._site, self._clock, self._forecaster = site, clock, forecaster
+        self._modes, self.overrides = tuple(modes), Overrides()
         self._kept = [_Kept(rule, rule.kind.condition(rule)) for rule in rules]
         self._memory, self._cameras = Memory(), cameras_in_view(rig)
         self._last_s = float("-inf")
@@ -145,9 +155,12 @@ class RuleEngine:
         forecasts = self._forecaster(snapshot) if self._forecaster is not None else None
         scene = self._memory.take(snapshot, forecasts)
         now = self._clock.local(scene.t_s)
-        return [data for kept in self._kept for data in self._judge(kept, scene, now)]
+        off = self._off(scene.t_s, now)
+        return [data for kept in self._kept for data in self._judge(kept, scene, now, off)]
 
-    def change(self, rules: Sequence[Rule], clock: Clock, t_s: float) -> list[EventData]:
+    def change(
+        self, rules: Sequence[Rule], clock: Clock, t_s: float, modes: Sequence[Mode] = ()
+    ) -> list[EventData]:
         """Take other rules from now on; return the ends of episodes whose rule has changed.
 
         Parameters
@@ -158,7 +171,10 @@ class RuleEngine:
             What the times of snapshots are.
         t_s
             Time of the last snapshot [s].
+        modes
+            Of the site.
         """
+        self._modes = tuple(modes)
         before = {kept.rule.id: kept for kept in self._kept}
         self._clock, self._kept = clock, []
         for rule in rules:
@@ -172,11 +188,22 @@ class RuleEngine:
     def armed(self, t_s: float) -> int:
         """Return how many rules are armed at a time [s]."""
         now = self._clock.local(t_s)
-        return sum(armed(kept.rule.schedule, now) for kept in self._kept)
+        off = self._off(t_s, now)
+        return sum(_is_armed(kept.rule, now, off) for kept in self._kept)
 
-    def _judge(self, kept: _Kept, scene: Scene, now: LocalTime | None) -> Iterator[EventData]:
+    def mode(self, t_s: float) -> str | None:
+        """Return the mode that is in force at a time [s]; None where all rules are on."""
+        mode = in_force(self._modes, self.overrides.at(t_s), self._clock.local(t_s))
+        return None if mode is None else mode.name
+
+    def _off(self, t_s: float, now: LocalTime | None) -> frozenset[str]:
+        return rules_off(self._modes, self.overrides.at(t_s), now)
+
+    def _judge(
+        self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]
+    ) -> Iterator[EventData]:
         found, kept.memory = kept.condition.judge(scene, kept.memory)
-        if not armed(kept.rule.schedule, now):
+        if not _is_armed(kept.rule, now, off):
             yield from self._disarm(kept, scene.t_s)
             return
         timing, t_s = kept.rule.timing, scene.t_s
@@ -283,6 +310,10 @@ class RuleEngine:
         return event_data(
             episode, rule, change, t_s, people, sorted(names), predicted=predicted, lead_s=lead_s
         )
+
+
+def _is_armed(rule: Rule, now: LocalTime | None, off: frozenset[str]) -> bool:
+    return rule.id not in off and armed(rule.schedule, now)
 
 
 def _finding(expected: Expected) -> Finding:

@@ -10,6 +10,7 @@ from trecsim.assessing import RuleEvents, RuleSet
 from trecsim.cloud_events import event_of
 from trecsim.health import RulesHealth
 from trecsim.safety.kinds import KINDS
+from trecsim.safety.modes import Overrides
 from trecsim.store.ledger_events import without_act
 from trecsim.values import Snapshot
 
@@ -40,6 +41,7 @@ class RuleWatch:
         self._events = RuleEvents(rules)
         self._lock = Lock()
         self._next: RuleSet | None = None
+        self._overrides: Overrides | None = None
         self._fault: str | None = None
 
     def write(self, snapshot: Snapshot, /) -> None:
@@ -59,14 +61,23 @@ class RuleWatch:
         with self._lock:
             self._next = rules
 
+    def override(self, overrides: Overrides) -> None:
+        """Take what people have put in place of the modes; may be called in any thread."""
+        with self._lock:
+            self._overrides = overrides
+
     def health(self, now_s: float) -> RulesHealth:
         """Return how many rules there are and are armed at a Unix time [s], and what is wrong."""
         armed = self._events.armed(now_s)
-        return RulesHealth(armed, len(self._rules.rules), self._fault)
+        mode = self._events.mode(now_s)
+        return RulesHealth(armed, len(self._rules.rules), self._fault, mode)
 
     def _step(self, snapshot: Snapshot) -> list[Event]:
         with self._lock:
             rules, self._next = self._next, None
+            overrides, self._overrides = self._overrides, None
+        if overrides is not None:
+            self._events.override(overrides)
         changed: list[Event] = []
         if rules is not None:
             changed = self._events.change(rules, snapshot.t_s)

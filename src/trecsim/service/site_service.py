@@ -24,6 +24,7 @@ from trecsim.outputs.opening import deliveries
 from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
 from trecsim.run_summary import RunSummary
+from trecsim.safety.modes import Overrides
 from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
@@ -41,6 +42,7 @@ from trecsim.site_run import recordings_folder, run
 from trecsim.sites.check import CheckedSite
 from trecsim.sites.site_reading import SiteFile
 from trecsim.sources.base import Source
+from trecsim.store.names import OVERRIDES
 from trecsim.store.site_store import SiteStore
 from trecsim.values import Frame
 
@@ -61,6 +63,7 @@ class SiteService:
         self._keeper: EventKeeper | None = None
         self._pictures: PictureMaker | None = None
         self._deliveries: list[Delivery] = []
+        self._rules: RuleWatch | None = None
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -98,7 +101,7 @@ class SiteService:
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        rules = RuleWatch(_rules_of(checked.file, checked.rig), self._put_event)
+        rules = self._rules = RuleWatch(_rules_of(checked.file, checked.rig), self._put_event)
         self._reloading = Reloading(checked.file, partial(self._apply, rules, checked.rig))
         watchers = monitor.sinks()
         watchers = replace(watchers, snapshots=[*watchers.snapshots, rules])
@@ -160,6 +163,8 @@ class SiteService:
         ending.enter_context(self._keeper)
         for event in _left_open(checked, store):
             self._keeper.put(event)
+        if self._rules is not None:
+            self._rules.override(Overrides.of(store.ledger.setting(OVERRIDES)))
         return [FaultLog(), faults]
 
     def _apply(self, rules: RuleWatch, rig: Rig, file: SiteFile) -> None:
@@ -208,6 +213,8 @@ class SiteService:
             self.reload()
         elif request.kind == "event" and self._keeper is not None:
             self._keeper.acted(request.body["event"])
+        elif request.kind == "mode" and self._rules is not None:
+            self._rules.override(Overrides.of(request.body))
         elif request.kind == "picture" and self._pictures is not None:
             self._pictures.look(request.body["camera"])
 

@@ -11,7 +11,11 @@ from trecsim.page.page_data import PageData
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_address import page_address
 from trecsim.page.site_view import SiteView, cameras_of, floor_of
+from trecsim.safety.modes import scheduled
+from trecsim.safety.schedules import local_time
 from trecsim.site_run import recordings_folder
+from trecsim.sites.mode_tables import modes_of
+from trecsim.sites.rules import zone_of
 from trecsim.sites.site_reading import SiteFile, read_draft
 
 
@@ -26,6 +30,7 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         Its cameras.
     """
     site = file.site
+    mode = scheduled(modes_of(site.modes), local_time(time.time(), zone_of(site.timezone)))
     outlines_m = [
         *(zone.polygon_m for zone in site.zones.values()),
         *(line.points_m for line in site.lines.values()),
@@ -40,6 +45,11 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         lines={name: line.model_dump(mode="json") for name, line in site.lines.items()},
         edges={name: edge.model_dump(mode="json") for name, edge in site.edges.items()},
         floor_m=floor_of(rig, outlines_m=outlines_m),
+        rule_ids=[rule.id for rule in site.rules],
+        mode=None if mode is None else mode.name,
+        modes={
+            name: {"off": one.off, "schedule": one.schedule} for name, one in site.modes.items()
+        },
         rules={"armed": armed_rules(site, time.time()), "total": len(site.rules)},
         pictures=shows_pictures(file),
     )

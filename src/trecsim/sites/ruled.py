@@ -4,6 +4,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from trecsim.sites.mode_tables import ModeTable, mode_faults
 from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
 from trecsim.sites.rule_tables import MOST_RULES, AnyRule
 from trecsim.sites.rules import Places, refuse, rule_faults
@@ -27,6 +28,9 @@ class Ruled(Table):
     rules: Annotated[list[AnyRule], Field(max_length=MOST_RULES)] = Field(default_factory=list)
     """What to tell of the people: see the kinds of rules."""
 
+    modes: Annotated[dict[Name, ModeTable], Field(max_length=50)] = Field(default_factory=dict)
+    """Modes, by name: which rules are off by day, by night, or for maintenance."""
+
     @property
     def places(self) -> Places:
         """Zones, lines and edges, by kind and name."""
@@ -34,7 +38,7 @@ class Ruled(Table):
 
     @model_validator(mode="after")
     def _rules_fit(self) -> Self:
-        faults = list(rule_faults(self.rules, self.places))
+        faults = [*rule_faults(self.rules, self.places), *mode_faults(self.modes, self.rules)]
         if faults:
             refuse("Site", faults)
         return self

@@ -191,11 +191,24 @@ class Ledger(LedgerReading):
                 f"DELETE FROM delivered WHERE output NOT IN ({', '.join('?' * len(kept))})", kept
             )
 
-    def keep_setting(self, name: str, body: Mapping[str, Any]) -> None:
-        """Keep something that outlives the program, in place of what has this name."""
+    def keep_setting(
+        self, name: str, body: Mapping[str, Any], who: str, details: Mapping[str, Any]
+    ) -> None:
+        """Keep something that outlives the program, in place of what has this name.
+
+        Parameters
+        ----------
+        name
+            What it is called, also in the audit log.
+        body
+            What is kept.
+        who, details
+            Who has changed what, for the audit log.
+        """
         text = json.dumps(body, ensure_ascii=False, sort_keys=True, allow_nan=False)
         with self._writing() as connection:
             connection.execute("INSERT OR REPLACE INTO setting VALUES (?, ?)", [name, text])
+            _insert_audit(connection, self._now(), who, name, details)
 
     def append_audit(self, who: str, act: str, details: Mapping[str, Any] | None = None) -> int:
         """Add an entry to the audit log and return its number.
