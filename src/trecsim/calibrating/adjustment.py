@@ -210,6 +210,20 @@ def predicted_px(corners: Corners, state: State) -> Float64[np.ndarray, "corner 
     return shown
 
 
+def placement_covariance(
+    corners: Corners, state: State, sigma_px: float
+) -> Float64[np.ndarray, "placement 6 6"]:
+    """Return the covariance of each placement: a small rotation [rad] and shift in the world [m].
+
+    The rotation is about the axes and the origin of the world; the cameras are taken as known.
+    """
+    own = _Problem(corners, state, no_freedom(state)).equations(state, sigma_px).own
+    covariance: Float64[np.ndarray, "placement 6 6"] = np.linalg.pinv(
+        own + 1e-9 * np.eye(6), hermitian=True
+    )
+    return covariance
+
+
 def expected_error_px(
     used: Corners, tested: Corners, state: State, sigma_px: float
 ) -> Float64[np.ndarray, " corner"]:
@@ -231,9 +245,7 @@ def expected_error_px(
     Root mean square distance for each of the tested corners [px]: their own noise and what is
     unknown about the placement.
     """
-    problem = _Problem(used, state, no_freedom(state))
-    own = problem.equations(state, sigma_px).own
-    covariance = np.linalg.pinv(own + 1e-9 * np.eye(6), hermitian=True)
+    covariance = placement_covariance(used, state, sigma_px)
     *_, by_placement = _Problem(tested, state, no_freedom(state))._compare(state)
     of_corner = covariance[tested.placement]
     variance = np.einsum("nka,nab,nkb->n", by_placement, of_corner, by_placement)

@@ -61,6 +61,7 @@ GROUPS = {
         {
             "intrinsics": "Calibrate lenses with a board: focal length, centre and distortion.",
             "rig": "Calibrate where cameras stand with a board that is carried through the room.",
+            "floor": "Put a rig on its floor, with origin and heading, by a board or known points.",
             "board": "Write a calibration board to print, in true size, as PDF.",
             "people": "Calibrate cameras from people who walk: poses, clocks, and a verdict.",
         },

@@ -1,8 +1,9 @@
 """The commands `trecsim calibrate`: each kind of calibration in a module of its own."""
 
 from trecsim.cli.calibrate_board import board
+from trecsim.cli.calibrate_floor import floor
 from trecsim.cli.calibrate_intrinsics import intrinsics
 from trecsim.cli.calibrate_people import people
 from trecsim.cli.calibrate_rig import rig
 
-__all__ = ["board", "intrinsics", "people", "rig"]
+__all__ = ["board", "floor", "intrinsics", "people", "rig"]
