@@ -28,7 +28,7 @@ TWINS := $(addprefix tests/fusion/test_,$(addsuffix .py,anatomy dense fitting gr
 
 .DEFAULT_GOAL := help
 .PHONY: help demo test test-random coverage check bench bench-quick ablation figures tables $\
-  page page-pictures pictures study docs constraints clean
+  page page-pictures pictures study docs film-picture report constraints clean
 
 help:  ## Show this list.
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 14
@@ -89,6 +89,12 @@ study: .venv/installed-test  ## Run the study of three settings that the docs sh
 docs: .venv/installed-docs  ## Build the documentation into docs/_build/html.
 	$(BIN)/sphinx-build --fail-on-warning --quiet docs docs/_build/html
 	@echo "see docs/_build/html/index.html"
+
+film-picture: .venv/installed-render  ## Draw the picture of a film for README anew.
+	$(BIN)/python benchmarks/film_pictures.py
+
+report: .venv/installed-docs .venv/installed-test  ## Make the technical report, slides and a film.
+	$(BIN)/python benchmarks/technical_report.py
 
 constraints: .venv/installed-check .venv/installed-docs  ## Pin the versions that are installed now.
 	@echo "# Versions that the tests passed with; make installs exactly these. Made by: make constraints" > constraints.txt

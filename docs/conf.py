@@ -12,7 +12,7 @@ extensions = [
     "sphinx.ext.viewcode",
     "numpydoc",
 ]
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "report"]  # report: see benchmarks/technical_report.py
 templates_path = ["_templates"]
 default_role = "literal"  # names in docstrings; most of them are arguments and units
 

@@ -43,29 +43,27 @@ def film_input(
         When something given is missing or wrong.
     """
     folder = tracks if tracks.is_dir() else tracks.parent
-    found = {"videos": dict(videos or {})}
+    given = dict(videos or {})
     zones: dict[str, np.ndarray] = {}
     lines: dict[str, np.ndarray] = {}
+    rig = rig or _beside(folder, RIG)
+    cameras = read_rig(rig) if rig is not None else None
     if site is not None:
         ruled = read_without_rig(site)
         zones = {name: np.array(zone.polygon_m, float) for name, zone in ruled.zones.items()}
         lines = {name: np.array(line.points_m, float) for name, line in ruled.lines.items()}
         lines |= {name: np.array(edge.points_m, float) for name, edge in ruled.edges.items()}
-    cameras = None
-    rig = rig or _beside(folder, RIG)
-    if rig is not None:
-        cameras = read_rig(rig)
-    if site is not None and (cameras is None or not found["videos"]):
-        full = read_site(site).site
-        cameras = cameras or full.rig.read(lambda remark: None)
-        recorded = {name: one.video for name, one in full.sources.items() if one.video}
-        found["videos"] = found["videos"] or recorded
-    for name, path in found["videos"].items():
+        if cameras is None and ruled.rig is not None:
+            cameras = ruled.rig.read(lambda remark: None)
+        if not given and ruled.sources:
+            sources = read_site(site).site.sources
+            given = {name: one.video for name, one in sources.items() if one.video is not None}
+    for name, path in given.items():
         if not path.is_file():
             raise InputError(f"video of {name}: there is no file {path}")
     return FilmInput(
         cameras,
-        found["videos"],
+        given,
         zones,
         lines,
         events or _beside(folder, "events.jsonl"),
