@@ -48,6 +48,7 @@ _IN_ORDER = (
     "page_start",
     "soak_live",
     "real_video",
+    "looking",
     "estimator_speed",
     "pipeline_cost",
     "beside_pose2sim",

@@ -162,11 +162,14 @@ def crowded(image: "Poses2D", count: int, rng: Any, keep: int | None = None) -> 
     if len(xy_px) and count:
         body = xy_px[rng.integers(len(xy_px), size=count)]
         false = body + rng.uniform(-600.0, 600.0, (count, 1, 2))
-    return replace(
-        image,
-        xy_px=np.concatenate([xy_px, false]),
-        score=np.concatenate([image.score[:keep], rng.uniform(0.2, 0.9, (count, 17))]),
-        person_score=np.ones(len(xy_px) + count),
+    from trecsim.values import Poses2D
+
+    return Poses2D(
+        image.camera,
+        image.t_s,
+        np.concatenate([xy_px, false]),
+        np.concatenate([image.score[:keep], rng.uniform(0.2, 0.9, (count, 17))]),
+        np.ones(len(xy_px) + count),
     )
 
 

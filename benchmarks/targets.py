@@ -238,6 +238,8 @@ FUSION: tuple[Target, ...] = (*_shelf(), *_thesis(), *_rooms(), *_speed())
 _VIDEO, _COST, _LONG = "real video", "pipeline", "an hour of failing cameras"
 _LIVE, _PAGE, _STORE = "live site", "live page", "storing"
 _AHEAD = "forecasts on ETH/UCY, table of the other scenes"
+_LOOKING = "looking at real video"
+
 OTHERS: tuple[Target, ...] = (
     Target(_AHEAD, "ADE, published protocol",
            ("forecast", "mean, published protocol", "ADE"), "<=", 0.515, "m"),
@@ -249,6 +251,16 @@ OTHERS: tuple[Target, ...] = (
            ("forecast", "mean, true time", "largest coverage error*", "*"), "<=", 0.02),
     Target(_AHEAD, "4.8 s for 50 people, thread time, least",
            ("forecast", "cost, 50 people", "thread time, least"), "<=", 2, "ms"),
+    Target(_LOOKING, "an eighth of the looks, lag 0.1 s or more: processor time / full",
+           ("looking", "*Person", "budget 1/8", "*", "processor time / full"), "<=", 0.125),
+    Target(_LOOKING, "the same: error at left-out cameras / full",
+           ("looking", "*Person", "budget 1/8", "*", "median / full"), "<=", 1.03, "x"),
+    Target(_LOOKING, "the same: p90 / full",
+           ("looking", "*Person", "budget 1/8", "*", "p90 / full"), "<=", 1.05, "x"),
+    Target(_LOOKING, "the same: joints faster than 2 m/s / full",
+           ("looking", "*Person", "budget 1/8", "*", "fast joints / full"), "<=", 1.10, "x"),
+    Target(_LOOKING, "people who lie, found in turned pictures",
+           ("looking", "lying", "found", "looks by need"), ">=", 90, "%"),
     Target("simulating", "4 cameras x 4 people",
            ("simulating", "4 cameras, 4 people", "times real time"), ">=", 50, "x real time"),
     Target("simulating", "12 cameras x 50 people",

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
+from trecsim.sources.video import Picture
 from trecsim.store.recordings import Stored, stored_in
 from trecsim.store.rig_digest import rig_sha256
 from trecsim.values import Frame, Poses2D
@@ -49,7 +50,7 @@ class Later:
         self._rig = rig
         self._last_s = -math.inf if last_s is None else last_s
 
-    def __call__(self, image: Frame | Poses2D) -> bool:
+    def __call__(self, image: Frame | Picture | Poses2D) -> bool:
         """Return whether `image` is later than the end of the recording."""
         if self._last_s == -math.inf:
             return True

@@ -230,12 +230,15 @@ def _poses(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, No
         yield from filter(wanted, poses)
         return
     from trecsim.estimators.pool import estimate_videos, open_videos
+    from trecsim.looking.recorded import estimate_within
 
     estimator = load_estimator(checked.file)
     videos = {camera: one.video for camera, one in site.sources.items() if one.video is not None}
-    yield from estimate_videos(
-        open_videos(videos, estimator, remark=_checked_before), estimator, wanted=wanted
-    )
+    opened = open_videos(videos, estimator, remark=_checked_before)
+    if site.estimator.budget is not None:
+        yield from estimate_within(opened, estimator, site.estimator.budget, wanted=wanted)
+    else:
+        yield from estimate_videos(opened, estimator, wanted=wanted)
 
 
 def _image_count(checked: CheckedSite) -> int | None:

@@ -13,6 +13,8 @@ PROVISIONAL, CONFIRMED, COASTING = "provisional", "confirmed", "coasting"
 """States of a person in a `Snapshot`."""
 STATES = np.array([COASTING, CONFIRMED])
 """The states by whether any camera supports the person."""
+LOOK_DIGITS = 3
+"""So many decimals of `Poses2D.pixel_px` are kept, in memory as in files."""
 
 
 def _not_given() -> np.ndarray:
@@ -65,6 +67,9 @@ class Poses2D:
         The estimator's confidence per key point, 0 to 1; 0 where missing.
     person_score
         The estimator's confidence per person, 0 to 1.
+    pixel_px
+        Size of a pixel of the network's input where it found the person, in pixels of the image:
+        how finely it looked. NaN where that is not known.
     """
 
     camera: str
@@ -72,6 +77,11 @@ class Poses2D:
     xy_px: Float64[np.ndarray, "person joint 2"]
     score: Float64[np.ndarray, "person joint"]
     person_score: Float64[np.ndarray, " person"]
+    pixel_px: Float64[np.ndarray, " person"] = field(default_factory=_not_given, kw_only=True)
+
+    def __post_init__(self) -> None:
+        if len(self.pixel_px) != len(self.person_score):
+            object.__setattr__(self, "pixel_px", np.full(len(self.person_score), np.nan))
 
     def __repr__(self) -> str:
         return (

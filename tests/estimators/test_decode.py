@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -28,6 +30,7 @@ def detections(people, person_score, score=0.9):
         np.full(xy.shape[:2], score),
         np.array(person_score, float),
         np.array([box_around(one) for one in xy]).reshape(-1, 4),
+        np.ones(len(xy)),
     )
 
 
@@ -178,7 +181,7 @@ def test_skeletons_that_share_too_few_joints_are_not_compared():
     score = np.zeros((2, 17))
     score[0, :9], score[1, 7:] = 0.9, 0.9  # two in common
     both = detections([a, a], [0.9, 0.8])
-    found = Detections(both.xy_px, score, both.person_score, both.box_px)
+    found = replace(both, score=score)
     assert decode.similarity(found)[0, 1] == 0.0
 
 
@@ -195,10 +198,20 @@ def test_similarity_of_a_known_shift():
     a = np.zeros((17, 2))
     a[1] = [100, 100]
     boxes = np.array([[0.0, 0, 100, 100]] * 2)
-    found = Detections(np.array([a, a + np.array([10, 0])]), np.ones((2, 17)), np.ones(2), boxes)
+    people = np.array([a, a + np.array([10, 0])])
+    found = Detections(people, np.ones((2, 17)), np.ones(2), boxes, np.ones(2))
     sigma = np.array([26, 25, 25, 35, 35, 79, 79, 72, 72, 62, 62, 107, 107, 87, 87, 89, 89]) / 1000
     expected = np.exp(-100 / (2 * 1e4 * (2 * sigma) ** 2)).mean()
     np.testing.assert_allclose(decode.similarity(found)[0, 1], expected)
+
+
+def test_of_two_equally_fine_looks_the_better_skeleton_of_everybody_is_taken():
+    a, b, c = skeleton(100, 50), skeleton(400, 50), skeleton(700, 50)
+    first = detections([a, b], [0.3, 0.8])
+    second = detections([a + 4.0, b + 4.0, c], [0.6, 0.5, 0.4])
+    found = decode.better(first, second)
+    np.testing.assert_array_equal(found.xy_px, [b, a + 4.0, c])
+    np.testing.assert_array_equal(found.person_score, [0.8, 0.6, 0.4])
 
 
 def test_overlap_of_known_boxes():

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from made_rigs import K_1080P, brown_coefficients, fisheye_coefficients, ring
 from trecsim.fusion import kernels
+from trecsim.fusion.tuning import COARSE_VARIANCE, FINE_PIXEL_SHARE, LARGEST_SIGMA_SCALE
 from trecsim.fusion.undistortion import undistortion
 from trecsim.geometry import Camera, Rig
 
@@ -52,12 +53,29 @@ def test_the_middle_of_the_image_stays_and_far_outside_there_is_nothing(lens):
     assert np.isnan(found[1:]).all()
 
 
-def prefiltered(xy_px, score, cam, offset, rig, min_joints=0):
+def prefiltered(xy_px, score, cam, offset, rig, min_joints=0, pixel_px=None):
     factor, kept = np.empty(score.shape), np.empty_like(offset)
+    looks = np.full(len(score), np.nan) if pixel_px is None else np.array(pixel_px)
     kernels.prefilter(
-        xy_px, score, cam, offset, undistortion(rig), 0.15, 0.85, min_joints, factor, kept
+        xy_px, score, looks, cam, offset, undistortion(rig), 0.15, 0.85, min_joints, factor, kept
     )
     return factor, kept
+
+
+def test_key_points_of_a_coarse_look_at_a_person_are_less_certain():
+    rng = np.random.default_rng(4)
+    person = rng.uniform(400.0, 500.0, (17, 2))
+    person[:2] = [[400.0, 100.0], [400.0, 600.0]]  # 500 px tall
+    xy, score = np.repeat(person[None], 4, axis=0), np.full((4, 17), 0.9)
+    xy += 1000.0 * np.arange(4)[:, None, None]  # nobody is there twice
+    pixel_px = [np.nan, 2.0, 2.0 * 500 * FINE_PIXEL_SHARE, 1e4]
+    factor, _ = prefiltered(
+        xy, score, np.array([0]), np.array([0, 4]), ring(1, "none"), pixel_px=pixel_px
+    )
+    assert factor[0, 2] == factor[1, 2] == 1.0  # not known, or finer than it matters
+    # Twice as coarse as what does no harm: the variance is 1 + COARSE_VARIANCE (2^2 - 1).
+    np.testing.assert_allclose(factor[2, 2], np.sqrt(1.0 + 3.0 * COARSE_VARIANCE))
+    assert factor[3, 2] == LARGEST_SIGMA_SCALE
 
 
 @given(SEEDS)

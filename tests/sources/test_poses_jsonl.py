@@ -2,6 +2,7 @@ import errno
 import json
 import logging
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -69,6 +70,24 @@ def test_the_file_is_as_the_contract_has_it(tmp_path):
         "people": [{"score": 0.87, "keypoints": keypoints}],
     }
     assert json.loads(second) == {"camera": "south", "t_s": 12.4, "people": []}
+
+
+def test_how_finely_people_were_looked_at_is_written_and_read(tmp_path):
+    path = tmp_path / "room.poses.jsonl"
+    image = replace(made_poses("a", 1.0, 3), pixel_px=np.array([3.75, np.nan, 0.125]))
+    with PosesWriter(path) as writer:
+        writer.write(image)
+    people = json.loads(path.read_text().splitlines()[1])["people"]
+    assert [person.get("pixel_px") for person in people] == [3.75, None, 0.125]
+    (found,) = read_poses_jsonl(path)
+    np.testing.assert_array_equal(found.pixel_px, image.pixel_px)
+
+
+@pytest.mark.parametrize("value", ["0", "-1", "1e9", "true", '"3"', "[]"])
+def test_a_size_that_no_look_has_is_refused_with_its_line(read, value):
+    person = {**PERSON, "pixel_px": "VALUE"}
+    content = HEADER + line("b", 2, people=[person]).replace('"VALUE"', value)
+    assert "line 2: person 0: 'pixel_px'" in refused(read, content)
 
 
 def test_the_contract_s_own_example_is_read(read):
@@ -296,7 +315,7 @@ def all_of(content):
         path.write_bytes(content)
         try:
             return [repr([image.camera, image.t_s, image.xy_px.tolist(), image.score.tolist(),
-                          image.person_score.tolist()])
+                          image.person_score.tolist(), image.pixel_px.tolist()])
                     for image in read_poses_jsonl(path)]  # fmt: skip
         except InputError as error:
             return str(error).replace(folder, "")
@@ -305,7 +324,9 @@ def all_of(content):
 @given(data=st.data())
 def test_the_quick_reader_and_the_strict_one_make_the_same_of_every_line(data):
     ends = ["1e999", "null", "[[", "true", "1e-320", "9" * 30, "-0", '"t_s": 7,', "\\u0061", "0.1"]
-    rest = bytearray((line(t_s=1) + line("b", 2, people=[PERSON] * 2) + line("b", 3.5)).encode())
+    looked_at = {**PERSON, "pixel_px": 3.75}
+    several = line("b", 2, people=[PERSON, looked_at])
+    rest = bytearray((line(t_s=1) + several + line("b", 3.5)).encode())
     for _ in range(data.draw(st.integers(0, 3))):
         place = data.draw(st.integers(0, len(rest) - 1))
         patch = data.draw(st.sampled_from(ends) | st.text('0123456789.,[]{}e-"', max_size=3))

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Int64
 
 from trecsim.estimators.letterbox import Letterbox, Size
-from trecsim.values import Poses2D
+from trecsim.values import LOOK_DIGITS, Poses2D
 
 JOINTS = 17
 
@@ -45,12 +45,15 @@ class Detections:
         Per person, 0 to 1.
     box_px
         Left, top, right, bottom [px].
+    pixel_px
+        Size of a pixel of the network's input where it found each [px].
     """
 
     xy_px: Float64[np.ndarray, "person joint 2"]
     score: Float64[np.ndarray, "person joint"]
     person_score: Float64[np.ndarray, " person"]
     box_px: Float64[np.ndarray, "person 4"]
+    pixel_px: Float64[np.ndarray, " person"]
 
     def __len__(self) -> int:
         return len(self.person_score)
@@ -58,8 +61,9 @@ class Detections:
     def take(self, index: Int64[np.ndarray, " kept"]) -> "Detections":
         """Return the people at `index`, in that order."""
         return Detections(
-            self.xy_px[index], self.score[index], self.person_score[index], self.box_px[index]
-        )
+            self.xy_px[index], self.score[index], self.person_score[index], self.box_px[index],
+            self.pixel_px[index],
+        )  # fmt: skip
 
     def first(self, count: int) -> "Detections":
         """Return the best `count` people."""
@@ -68,7 +72,13 @@ class Detections:
     def in_image(self, box: Letterbox) -> "Detections":
         """Return the people in pixels of the image that `box` fits into the input."""
         corners = box.to_image(self.box_px.reshape(-1, 2, 2)).reshape(-1, 4)
-        return replace(self, xy_px=box.to_image(self.xy_px), box_px=corners)
+        pixel_px = self.pixel_px * (max(box.image_px) / max(box.scaled_px))
+        return replace(self, xy_px=box.to_image(self.xy_px), box_px=corners, pixel_px=pixel_px)
+
+
+NOBODY = Detections(
+    np.empty((0, JOINTS, 2)), np.empty((0, JOINTS)), np.empty(0), np.empty((0, 4)), np.empty(0)
+)
 
 
 def movenet(out: Float[np.ndarray, "1 person 56"], input_px: Size) -> Detections:
@@ -198,6 +208,15 @@ def complete(first: Detections, second: Detections) -> Detections:
     return _best_first(both.take(np.append(np.arange(len(first)), added)))
 
 
+def better(first: Detections, second: Detections) -> Detections:
+    """Return the people of two looks that are equally fine; of two that cover each other, the best.
+
+    An upright look makes a poor skeleton of somebody who lies, where a turned one makes a good one.
+    """
+    both = _best_first(_concatenated(first, second))
+    return both.take(suppress(overlap(both.box_px), _COVERS))
+
+
 def to_poses(found: Detections, min_joint_score: float, camera: str, t_s: float) -> Poses2D:
     """Return the people as they leave an estimator; key points that score too little are missing.
 
@@ -212,6 +231,7 @@ def to_poses(found: Detections, min_joint_score: float, camera: str, t_s: float)
         xy_px=np.where(seen[..., None], found.xy_px, np.nan)[someone],
         score=np.where(seen, found.score, 0.0)[someone],
         person_score=found.person_score[someone],
+        pixel_px=found.pixel_px[someone].round(LOOK_DIGITS),
     )
 
 
@@ -254,6 +274,7 @@ def detections(
         score=np.clip(np.nan_to_num(score, nan=0.0), 0.0, 1.0),
         person_score=np.clip(np.nan_to_num(person_score, nan=0.0), 0.0, 1.0),
         box_px=np.nan_to_num(box_px, nan=0.0),
+        pixel_px=np.ones(len(person_score)),
     )
     return _best_first(found)
 
@@ -268,6 +289,7 @@ def _concatenated(a: Detections, b: Detections) -> Detections:
         np.concatenate([a.score, b.score]),
         np.concatenate([a.person_score, b.person_score]),
         np.concatenate([a.box_px, b.box_px]),
+        np.concatenate([a.pixel_px, b.pixel_px]),
     )
 
 

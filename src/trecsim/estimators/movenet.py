@@ -1,5 +1,6 @@
 """The default estimator: MoveNet MultiPose Lightning on the processor, run by OpenVINO."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
@@ -20,6 +21,7 @@ from trecsim.estimators.estimator_settings import (
     cores,
 )
 from trecsim.estimators.letterbox import Letterbox
+from trecsim.estimators.looks import Look
 from trecsim.extras import install_command
 from trecsim.skeleton import COCO17
 from trecsim.values import Frame, Poses2D
@@ -87,6 +89,9 @@ class MoveNet:
         self.settings = settings
         self.workers = settings.threads or cores()
         self.image_limit_px = (settings.long_side, settings.long_side)
+        self.usual: tuple[Look, ...] = (Look(settings.long_side),)
+        if 0 < settings.second_look < settings.long_side:
+            self.usual += (Look(settings.second_look),)
         model = _compile(path, settings, self.workers)
         self._idle: SimpleQueue[ov.InferRequest] = SimpleQueue()
         for _ in range(self.workers):
@@ -94,20 +99,26 @@ class MoveNet:
 
     def __call__(self, frame: Frame) -> Poses2D:
         """Find the people; key points are pixels of `frame`'s image."""
-        chosen = self.settings
-        people = self._look(frame.image, chosen.long_side)
-        if 0 < chosen.second_look < chosen.long_side:
-            missed = self._look(frame.image, chosen.second_look)
-            people = decode.complete(people, missed).first(chosen.max_people)
+        return self.look(frame, self.usual)
+
+    def look(self, frame: Frame, looks: Sequence[Look]) -> Poses2D:
+        """Find the people in `frame`'s image, the earlier looks first."""
+        chosen, people = self.settings, decode.NOBODY
+        for look in looks:
+            merge = decode.better if look.turns else decode.complete
+            people = merge(people, self._found(frame.image, look))
+        people = people.first(chosen.max_people)
         return decode.to_poses(people, chosen.min_joint_score, frame.camera, frame.t_s)
 
-    def _look(self, image: UInt8[np.ndarray, "h w 3"], long_side: int) -> decode.Detections:
-        """Return the people in `image` when it is scaled to `long_side` [px of `image`]."""
-        height, width, _ = image.shape
-        box = Letterbox.along((width, height), long_side, _MULTIPLE_PX)
-        found = decode.movenet(self._infer(box.apply(image, fill=0)), box.input_px)
+    def _found(self, image: UInt8[np.ndarray, "h w 3"], look: Look) -> decode.Detections:
+        """Return the people whom one look finds [px of `image`]."""
+        turned = look.turned(image)
+        height, width, _ = turned.shape
+        box = Letterbox.along((width, height), look.long_side, _MULTIPLE_PX)
+        found = decode.movenet(self._infer(box.apply(turned, fill=0)), box.input_px).in_image(box)
         chosen = self.settings
-        return decode.choose(found.in_image(box), chosen.min_person_score, chosen.max_people)
+        best = decode.choose(found, chosen.min_person_score, chosen.max_people)
+        return look.turned_back(best, (image.shape[1], image.shape[0]))
 
     def _infer(self, image: UInt8[np.ndarray, "h w 3"]) -> Float32[np.ndarray, "1 person 56"]:
         request = self._idle.get()

@@ -9,7 +9,6 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
-from dataclasses import replace
 from functools import partial
 from heapq import merge
 from pathlib import Path
@@ -21,7 +20,7 @@ from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.camera_mailbox import TICK_S, Mailbox, as_fault
-from trecsim.sources.image_sizes import original_px
+from trecsim.sources.image_sizes import in_original
 from trecsim.sources.video import log_remark
 from trecsim.values import Frame, Poses2D
 
@@ -139,7 +138,8 @@ def estimate_videos(
         for done, poses in enumerate(found, start=1):
             if progress is not None:
                 progress(done, total)
-            yield replace(poses, xy_px=by_camera[poses.camera].original_px(poses.xy_px))
+            video = by_camera[poses.camera]
+            yield in_original(poses, video.decoded_size_px, video.size_px)
 
 
 def estimate_live(
@@ -217,7 +217,7 @@ def _estimated(estimator: Estimator2D, frame: Frame) -> object:
     if frame.size_px is None or not isinstance(poses, Poses2D):
         return poses
     height, width = frame.image.shape[:2]
-    return replace(poses, xy_px=original_px(poses.xy_px, (width, height), frame.size_px))
+    return in_original(poses, (width, height), frame.size_px)
 
 
 def _put(found: object, poses: Mailbox[Poses2D], fault: Callable[[Exception], None]) -> None:

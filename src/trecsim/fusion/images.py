@@ -198,14 +198,15 @@ def prepare(views: Sequence[Poses2D], model: Model) -> Images:
     offset = np.array([0, *accumulate(len(view.xy_px) for view in views)], np.int64)
     # Into C order: of views that lie otherwise in memory, the kernels would be compiled again.
     xy_px = np.empty((offset[-1], len(model.skeleton.joints), 2))
-    score = np.empty(xy_px.shape[:2])
+    score, pixel_px = np.empty(xy_px.shape[:2]), np.empty(len(xy_px))
     if views:
         np.concatenate([view.xy_px for view in views], out=xy_px)
         np.concatenate([view.score for view in views], out=score)
+        np.concatenate([view.pixel_px for view in views], out=pixel_px)
     factor, kept = np.empty(score.shape), np.empty_like(offset)
     kernels.prefilter(
-        xy_px, score, cam, offset, model.undistortion, s.min_score, s.good_score, s.min_joints,
-        factor, kept,
+        xy_px, score, pixel_px, cam, offset, model.undistortion, s.min_score, s.good_score,
+        s.min_joints, factor, kept,
     )  # fmt: skip
     n = kept[-1]
     return Images(cam, t_s, kept, xy_px[:n], factor[:n])

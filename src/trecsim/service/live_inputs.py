@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from trecsim.estimators import Estimator2D
+from trecsim.looking.live import for_live
 from trecsim.service.monitor import StreamReadings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sources.base import Source
@@ -57,7 +58,7 @@ def live_inputs(checked: CheckedSite, *, as_live: bool = False) -> LiveInputs | 
     if site.poses is not None:
         played = poses_source(checked)
         return LiveInputs([played], played.readings, close=played.close)
-    estimator = load_estimator(checked.file)
+    estimator = for_live(load_estimator(checked.file), site.estimator.cores)
     sources = image_sources(checked, estimator)
 
     def close() -> None:

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, ConfigDict, ValidationInfo
+from pydantic import AfterValidator, ConfigDict, Field, ValidationInfo
 
 from trecsim.toml_models import Table
 from trecsim.toml_models.table import beside_the_file
@@ -20,12 +20,18 @@ def _file_beside(name: str, info: ValidationInfo) -> str:
 
 
 class EstimatorTable(Table):
-    """The 2D pose estimator; further keys are its own settings."""
+    """The 2D pose estimator; keys that are not listed here are its own settings."""
 
     model_config = ConfigDict(extra="allow")
 
     name: Annotated[str, AfterValidator(_file_beside)] = "movenet"
     """An installed estimator, with its argument after a colon: `onnx:model.onnx`."""
+
+    cores: Annotated[float, Field(gt=0.0, le=1024.0)] | None = None
+    """Live cameras: how many processor cores the estimator may use on average; default: all."""
+
+    budget: Annotated[float, Field(gt=0.0, le=1.0)] | None = None
+    """Recordings: share of the work of looking at every image; default: all images."""
 
     def settings(self) -> dict[str, Any]:
         """Return the estimator's own settings."""

@@ -1,7 +1,11 @@
 """Sizes of images: as a camera takes them, and smaller, as an estimator looks at them."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float64
+
+from trecsim.values import LOOK_DIGITS, Poses2D
 
 LACKING = 0.02  # of rows or columns may be missing, as some encoders cut them
 
@@ -58,3 +62,24 @@ def original_px(
     scale = np.array(original_size_px) / np.array(size_px)
     original: Float64[np.ndarray, "*batch 2"] = (xy_px + 0.5) * scale - 0.5
     return original
+
+
+def in_original(
+    poses: Poses2D, size_px: tuple[int, int], original_size_px: tuple[int, int]
+) -> Poses2D:
+    """Return poses that were found in a smaller image in pixels of the original one.
+
+    Parameters
+    ----------
+    poses
+        As the estimator found them.
+    size_px, original_size_px
+        Width and height of both images [px].
+    """
+    if size_px == original_size_px:
+        return poses
+    return replace(
+        poses,
+        xy_px=original_px(poses.xy_px, size_px, original_size_px),
+        pixel_px=(poses.pixel_px * (max(original_size_px) / max(size_px))).round(LOOK_DIGITS),
+    )

@@ -15,7 +15,7 @@ from trecsim.sources import quick_json, strict_json
 from trecsim.sources.camera_names import unknown_camera
 from trecsim.sources.faults import FaultError, parse_each
 from trecsim.sources.keypoint_layouts import MAX_COORDINATE_PX
-from trecsim.sources.quick_json import SCORE_RANGE, People
+from trecsim.sources.quick_json import LEAST_PIXEL_PX, SCORE_RANGE, People
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.names import POSES_FORMAT
 from trecsim.values import Poses2D
@@ -129,7 +129,7 @@ class _LineParser:
         if people is None:
             return self._carefully(line)
         camera = self._camera(image.camera)
-        return Poses2D(camera, self._time(camera, image.t_s), *people)
+        return _poses(camera, self._time(camera, image.t_s), people)
 
     def _carefully(self, line: bytes) -> Poses2D:
         """Return the image by the strict reader, which says what is wrong."""
@@ -146,7 +146,7 @@ class _LineParser:
         arrays = quick_json.converted(people, len(self._skeleton.joints))
         if arrays is None:
             arrays = _people_step_by_step(people, self._skeleton)
-        return Poses2D(camera, self._time(camera, fields["t_s"]), *arrays)
+        return _poses(camera, self._time(camera, fields["t_s"]), arrays)
 
     def _camera(self, name: object) -> str:
         if not isinstance(name, str) or not name:
@@ -171,10 +171,16 @@ class _LineParser:
         return t_s
 
 
+def _poses(camera: str, t_s: float, people: People) -> Poses2D:
+    *found, pixel_px = people
+    return Poses2D(camera, t_s, *found, pixel_px=pixel_px)
+
+
 def _people_step_by_step(people: list[Any], skeleton: Skeleton) -> People:
     """Return the same as :func:`.quick_json.people_of`, slowly, and say what is wrong and where."""
     rows: list[tuple[float, float, float]] = []
     person_score: list[float] = []
+    pixel_px: list[float] = []
     for index, person in enumerate(people):
         where = f"person {index}"
         if not isinstance(person, dict):
@@ -186,13 +192,22 @@ def _people_step_by_step(people: list[Any], skeleton: Skeleton) -> People:
                 f"{where}: {skeleton.name} has {len(skeleton.joints)} key points, found {found}"
             )
         person_score.append(_number(person.get("score"), f"{where}: 'score'", *SCORE_RANGE))
+        pixel_px.append(_pixel_px(person.get("pixel_px"), f"{where}: 'pixel_px'"))
         rows.extend(
             _keypoint(row, f"{where}, {joint}")
             for row, joint in zip(keypoints, skeleton.joints, strict=True)
         )
     table = np.array(rows).reshape(-1, len(skeleton.joints), 3)
     xy_px = np.ascontiguousarray(table[:, :, :2])
-    return People(xy_px, table[:, :, 2].clip(0.0, 1.0), np.array(person_score).clip(0.0, 1.0))
+    return People(
+        xy_px, table[:, :, 2].clip(0.0, 1.0), np.array(person_score).clip(0.0, 1.0),
+        np.array(pixel_px),
+    )  # fmt: skip
+
+
+def _pixel_px(value: object, where: str) -> float:
+    """Return how finely a person was looked at, which is optional."""
+    return math.nan if value is None else _number(value, where, LEAST_PIXEL_PX, MAX_COORDINATE_PX)
 
 
 def _keypoint(row: object, where: str) -> tuple[float, float, float]:

@@ -18,12 +18,14 @@ from trecsim.sources.keypoint_layouts import MAX_COORDINATE_PX
 # Regressed scores leave the unit interval by a little, and that is harmless: they are clipped.
 # What lies further out has another meaning (percents, logits, a visibility flag).
 SCORE_RANGE = (-0.1, 1.5)
+LEAST_PIXEL_PX = 1e-3  # of a network's input, in pixels of the image
 _MISSING = (math.nan, math.nan, 0.0)
 
 
 class _Person(msgspec.Struct, gc=False):
     score: float
     keypoints: list[tuple[float, float, float] | None]
+    pixel_px: float | None = None
 
 
 class Image(msgspec.Struct, gc=False):
@@ -35,15 +37,17 @@ class Image(msgspec.Struct, gc=False):
 
 
 class People(NamedTuple):
-    """Everybody in an image: positions, NaN where missing [px], scores from 0 to 1."""
+    """Everybody in an image; see `trecsim.values.Poses2D`."""
 
     xy_px: Float64[np.ndarray, "person joint 2"]
     score: Float64[np.ndarray, "person joint"]
     person_score: Float64[np.ndarray, " person"]
+    pixel_px: Float64[np.ndarray, " person"]
 
 
 _DECODER = msgspec.json.Decoder(Image)
 _QUOTES_OF_IMAGE, _QUOTES_OF_PERSON = 8, 4  # three keys and the camera's name; two keys
+_QUOTES_OF_LOOK = 2  # one more key, where it is there
 
 
 def decode(line: bytes) -> Image | None:
@@ -59,7 +63,8 @@ def decode(line: bytes) -> Image | None:
         image = _DECODER.decode(line)
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
         return None
-    quotes = _QUOTES_OF_IMAGE + _QUOTES_OF_PERSON * len(image.people)
+    looks = sum(person.pixel_px is not None for person in image.people)
+    quotes = _QUOTES_OF_IMAGE + _QUOTES_OF_PERSON * len(image.people) + _QUOTES_OF_LOOK * looks
     return image if line.count(b'"') == quotes else None
 
 
@@ -74,7 +79,7 @@ def people_of(people: list[_Person], n_joints: int) -> People | None:
         How many key points everybody must have.
     """
     if not people:
-        return People(np.empty((0, n_joints, 2)), np.empty((0, n_joints)), np.empty(0))
+        return People(np.empty((0, n_joints, 2)), np.empty((0, n_joints)), *np.empty((2, 0)))
     rows: list[tuple[float, float, float]] = []
     for person in people:
         if len(person.keypoints) != n_joints:
@@ -84,6 +89,10 @@ def people_of(people: list[_Person], n_joints: int) -> People | None:
     table = flat.reshape(-1, n_joints, 3)
     xy_px, score = table[:, :, :2].copy(), table[:, :, 2].copy()
     person_score = np.array([person.score for person in people])
+    looks = [math.nan if person.pixel_px is None else person.pixel_px for person in people]
+    pixel_px = np.array(looks)
+    if (pixel_px < LEAST_PIXEL_PX).any() or (pixel_px > MAX_COORDINATE_PX).any():
+        return None
     if np.fmax.reduce(np.abs(xy_px), axis=None) > MAX_COORDINATE_PX:  # NaN is a missing key point
         return None
     low = min(np.minimum.reduce(score, axis=None), np.minimum.reduce(person_score))
@@ -92,7 +101,7 @@ def people_of(people: list[_Person], n_joints: int) -> People | None:
         return None
     if low < 0.0 or high > 1.0:
         score, person_score = score.clip(0.0, 1.0), person_score.clip(0.0, 1.0)
-    return People(xy_px, score, person_score)
+    return People(xy_px, score, person_score, pixel_px)
 
 
 def converted(people: list[Any], n_joints: int) -> People | None:

@@ -3,12 +3,13 @@
 import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, UInt8
 
 from trecsim.errors import InputError, SetupError
 from trecsim.extras import install_command
@@ -185,6 +186,13 @@ class VideoFile:
         return original_px(xy_px, self.decoded_size_px, self.size_px)
 
     def __iter__(self) -> Iterator[Frame]:
+        return (picture.frame() for picture in self.pictures())
+
+    def pictures(self) -> Iterator["Picture"]:
+        """Yield the same images, decoded but not yet turned into RGB.
+
+        That takes most of the time, and is saved for those that nobody looks at.
+        """
         decode = _decoding()
         with decode.opened(self.path, self._threads) as video:
             clock = _Clock(self.info.fps or FALLBACK_FPS, counts_only=video.keeps_no_time)
@@ -194,7 +202,7 @@ class VideoFile:
                 self._check_size(picture)
                 t_s = clock(decode.time_s(picture))
                 if t_s is not None:
-                    yield Frame(self.camera, index, t_s, to_rgb(picture))
+                    yield Picture(self.camera, index, t_s, partial(to_rgb, picture))
                     index += 1
             self._warn(index, video.damaged, clock)
 
@@ -235,6 +243,28 @@ class VideoFile:
                 self.path,
                 clock.left_out,
             )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Picture:
+    """An image of a video that can be had as RGB.
+
+    Attributes
+    ----------
+    camera, index, t_s
+        As of `Frame`.
+    to_rgb
+        Returns the pixels; in one thread at a time for the pictures of one video.
+    """
+
+    camera: str
+    index: int
+    t_s: float
+    to_rgb: Callable[[], UInt8[np.ndarray, "h w 3"]]
+
+    def frame(self) -> Frame:
+        """Return the image in RGB."""
+        return Frame(self.camera, self.index, self.t_s, self.to_rgb())
 
 
 class _Clock:

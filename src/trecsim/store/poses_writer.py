@@ -115,12 +115,19 @@ def _people_as_json(poses: Poses2D) -> list[dict[str, Any]]:
     score = np.clip(np.nan_to_num(poses.score), 0.0, 1.0)
     table = np.concatenate([poses.xy_px.round(2), score.round(3)[..., None]], axis=2).tolist()
     person_score = np.clip(np.nan_to_num(poses.person_score), 0.0, 1.0).round(3).tolist()
+    looks = [
+        {"pixel_px": size} if known else {}
+        for size, known in zip(
+            poses.pixel_px.tolist(), np.isfinite(poses.pixel_px).tolist(), strict=True
+        )
+    ]
     return [
         {
             "score": person_score[index],
             "keypoints": [
                 row if row_seen else None for row, row_seen in zip(rows, seen[index], strict=True)
             ],
+            **looks[index],
         }
         for index, rows in enumerate(table)
     ]

@@ -7,9 +7,11 @@ import numpy as np
 from trecsim.compiler import inner, kernel
 from trecsim.fusion.kernels.undistortion_kernels import undistort
 from trecsim.fusion.tuning import (
+    COARSE_VARIANCE,
     DUPLICATE_JOINTS,
     DUPLICATE_SHARE,
     FAR_PX,
+    FINE_PIXEL_SHARE,
     LARGEST_SIGMA_SCALE,
     SCORE_POWER,
 )
@@ -29,10 +31,29 @@ def score_to_sigma_scale(score, good_score):
     return min((good_score / max(score, 1e-3)) ** SCORE_POWER, LARGEST_SIGMA_SCALE)
 
 
+@inner
+def look_to_sigma_scale(pixel_px, size_px):
+    """Return by how much the key points of a person are less certain for a coarse look.
+
+    Parameters
+    ----------
+    pixel_px
+        Size of a pixel of the network's input in the image [px]; NaN where it is not known, which
+        counts as fine.
+    size_px
+        The larger side of the box around the person's key points [px].
+    """
+    share = pixel_px / max(size_px, 1.0) / FINE_PIXEL_SHARE
+    if not share > 1.0:
+        return 1.0
+    return min(math.sqrt(1.0 + COARSE_VARIANCE * (share * share - 1.0)), LARGEST_SIGMA_SCALE)
+
+
 @kernel
 def prefilter(
-    xy_px, score, cam, offset, undistortion, min_score, good_score, min_joints, sigma_scale, kept
-):
+    xy_px, score, pixel_px, cam, offset, undistortion, min_score, good_score, min_joints,
+    sigma_scale, kept,
+):  # fmt: skip
     """Undistort the key points of all images, and drop what cannot be used or is there twice.
 
     Parameters
@@ -40,6 +61,8 @@ def prefilter(
     xy_px, score
         Raw key points (person, joint, 2) and their scores (person, joint); NaN where unknown. In
         place, the detections that are kept come first, undistorted, NaN where not to be used.
+    pixel_px
+        How finely each person was looked at, (person,): see `look_to_sigma_scale`.
     cam, offset
         Camera of each image (view,), and where its detections begin (view + 1,).
     undistortion
@@ -49,7 +72,8 @@ def prefilter(
     min_joints
         Fewest key points that a detection must have left.
     sigma_scale
-        Result, (person, joint), in the order of `xy_px`: see `score_to_sigma_scale`.
+        Result, (person, joint), in the order of `xy_px`: the product of `score_to_sigma_scale` and
+        `look_to_sigma_scale`.
     kept
         Result, (view + 1,): `offset` among the detections that are kept.
     """
@@ -63,6 +87,9 @@ def prefilter(
                     sigma_scale[d, j] = score_to_sigma_scale(score[d, j], good_score)
                 else:
                     xy_px[d, j, 0] = xy_px[d, j, 1] = math.nan
+            coarseness = look_to_sigma_scale(pixel_px[d], extent_px(xy_px[d]))
+            for j in range(xy_px.shape[1]):
+                sigma_scale[d, j] *= coarseness
     suppress_duplicates(offset, xy_px, sigma_scale)
     close_up(xy_px, sigma_scale, offset, min_joints, kept)
 

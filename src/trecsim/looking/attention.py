@@ -1,0 +1,128 @@
+"""What is known of the people in one camera's images, from the looks at them so far."""
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Float64, Int64
+
+from trecsim.estimators.looks import Look
+from trecsim.values import Poses2D
+
+_SHOULDERS, _HIPS = [5, 6], [11, 12]
+_SAME_SHARE = 0.7  # somebody has moved by less than this share of the size since the last look
+_BORDER_SHARE = 0.05  # who is so near to the border of the image may have left it
+
+
+def _nobody() -> Float64[np.ndarray, "person 4"]:
+    return np.empty((0, 4))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Attention:
+    """What the looks at the images of one camera have told so far.
+
+    Attributes
+    ----------
+    box_px
+        The boxes around the key points of the people found last: left, top, right, bottom [px].
+    turns
+        By how many quarter turns counter-clockwise the image has to be turned for each of them to
+        be upright, 0 to 3.
+    coarse_s
+        When the image was last looked at coarsely [s].
+    turned_s
+        When it was last looked at turned, or first at all [s].
+    last_turn
+        The last turn, 1 or 3.
+    lost_s
+        When somebody was last found no more who had not left the image [s].
+    """
+
+    box_px: Float64[np.ndarray, "person 4"] = field(default_factory=_nobody)
+    turns: Int64[np.ndarray, " person"] = field(default_factory=lambda: np.empty(0, np.int64))
+    coarse_s: float = -math.inf
+    turned_s: float = -math.inf
+    last_turn: int = 3
+    lost_s: float = -math.inf
+
+
+def noted(
+    before: Attention, looks: Sequence[Look], poses: Poses2D, size_px: tuple[int, int]
+) -> Attention:
+    """Return what is known after an image has been looked at.
+
+    Parameters
+    ----------
+    before
+        What was known.
+    looks
+        The looks at the image: the usual one, and more.
+    poses
+        What they found.
+    size_px
+        Width and height of the image [px].
+    """
+    box_px = boxes(poses.xy_px)
+    finest = max((look.long_side for look in looks), default=0)
+    is_coarse = any(look.long_side < finest and not look.turns for look in looks)
+    odd = [look.turns for look in looks if look.turns]
+    is_lost = bool(_lost(before.box_px, box_px, size_px).any())
+    return Attention(
+        box_px,
+        turns_upright(poses.xy_px),
+        poses.t_s if is_coarse else before.coarse_s,
+        poses.t_s if odd or before.turned_s == -math.inf else before.turned_s,
+        odd[-1] if odd else before.last_turn,
+        poses.t_s if is_lost else before.lost_s,
+    )
+
+
+def boxes(xy_px: Float64[np.ndarray, "person joint 2"]) -> Float64[np.ndarray, "person 4"]:
+    """Return the box around each person's key points: left, top, right, bottom [px]."""
+    if not len(xy_px):
+        return _nobody()
+    return np.concatenate([np.nanmin(xy_px, axis=1), np.nanmax(xy_px, axis=1)], axis=1)
+
+
+def turns_upright(xy_px: Float64[np.ndarray, "person joint 2"]) -> Int64[np.ndarray, " person"]:
+    """Return by how many quarter turns counter-clockwise the image has to be turned for each.
+
+    Then the trunk is upright, from the hips to the shoulders; 0 where it is not known.
+
+    Examples
+    --------
+    >>> lying = np.zeros((1, 17, 2))
+    >>> lying[0, [5, 6]] = (100.0, 0.0)  # the shoulders lie to the right of the hips
+    >>> turns_upright(lying)
+    array([1])
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of means of nothing, which are NaN
+        trunk = np.nanmean(xy_px[:, _SHOULDERS], axis=1) - np.nanmean(xy_px[:, _HIPS], axis=1)
+    right, up = trunk[:, 0], -trunk[:, 1]
+    aside = np.where(right > 0.0, 1, 3)
+    ended = np.where(up < 0.0, 2, 0)
+    turns = np.where(np.abs(right) > np.abs(up), aside, ended)
+    return np.where(np.isfinite(trunk).all(axis=1), turns, 0)
+
+
+def _lost(
+    before_px: Float64[np.ndarray, "before 4"],
+    box_px: Float64[np.ndarray, "person 4"],
+    size_px: tuple[int, int],
+) -> Bool[np.ndarray, " before"]:
+    """Return who is found no more: nobody is near, and no border of the image."""
+    extent_px = (before_px[:, 2:] - before_px[:, :2]).max(axis=1, initial=0.0)
+    way = _middle(before_px)[:, None] - _middle(box_px)[None]
+    far_px = np.linalg.norm(way, axis=2).min(axis=1, initial=math.inf)
+    border_px = _BORDER_SHARE * np.array(size_px)
+    inside = (before_px[:, :2] > border_px) & (before_px[:, 2:] < size_px - border_px)
+    return np.asarray((far_px > _SAME_SHARE * extent_px) & inside.all(axis=1), np.bool_)
+
+
+def _middle(box_px: Float64[np.ndarray, "person 4"]) -> Float64[np.ndarray, "person 2"]:
+    middle: Float64[np.ndarray, "person 2"] = (box_px[:, :2] + box_px[:, 2:]) / 2.0
+    return middle

@@ -1,0 +1,96 @@
+"""Live images: looked at by need, within a budget of processor cores."""
+
+import math
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from threading import Lock
+
+from trecsim.estimators import Estimator2D, image_limit_px, workers
+from trecsim.estimators.looks import Looker
+from trecsim.looking.attention import Attention, noted
+from trecsim.looking.recorded import by_need
+from trecsim.values import Frame, Poses2D
+
+
+class SelectiveEstimator:
+    """An estimator that takes further looks at an image only where they may find somebody.
+
+    Parameters
+    ----------
+    estimator
+        A `Looker`.
+    """
+
+    def __init__(self, estimator: Looker) -> None:
+        self.skeleton = estimator.skeleton
+        self.image_limit_px = image_limit_px(estimator)
+        self.workers = workers(estimator)
+        self._estimator, self._policy = estimator, by_need(estimator)
+        self._attention: dict[str, Attention] = defaultdict(Attention)
+        self._one_at_a_time = Lock()
+
+    def __call__(self, frame: Frame) -> Poses2D:
+        """Find the people in an image."""
+        height, width = frame.image.shape[:2]
+        size_px = width, height
+        with self._one_at_a_time:
+            looks = self._policy(self._attention[frame.camera], frame.t_s, size_px)
+        poses = self._estimator.look(frame, looks)
+        with self._one_at_a_time:
+            before = self._attention[frame.camera]
+            self._attention[frame.camera] = noted(before, looks, poses, size_px)
+        return poses
+
+
+class BudgetedEstimator:
+    """An estimator that uses so many processor cores on average, and no more.
+
+    Parameters
+    ----------
+    estimator
+        Any estimator.
+    cores
+        How many cores it may use, above 0.
+    clock, sleep
+        A steady clock [s], and what waits so long [s].
+    """
+
+    def __init__(
+        self,
+        estimator: Estimator2D,
+        cores: float,
+        clock: Callable[[], float] = time.perf_counter,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.skeleton = estimator.skeleton
+        self.image_limit_px = image_limit_px(estimator)
+        self.workers = min(workers(estimator), math.ceil(cores))
+        self._estimator, self._clock, self._sleep = estimator, clock, sleep
+        self._pause = max(0.0, self.workers / cores - 1.0)
+
+    def __call__(self, frame: Frame) -> Poses2D:
+        """Find the people in an image, then rest as long as the budget asks for.
+
+        The next image is chosen only after that, so it is a new one.
+        """
+        began_s = self._clock()
+        poses = self._estimator(frame)
+        self._sleep((self._clock() - began_s) * self._pause)
+        return poses
+
+
+def for_live(estimator: Estimator2D, cores: float | None) -> Estimator2D:
+    """Return the estimator as a live site uses it.
+
+    Parameters
+    ----------
+    estimator
+        The estimator of the site.
+    cores
+        How many cores it may use; None for as many as it has threads.
+    """
+    chosen: Estimator2D = estimator
+    if isinstance(estimator, Looker):
+        chosen = SelectiveEstimator(estimator)
+    return chosen if cores is None else BudgetedEstimator(chosen, cores)

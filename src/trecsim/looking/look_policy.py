@@ -1,0 +1,83 @@
+"""Which looks an image deserves: the usual one, and more where they may find somebody."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from trecsim.estimators.looks import Look
+from trecsim.looking.attention import Attention
+
+Size = tuple[int, int]
+
+# What a look costs besides its pixels, as so many pixels of the network's input; the sides of its
+# input are multiples of the latter (`docs/decisions`, looking).
+_OVERHEAD_PX = 6000
+_MULTIPLE_PX = 32
+_NEAR_SHARE = 0.7  # who covers so much of an image's side may be too near for the usual look
+
+
+class LookPolicy(Protocol):
+    """Decides how an image is looked at."""
+
+    def __call__(self, seen: Attention, t_s: float, size_px: Size) -> tuple[Look, ...]:
+        """Return the looks at an image of `size_px` taken at `t_s` [s]."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class ByNeed:
+    """Take the usual look; look again coarsely or turned where that may find somebody.
+
+    A coarse look finds people who fill the image, a turned one people who lie. Both are taken at
+    once where somebody near or lying is known, and from time to time for those nobody knows of.
+
+    Attributes
+    ----------
+    usual
+        The look that finds most people.
+    coarse
+        The look that finds people who fill the image; None leaves it out.
+    newcomer_s
+        A coarse look is taken at least so often [s].
+    turned_s
+        A turned look is taken at least so often [s].
+    lost_s
+        Who was lost is looked for in turned images for so long [s].
+    """
+
+    usual: Look
+    coarse: Look | None
+    newcomer_s: float = 0.4
+    turned_s: float = 2.0
+    lost_s: float = 2.0
+
+    def __call__(self, seen: Attention, t_s: float, size_px: Size) -> tuple[Look, ...]:
+        """Return the looks at an image of `size_px` taken at `t_s` [s]."""
+        looks = [self.usual]
+        if self.coarse is not None and self._is_coarse_due(seen, t_s, size_px):
+            looks.append(self.coarse)
+        return (*looks, *(Look(self.usual.long_side, turn) for turn in self._turns(seen, t_s)))
+
+    def _is_coarse_due(self, seen: Attention, t_s: float, size_px: Size) -> bool:
+        covered = (seen.box_px[:, 2:] - seen.box_px[:, :2]) / size_px
+        return t_s - seen.coarse_s >= self.newcomer_s or bool((covered > _NEAR_SHARE).any())
+
+    def _turns(self, seen: Attention, t_s: float) -> tuple[int, ...]:
+        """Return the turns that the image is looked at in, besides none."""
+        turns = {*seen.turns.tolist()}
+        if turns & {1, 3}:
+            return tuple(sorted(turns & {1, 3}))
+        # Nobody stands on the head: that is the poor skeleton of somebody who lies or bends.
+        is_lost = 2 in turns or t_s - seen.lost_s < self.lost_s
+        is_due = seen.turned_s + self.turned_s <= t_s and seen.turned_s > -math.inf
+        return (4 - seen.last_turn,) if is_lost or is_due else ()
+
+
+def cost(looks: Sequence[Look], size_px: Size) -> float:
+    """Return what looks at an image of `size_px` cost, in pixels of the network's input."""
+    ratio = np.array(size_px) / max(size_px)
+    sides = [np.ceil(look.long_side * ratio / _MULTIPLE_PX) * _MULTIPLE_PX for look in looks]
+    return float(sum(side.prod() + _OVERHEAD_PX for side in sides))

@@ -1,0 +1,97 @@
+"""Further looks are taken where they may find somebody, and only there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from trecsim.estimators.looks import Look
+from trecsim.looking import Attention, ByNeed, cost, noted
+from trecsim.values import Poses2D
+
+SIZE_PX = (1000, 500)
+USUAL, COARSE = Look(512), Look(256)
+POLICY = ByNeed(USUAL, COARSE, newcomer_s=0.5, turned_s=2.0, lost_s=2.0)
+
+
+def person(left, top, right, bottom, head="up"):
+    """Return key points that fill a box, with the shoulders at the side of the head."""
+    xy_px = np.random.default_rng(0).uniform(0.4, 0.6, (17, 2))
+    xy_px[0], xy_px[16] = (0.0, 0.0), (1.0, 1.0)
+    ends = {"up": (0, 1, 1), "down": (1, 0, 1), "right": (1, 0, 0), "left": (0, 1, 0)}
+    shoulders, hips, axis = ends[head]
+    xy_px[[5, 6], axis], xy_px[[11, 12], axis] = shoulders, hips
+    return np.array([left, top]) + xy_px * [right - left, bottom - top]
+
+
+def poses(t_s, *people):
+    xy_px = np.array(people).reshape(-1, 17, 2)
+    return Poses2D("north", t_s, xy_px, np.ones(xy_px.shape[:2]), np.ones(len(xy_px)))
+
+
+def looked(images, policy=POLICY):
+    """Return the looks at each of the images, in which those people are found."""
+    seen, taken = Attention(), []
+    for image in images:
+        looks = policy(seen, image.t_s, SIZE_PX)
+        seen = noted(seen, looks, image, SIZE_PX)
+        taken.append(looks)
+    return taken
+
+
+def test_somebody_who_stands_far_away_is_looked_at_once_and_coarsely_from_time_to_time():
+    somebody = person(400, 100, 500, 300)
+    taken = looked([poses(i / 8, somebody) for i in range(15)])
+    coarse = [i for i, looks in enumerate(taken) if COARSE in looks]
+    assert coarse == [0, 4, 8, 12]
+    assert all(looks[0] == USUAL and len(looks) == 1 + (COARSE in looks) for looks in taken)
+
+
+def test_somebody_who_fills_the_image_is_looked_at_coarsely_every_time():
+    taken = looked([poses(i / 8, person(400, 20, 600, 480)) for i in range(5)])
+    assert all(COARSE in looks for looks in taken)
+
+
+@pytest.mark.parametrize(("head", "turn"), [("right", 1), ("left", 3)])
+def test_somebody_who_lies_is_looked_at_in_an_image_turned_upright(head, turn):
+    first, *rest = looked([poses(i / 8, person(300, 200, 500, 260, head)) for i in range(4)])
+    assert first == (USUAL, COARSE)  # nobody is known yet
+    assert all(Look(512, turn) in looks for looks in rest)
+
+
+def test_somebody_who_stands_on_the_head_is_looked_for_on_either_side():
+    taken = looked([poses(i / 8, person(400, 100, 500, 300, "down")) for i in range(4)])
+    assert [[look.turns for look in looks if look.turns] for looks in taken] == [[], [1], [3], [1]]
+
+
+def test_somebody_who_was_lost_in_the_middle_of_the_image_is_looked_for_on_either_side():
+    there = [poses(0.0, person(400, 100, 500, 300))]
+    taken = looked(there + [poses((1 + i) / 8) for i in range(25)])
+    turns = [look.turns for looks in taken for look in looks if look.turns]
+    assert turns[:4] == [1, 3, 1, 3]
+    assert len(turns) == 15  # for 2 s, from the image after the one that missed the person
+
+
+@pytest.mark.parametrize("box", [(10, 100, 110, 300), (890, 100, 990, 300), (400, 5, 500, 200)])
+def test_who_has_left_the_image_is_not_looked_for(box):
+    taken = looked([poses(0.0, person(*box)), *(poses((1 + i) / 8) for i in range(10))])
+    assert not any(look.turns for looks in taken for look in looks)
+
+
+def test_lying_people_nobody_knows_of_are_looked_for_from_time_to_time():
+    taken = looked([poses(i / 8) for i in range(65)])
+    turned = {i: look.turns for i, looks in enumerate(taken) for look in looks if look.turns}
+    assert turned == {16: 1, 32: 3, 48: 1, 64: 3}
+
+
+def test_an_estimator_without_a_coarse_look_gets_none():
+    taken = looked([poses(i / 8) for i in range(15)], replace(POLICY, coarse=None))
+    assert set(taken) == {(USUAL,)}
+
+
+def test_what_a_look_costs_grows_with_the_pixels_of_the_network_s_input():
+    # 512 x 256 and 256 x 128, and what each look costs besides.
+    one, other = cost([USUAL], SIZE_PX), cost([COARSE], SIZE_PX)
+    assert one - other == 512 * 256 - 256 * 128
+    assert cost([USUAL, COARSE], SIZE_PX) == one + other
+    assert cost([], SIZE_PX) == 0.0

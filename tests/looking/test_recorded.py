@@ -1,0 +1,112 @@
+"""Videos are looked at within a budget, and the result does not depend on threads."""
+
+import numpy as np
+import pytest
+
+from made_videos import numbered, write_video
+from trecsim.errors import ConfigError
+from trecsim.estimators.looks import Look
+from trecsim.estimators.pool import open_videos
+from trecsim.looking.recorded import estimate_within
+from trecsim.values import Poses2D
+
+
+class Eyes:
+    """Finds one person where the image is as bright as it is; tells what it was asked for."""
+
+    skeleton = "coco17"
+    usual = (Look(64), Look(32))
+
+    def __init__(self, workers=1):
+        self.workers = workers
+        self.asked = []
+
+    def __call__(self, frame):
+        raise AssertionError("it is told how to look")
+
+    def look(self, frame, looks):
+        self.asked.append((frame.camera, frame.t_s, tuple(looks)))
+        xy_px = np.random.default_rng(0).uniform(10, 30, (1, 17, 2)) + frame.image.mean() / 100
+        return Poses2D(frame.camera, frame.t_s, xy_px, np.ones((1, 17)), np.ones(1))
+
+
+@pytest.fixture
+def videos(tmp_path):
+    fast = write_video(tmp_path / "fast.mp4", numbered(100), fps=50)
+    slow = write_video(tmp_path / "slow.mp4", numbered(50), fps=25)
+    return {"fast": fast, "slow": slow}
+
+
+def estimated(videos, share, workers=1, **more):
+    eyes = Eyes(workers)
+    found = list(estimate_within(open_videos(videos, eyes), eyes, share, **more))
+    return eyes, found
+
+
+def test_a_share_of_the_images_is_looked_at_spread_evenly(videos):
+    _, found = estimated(videos, 0.25)
+    fast = [poses.t_s for poses in found if poses.camera == "fast"]
+    # A quarter of the work of two looks at each of 100 images; the second is mostly left out.
+    assert 25 <= len(fast) <= 50
+    assert np.diff(fast).max() <= 0.12  # five times the period of 20 ms, and one for the start
+
+
+def test_images_of_the_same_moment_are_looked_at_together(videos):
+    _, found = estimated(videos, 0.25)
+    fast = {round(poses.t_s, 3) for poses in found if poses.camera == "fast"}
+    slow = [round(poses.t_s, 3) for poses in found if poses.camera == "slow"]
+    assert slow
+    assert fast.issuperset(slow)
+
+
+def test_looks_of_every_image_fit_into_the_whole_budget(videos):
+    _, found = estimated(videos, 1.0)
+    assert len(found) == 150
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5])
+def test_the_budget_is_kept(videos, share):
+    from trecsim.looking import cost
+
+    eyes, _ = estimated(videos, share)
+    spent = sum(cost(looks, (64, 48)) for _, _, looks in eyes.asked)
+    last = sum(cost(looks, (64, 48)) for _, _, looks in eyes.asked[-2:])
+    assert spent - last <= share * 150 * cost(Eyes.usual, (64, 48))
+    assert spent >= 0.7 * share * 150 * cost(Eyes.usual, (64, 48))
+
+
+def test_the_result_is_the_same_with_any_number_of_threads(videos):
+    _, one = estimated(videos, 0.3)
+    _, four = estimated(videos, 0.3, workers=4)
+    assert [(p.camera, p.t_s) for p in one] == [(p.camera, p.t_s) for p in four]
+    for a, b in zip(one, four, strict=True):
+        np.testing.assert_array_equal(a.xy_px, b.xy_px)
+
+
+def test_only_images_that_are_wanted_are_looked_at(videos):
+    _, found = estimated(videos, 0.5, wanted=lambda image: image.t_s > 1.0)
+    assert found
+    assert min(poses.t_s for poses in found) > 1.0
+
+
+def test_progress_counts_all_images(videos):
+    told = []
+    estimated(videos, 0.1, progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (150, 150)
+
+
+@pytest.mark.parametrize("share", [0.0, -0.5, 1.5, float("nan")])
+def test_a_share_that_is_none_is_refused(videos, share):
+    with pytest.raises(ConfigError, match="budget: expected a share above 0 up to 1, found"):
+        estimated(videos, share)
+
+
+def test_an_estimator_that_cannot_choose_is_refused_with_one_that_can(videos):
+    class Plain:
+        skeleton = "coco17"
+
+        def __call__(self, frame):
+            raise AssertionError
+
+    with pytest.raises(ConfigError, match=r"needs an estimator .* as movenet does; Plain cannot"):
+        list(estimate_within([], Plain(), 0.5))
