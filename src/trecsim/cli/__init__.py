@@ -26,6 +26,7 @@ COMMANDS = {
     "replay": "Play a recording on the live page.",
     "estimate": "Estimate 2D poses in videos.",
     "track": "Track people in 3D from 2D poses.",
+    "sync": "Bring the clocks of cameras into step, by the people whom several of them see.",
     "assess": "Judge the rules of a site file on recorded tracks; write the events.",
     "evaluate": "Evaluate tracks with or without ground truth.",
     "evaluate-events": "Evaluate events of rules against true events.",
@@ -64,6 +65,8 @@ GROUPS = {
             "floor": "Put a rig on its floor, with origin and heading, by a board or known points.",
             "board": "Write a calibration board to print, in true size, as PDF.",
             "people": "Calibrate cameras from people who walk: poses, clocks, and a verdict.",
+            "check": "Check by the people in a recording whether a rig is still right.",
+            "repair": "Repair a rig by the people in a recording: as it is at the end.",
         },
     ),
     "site": (

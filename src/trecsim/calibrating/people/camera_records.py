@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from trecsim.calibrating.people.tuning import LEAST_SCORE
 from trecsim.geometry import Camera, Rig
 from trecsim.values import Poses2D
 
@@ -58,7 +59,8 @@ def record(camera: Camera, images: Iterable[Poses2D]) -> CameraRecord:
     ordered = sorted(images, key=lambda image: image.t_s)
     counts = np.array([len(image.xy_px) for image in ordered], dtype=np.int64)
     raw = np.concatenate([np.zeros((0, JOINTS, 2)), *(image.xy_px for image in ordered)])
-    xy = normalised(camera, raw)
+    score = np.concatenate([np.zeros((0, JOINTS)), *(image.score for image in ordered)])
+    xy = np.where((score >= LEAST_SCORE)[:, :, None], normalised(camera, raw), np.nan)
     with np.errstate(all="ignore"):
         filled = np.where(np.isfinite(xy), xy, -np.inf).max(axis=1)
         lowest = np.where(np.isfinite(xy), xy, np.inf).min(axis=1)

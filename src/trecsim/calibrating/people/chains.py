@@ -37,6 +37,7 @@ def chains(
     state: RigState,
     *,
     by_rays: bool,
+    looser: float = 1.0,
 ) -> Int64[np.ndarray, " tracklet"]:
     """Return the number of each tracklet's person; -1 for those whom no second camera sees.
 
@@ -48,22 +49,25 @@ def chains(
         What the cameras saw, and how they stand.
     by_rays
         Whether viewing rays of all joints must meet, too; without it only places on the floor.
+    looser
+        By how much the limits grow, for a rig that may be wrong.
     """
     known = [k for k, track in enumerate(tracks) if state.found[track.camera]]
     places = {k: _places(tracks[k], records, state) for k in known}
     found = []
+    scale = looser * (CHAIN_RAY_M if by_rays else CHAIN_FLOOR_M)
+    floor_m = looser * CHAIN_FLOOR_M * (2.0 if by_rays else 1.0)
     for i, a in enumerate(known):
         for b in known[i + 1 :]:
             if tracks[a].camera == tracks[b].camera:
                 continue
             apart_m, common_s = apart_on_floor(places[a], places[b])
-            if common_s < CHAIN_OVERLAP_S or apart_m > CHAIN_FLOOR_M * (2.0 if by_rays else 1.0):
+            if common_s < CHAIN_OVERLAP_S or apart_m > floor_m:
                 continue
             if by_rays:
                 apart_m = _rays_apart(tracks[a], tracks[b], records, state)
-            if apart_m < (CHAIN_RAY_M if by_rays else CHAIN_FLOOR_M):
+            if apart_m < scale:
                 found.append(Candidate(a, b, apart_m, common_s))
-    scale = CHAIN_RAY_M if by_rays else CHAIN_FLOOR_M
     found.sort(key=lambda one: one.apart_m / scale + 0.5 / np.sqrt(one.common_s))
     return _merged(tracks, found, state)
 

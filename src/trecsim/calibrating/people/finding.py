@@ -18,6 +18,7 @@ from trecsim.calibrating.people.tracklets import Tracklet, tracklets
 from trecsim.calibrating.people.tree import joined
 from trecsim.calibrating.people.tuning import ANNEALING
 from trecsim.calibrating.people.uprights import Level, level
+from trecsim.calibrating.people.variances import with_own_variances
 
 COARSE = ANNEALING[:-2]
 FINE = (2.0, 1.0)
@@ -109,7 +110,7 @@ def find(
     rig = adjusted(seen, rig.state, priors, annealing=FINE)
     if lens_sd is not None:
         priors = replace(priors, lens_sd=lens_sd)
-    seen = observations(tracks, records, chain, rig.state)
+    seen = with_own_variances(observations(tracks, records, chain, rig.state), rig)
     rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
     return Found(tracks, chain, levels, relations, seen, rig, priors)
 

@@ -41,6 +41,9 @@ class Priors:
         None keeps all intrinsics.
     pose
         `T_cam_world` of each camera as it was, with `pose_sd`: of its turn [rad] and shift [m].
+    firm
+        Which cameras are drawn to their old pose the more, the further off they are; the others by
+        a constant force.
     clock_sd
         Standard deviations of offset [s] and drift.
     """
@@ -51,6 +54,7 @@ class Priors:
     lens_sd: Float64[np.ndarray, "cam 3"] | None = None
     pose: Float64[np.ndarray, "cam 4 4"] | None = None
     pose_sd: Float64[np.ndarray, "cam 2"] | None = None
+    firm: Bool[np.ndarray, " cam"] | None = None
     clock_sd: tuple[float, float] = (OFFSET_LOOSE_S, DRIFT_LOOSE)
 
     @property
@@ -60,7 +64,13 @@ class Priors:
 
     def cost(self, now: Unknowns, state: RigState) -> float:
         """Return the cost of a state."""
-        return float(sum(((off / sd) ** 2).sum() for off, sd, _ in self._terms(now, state)))
+        total = sum(float(((off / sd) ** 2).sum()) for off, sd, _ in self._terms(now, state))
+        if self.pose is None:
+            return total
+        for c in np.flatnonzero(self._loose):  # of what `_as_before` weighs down
+            square = self._strayed(now, int(c))
+            total += 2.0 * (np.sqrt(1.0 + square) - 1.0) - square / np.sqrt(1.0 + square)
+        return total
 
     def add(
         self,
@@ -113,18 +123,52 @@ class Priors:
         return [(np.zeros(4), np.array([TIGHT_M] * 3 + [TIGHT_RAD]), J)]
 
     def _as_before(self, now: Unknowns) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Draw each camera towards its old pose; far off it counts less and less."""
+        """Draw each camera towards its old pose, far off by a constant force; keep the scale.
+
+        Notes
+        -----
+        As under an L1 norm, one camera that was moved is preferred to small moves of all others.
+        The scale is that of the old rig: errors are measured in metres, and would shrink with it.
+        """
+        assert self.pose_sd is not None
+        terms = [self._spread(now)]
+        for c in np.flatnonzero(self.found):
+            off, sd = self._off(now, int(c))
+            _, _, J = self._selected(len(now.T), int(c), off, slice(0, 6), 1.0)
+            far = (1.0 + self._strayed(now, int(c))) ** 0.25 if self._loose[c] else 1.0
+            terms.append((off, sd * far, J))
+        return terms
+
+    @property
+    def _loose(self) -> Bool[np.ndarray, " cam"]:
+        """Which cameras are drawn to their old pose by a constant force."""
+        return self.found if self.firm is None else self.found & ~self.firm
+
+    def _off(self, now: Unknowns, c: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return how far a camera is to go to be at its old pose, and standard deviations."""
         assert self.pose is not None
         assert self.pose_sd is not None
-        terms = []
-        for c in np.flatnonzero(self.found):
-            turn, shift = pose_change(self.pose[c], now.T[c])
-            off = -np.concatenate((turn, shift))
-            sd = np.repeat(self.pose_sd[c], 3)
-            far = 1.0 + ((off / sd) ** 2).sum() / 6.0
-            _, _, J = self._selected(len(now.T), int(c), off, slice(0, 6), 1.0)
-            terms.append((off, sd * far**0.5, J))
-        return terms
+        turn, shift = pose_change(self.pose[c], now.T[c])
+        return -np.concatenate((turn, shift)), np.repeat(self.pose_sd[c], 3)
+
+    def _strayed(self, now: Unknowns, c: int) -> float:
+        """Return the square of how far a camera is from its old pose, in standard deviations."""
+        off, sd = self._off(now, c)
+        return float(((off / sd) ** 2).sum())
+
+    def _spread(self, now: Unknowns) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Keep the size of the rig: the root mean square distance of cameras from their middle."""
+        assert self.pose is not None
+        which = np.flatnonzero(self.found)
+        R, t = now.T[which, :3, :3], now.T[which, :3, 3]
+        centre = -np.einsum("cji,cj->ci", R, t)
+        before = -np.einsum("cji,cj->ci", self.pose[which, :3, :3], self.pose[which, :3, 3])
+        out, out_before = centre - centre.mean(axis=0), before - before.mean(axis=0)
+        size, size_before = np.linalg.norm(out), np.linalg.norm(out_before)
+        J = np.zeros((1, len(now.T) * self.own))
+        for i, c in enumerate(which):
+            J[0, c * self.own + 3 : c * self.own + 6] = -R[i] @ out[i] / size
+        return np.array([size_before - size]), np.array([1e-4 * size_before]), J
 
     def _apart(self, now: Unknowns, one: Distance) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Pin the distance of two cameras."""

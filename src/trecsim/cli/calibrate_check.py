@@ -1,0 +1,108 @@
+"""The commands `trecsim calibrate check` and `trecsim calibrate repair`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from trecsim.cli.calibrate_people import told
+from trecsim.cli.terminal import finish, note
+from trecsim.errors import InputError
+
+if TYPE_CHECKING:
+    from trecsim.calibrating.people.checking import CameraCheck
+
+
+def check(
+    rig: Path,
+    poses: Path,
+    /,
+    *,
+    fps: float | None = None,
+    json: bool = False,
+) -> None:
+    """Check by the people in a recording whether a rig is still right.
+
+    Exit code 0 also when a camera is off.
+
+    Parameters
+    ----------
+    rig
+        Calibration: a file or directory in any format that `trecsim rig show` reads.
+    poses
+        2D poses of people who walk, from seconds to hours.
+    fps
+        Frames per second, for poses without time stamps.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.calibrating.people.checking import check_rig
+    from trecsim.calibration import read_rig
+    from trecsim.sources import read_poses
+
+    cameras = read_rig(rig, remark=note)
+    found = check_rig(read_poses(poses, rig_cameras=cameras.names, fps=fps, remark=note), cameras)
+    for remark in found.remarks:
+        note(remark)
+    summary = {
+        "cameras": {one.name: one.row() for one in found.cameras},
+        "remarks": list(found.remarks),
+    }
+    finish(summary, json, "\n".join(_line(one) for one in found.cameras))
+
+
+def repair(
+    rig: Path,
+    poses: Path,
+    /,
+    *,
+    out: Path,
+    fps: float | None = None,
+    json: bool = False,
+) -> None:
+    """Repair a rig by the people in a recording: as it is at the end.
+
+    The old file stays as it is; keep it, to take the repair back.
+
+    Parameters
+    ----------
+    rig
+        Calibration: a file or directory in any format that `trecsim rig show` reads.
+    poses
+        2D poses of people who walk.
+    out
+        The rig file to write.
+    fps
+        Frames per second, for poses without time stamps.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.calibrating.people.repairing import repair_rig
+    from trecsim.calibration import read_rig, write_rig
+    from trecsim.sources import read_poses
+
+    if not out.name.lower().endswith(".toml"):
+        raise InputError(f"--out: expected a rig file that ends in .toml, got {out}")
+    if out.exists() and rig.exists() and out.resolve() == rig.resolve():
+        raise InputError(
+            f"--out: {out} is the rig to repair; give another name, so that the repair can be "
+            "taken back"
+        )
+    cameras = read_rig(rig, remark=note)
+    made = repair_rig(read_poses(poses, rig_cameras=cameras.names, fps=fps, remark=note), cameras)
+    write_rig(made.rig, out, format="trecsim", remark=note)
+    if made.result.verdict == "wrong":
+        note(f"{out} is written, but do not use it: {made.result.reasons[0]}")
+    finish(made.result.summary(), json, told(out, made.result))
+
+
+def _line(one: "CameraCheck") -> str:
+    if one.ok is None:
+        return f"{one.name}: unknown, nobody was seen there"
+    text = (
+        f"{one.rotation_deg:.2f} degrees, {100 * one.shift_m:.1f} cm, "
+        f"{1e3 * one.time_offset_s:+.0f} ms"
+    )
+    return (
+        f"{one.name}: ok ({text})"
+        if one.ok
+        else f"{one.name}: off by {text} since {one.since_s:.1f} s"
+    )
