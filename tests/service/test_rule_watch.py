@@ -29,6 +29,9 @@ NEEDS = {
     "speed.running": "speed_mps = 1.0",
     "body.fall": "",
     "body.down": "on_delay_s = 0.3",
+    "crowd.panic": "people = 2",
+    "body.distress": "",
+    "group.split": "distance_m = 1.0\ntogether_s = 0.5\non_delay_s = 0.2",
 }
 RULES = "".join(
     f'[[rules]]\nid = "{kind.replace(".", "-")}"\nkind = "{kind}"\n{NEEDS.get(kind, ROOM)}\n'

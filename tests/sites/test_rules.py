@@ -30,7 +30,8 @@ NEEDED = {
 
 def least(kind: str) -> str:
     """Return a rule with nothing but what its kind needs."""
-    keys = [NEEDED[KINDS[kind].place]] if not KINDS[kind].place_is_optional else []
+    place, optional = KINDS[kind].place, KINDS[kind].place_is_optional
+    keys = [NEEDED[place]] if place is not None and not optional else []
     keys += [NEEDED[key.name] for key in KINDS[kind].keys if key.default is ...]
     return "\n".join([f'[[rules]]\nid = "{kind.replace(".", "-")}"\nkind = "{kind}"', *keys, ""])
 

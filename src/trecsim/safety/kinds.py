@@ -6,12 +6,15 @@ from typing import Literal
 import numpy as np
 
 from trecsim.safety.conditions.base import Condition
+from trecsim.safety.conditions.bodies import Climbing, Distress, ReachingIn
 from trecsim.safety.conditions.crossings import LineCrossed, ZoneLeft
+from trecsim.safety.conditions.crowds import Bottleneck, CriticalDensity, Panic, Pressure
 from trecsim.safety.conditions.density import DensityLevel, Level
 from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
+from trecsim.safety.conditions.groups import Separated
 from trecsim.safety.conditions.movement import Running, WrongWay
-from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy
+from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy, OutOfZone
 from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule import Key, Kind, Rule
@@ -81,7 +84,46 @@ def _down(rule: Rule) -> Condition:
     return Down(_polygon_or_none(rule))
 
 
+def _out_of_zone(rule: Rule) -> Condition:
+    return OutOfZone(_polygon(rule))
+
+
+def _critical(rule: Rule) -> Condition:
+    return CriticalDensity(_polygon(rule), rule.keys["density_pm2"], rule.keys["grave_pm2"])
+
+
+def _pressed(rule: Rule) -> Condition:
+    return Pressure(_polygon(rule), rule.keys["pressure_ps2"], rule.keys["grave_ps2"])
+
+
+def _clogged(rule: Rule) -> Condition:
+    return Bottleneck(_polygon(rule), rule.keys["share"])
+
+
+def _panicking(rule: Rule) -> Condition:
+    keys = rule.keys
+    return Panic(keys["people"], keys["share"], keys["speed_mps"], _polygon_or_none(rule))
+
+
+def _climbing(rule: Rule) -> Condition:
+    return Climbing(_prism(rule))
+
+
+def _reaching(rule: Rule) -> Condition:
+    return ReachingIn(_prism(rule))
+
+
+def _distressed(rule: Rule) -> Condition:
+    return Distress(_polygon_or_none(rule))
+
+
+def _separated(rule: Rule) -> Condition:
+    return Separated(rule.keys["distance_m"], rule.keys["together_s"])
+
+
 _SECONDS = {"gt": 0.0, "le": 86400.0}
+
+_DENSITY = {"gt": 0.0, "le": 20.0}
 
 _ALL = (
     Kind(
@@ -182,6 +224,88 @@ _ALL = (
         "Somebody is on the floor, hips below 0.35 m, and no fall was seen.",
         "ours; 30 s on the floor raises the severity",
         _down, place="zone", place_is_optional=True, on_delay_s=10.0, escalate_s=30.0,
+    ),
+    Kind(
+        "zone.confined",
+        "The floor point of somebody who has been inside the zone is outside.",
+        "delay: confined area of NVIDIA behaviour analytics",
+        _out_of_zone, place="zone", on_delay_s=0.5,
+    ),
+    Kind(
+        "density.critical",
+        "The Voronoi density in the zone is `density_pm2` or more; in the mean over 5 s "
+        "`grave_pm2` or more it counts at once, with a higher severity.",
+        "4 and 5 people/m2: Still, uncomfortable and dangerous; 5 s and least area of 4 m2: ours",
+        _critical, place="zone", on_delay_s=5.0, is_about_place=True,
+        keys=(
+            Key("density_pm2", float, "The density [people/m2].", 4.0, _DENSITY),
+            Key("grave_pm2", float, "The density that is worse [people/m2].", 5.0, _DENSITY),
+        ),
+    ),
+    Kind(
+        "crowd.pressure",
+        "Where at least 4 people/m2 are packed, density times the variance of the velocities about "
+        "the local flow is above `pressure_ps2`; above `grave_ps2` it counts at once, with a "
+        "higher severity.",
+        "0.02 /s2: Helbing, Johansson and Al-Abideen 2007; 0.04 and 3 s: ours",
+        _pressed, place="zone", on_delay_s=3.0, is_about_place=True,
+        keys=(
+            Key("pressure_ps2", float, "The pressure [1/s2].", 0.02, {"gt": 0.0, "le": 10.0}),
+            Key("grave_ps2", float, "The pressure that is worse [1/s2].", 0.04,
+                {"gt": 0.0, "le": 10.0}),
+        ),
+    ),
+    Kind(
+        "flow.bottleneck",
+        "While the density in the zone rises, fewer people leave it than `share` of the usual: "
+        "over the last 10 s, against the last 60 s.",
+        "ours",
+        _clogged, place="zone", on_delay_s=10.0, is_about_place=True,
+        keys=(Key("share", float, "The share of the usual flow.", 0.5, {"gt": 0.0, "lt": 1.0}),),
+    ),
+    Kind(
+        "crowd.panic",
+        "At least `people`, and `share` of all, begin to run within 2 s of each other.",
+        "ours; running: as of speed.running",
+        _panicking, place="zone", place_is_optional=True, on_delay_s=1.0, is_about_place=True,
+        keys=(
+            Key("people", int, "So many people.", 3, {"ge": 2, "le": 1000}),
+            Key("share", float, "Such a share of all.", 0.3, {"ge": 0.0, "le": 1.0}),
+            Key("speed_mps", float, "Who is faster runs [m/s].", 2.2, {"gt": 0.0, "le": 20.0}),
+        ),
+    ),
+    Kind(
+        "body.climb",
+        "A foot is more than 0.35 m above the floor within 0.5 m of the zone, or the hips are over "
+        "the zone and above its top: the zone is the barrier.",
+        "ours",
+        _climbing, place="zone", on_delay_s=0.4,
+    ),
+    Kind(
+        "body.reach",
+        "A wrist or elbow is inside the prism of the zone while the feet are outside.",
+        "ours",
+        _reaching, place="zone", on_delay_s=0.3,
+    ),
+    Kind(
+        "body.distress",
+        "Both wrists are 0.1 m above the head, or a raised hand has waved for 3 s, 0.5 to 3 times "
+        "a second.",
+        "ours",
+        _distressed, place="zone", place_is_optional=True, on_delay_s=2.0,
+    ),
+    Kind(
+        "group.split",
+        "Somebody is farther than `distance_m` from everybody with whom they had walked for "
+        "`together_s`.",
+        "pairs: nearer than 1.5 m, velocities that differ by less than 0.4 m/s; in ETH/UCY such "
+        "pairs are groups in 59 to 84 % of the cases",
+        _separated, on_delay_s=15.0,
+        keys=(
+            Key("distance_m", float, "So far is far [m].", 8.0, {"gt": 0.0, "le": 1000.0}),
+            Key("together_s", float, "Who walked together for so long belongs together [s].", 10.0,
+                _SECONDS),
+        ),
     ),
 )  # fmt: skip
 

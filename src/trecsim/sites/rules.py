@@ -51,7 +51,7 @@ def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
 def _too_small(
     number: int, rule: RuleTable, place: ZoneTable | LineTable | EdgeTable
 ) -> Iterator[Fault]:
-    if rule.kind != "density.level" or not isinstance(place, ZoneTable):
+    if rule.kind not in ("density.level", "density.critical") or not isinstance(place, ZoneTable):
         return
     area = abs(area_m2(np.array(place.polygon_m)))
     if area < LEAST_M2:

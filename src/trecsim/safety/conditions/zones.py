@@ -14,6 +14,9 @@ from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule_scene import Scene
 from trecsim.skeleton import COCO17
 
+SURE = 0.9
+"""Somebody who was inside with this probability has been inside."""
+
 
 @dataclass(frozen=True, slots=True)
 class InZone:
@@ -36,6 +39,27 @@ class InZone:
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
         return ahead.in_polygon(self.polygon).expected(within_s)
+
+
+@dataclass(frozen=True, slots=True)
+class OutOfZone:
+    """The floor point of somebody who has been inside a zone is outside its polygon."""
+
+    polygon: Polygon
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = scene.inside(self.polygon)
+        there = set(scene.traces) | set(scene.people.id.tolist())
+        known = (memory or frozenset()) & there
+        known |= frozenset(scene.people.id[scene.is_seen & (inside > SURE)].tolist())
+        rows = np.flatnonzero((inside < 1.0 - LEAST) & scene.is_seen)
+        findings = {
+            int(scene.people.id[row]): Finding(1.0 - float(inside[row]))
+            for row in rows
+            if int(scene.people.id[row]) in known
+        }
+        return Judged(findings, known)
 
 
 @dataclass(frozen=True, slots=True)
