@@ -1,6 +1,6 @@
 """What belongs to tracks and is shown with them: rig, videos, zones, events, forecasts."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,7 @@ from trecsim.errors import InputError
 from trecsim.films.filming import FilmInput
 from trecsim.sites.recorded_site import read_without_rig
 from trecsim.sites.site_reading import read_site
+from trecsim.sources.masks import Polygon
 from trecsim.store.names import RIG
 
 
@@ -46,6 +47,7 @@ def film_input(
     given = dict(videos or {})
     zones: dict[str, np.ndarray] = {}
     lines: dict[str, np.ndarray] = {}
+    masks_px: Mapping[str, Sequence[Polygon]] = {}
     rig = rig or _beside(folder, RIG)
     cameras = read_rig(rig) if rig is not None else None
     if site is not None:
@@ -55,15 +57,18 @@ def film_input(
         lines |= {name: np.array(edge.points_m, float) for name, edge in ruled.edges.items()}
         if cameras is None and ruled.rig is not None:
             cameras = ruled.rig.read(lambda remark: None)
-        if not given and ruled.sources:
+        if ruled.sources:
             sources = read_site(site).site.sources
-            given = {name: one.video for name, one in sources.items() if one.video is not None}
+            masks_px = {name: one.mask_px for name, one in sources.items()}
+            recorded = {name: one.video for name, one in sources.items() if one.video is not None}
+            given = given or recorded
     for name, path in given.items():
         if not path.is_file():
             raise InputError(f"video of {name}: there is no file {path}")
     return FilmInput(
         cameras,
         given,
+        masks_px,
         zones,
         lines,
         events or _beside(folder, "events.jsonl"),

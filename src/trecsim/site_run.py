@@ -234,7 +234,8 @@ def _poses(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, No
 
     estimator = load_estimator(checked.file)
     videos = {camera: one.video for camera, one in site.sources.items() if one.video is not None}
-    opened = open_videos(videos, estimator, remark=_checked_before)
+    masks_px = {camera: one.mask_px for camera, one in site.sources.items()}
+    opened = open_videos(videos, estimator, remark=_checked_before, masks_px=masks_px)
     if site.estimator.budget is not None:
         yield from estimate_within(opened, estimator, site.estimator.budget, wanted=wanted)
     else:

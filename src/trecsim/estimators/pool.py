@@ -21,6 +21,7 @@ from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.camera_mailbox import TICK_S, Mailbox, as_fault
 from trecsim.sources.image_sizes import in_original
+from trecsim.sources.masks import Polygon
 from trecsim.sources.video import log_remark
 from trecsim.values import Frame, Poses2D
 
@@ -70,6 +71,7 @@ def open_videos(
     estimator: Estimator2D,
     *,
     remark: Callable[[str], None] = log_remark,
+    masks_px: Mapping[str, Sequence[Polygon]] | None = None,
 ) -> list[VideoFile]:
     """Open the videos for `estimator`: images come no larger than it looks at them.
 
@@ -81,6 +83,8 @@ def open_videos(
         Who looks at the images.
     remark
         Is told what is odd about a file as a whole; logged if not given.
+    masks_px
+        Polygons that are blanked in the images, by camera.
 
     Raises
     ------
@@ -94,8 +98,11 @@ def open_videos(
     for camera, path in videos.items():
         try:
             opened.append(
-                VideoFile(path, camera, decode_size_px=limit_px, threads=threads, remark=remark)
-            )
+                VideoFile(
+                    path, camera, decode_size_px=limit_px, threads=threads, remark=remark,
+                    mask_px=(masks_px or {}).get(camera, ()),
+                )
+            )  # fmt: skip
         except InputError as error:
             faults.append(str(error))
     if faults:

@@ -1,7 +1,7 @@
 """Films and pictures of tracks."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -32,6 +32,7 @@ from trecsim.films.strokes import (
 )
 from trecsim.geometry import Rig
 from trecsim.sources import VideoFile
+from trecsim.sources.masks import Polygon
 from trecsim.store.atomic import atomic_write
 from trecsim.store.tracks import read_tracks
 
@@ -89,6 +90,8 @@ class FilmInput:
         The cameras.
     videos
         Video of each camera, by its name in the rig.
+    masks_px
+        Polygons that are blanked in the images of each camera [px].
     zones, lines
         Areas and lines on the floor, by name [m].
     events
@@ -99,6 +102,7 @@ class FilmInput:
 
     rig: Rig | None = None
     videos: Mapping[str, Path] = field(default_factory=dict)
+    masks_px: Mapping[str, Sequence[Polygon]] = field(default_factory=dict)
     zones: Mapping[str, np.ndarray] = field(default_factory=dict)
     lines: Mapping[str, np.ndarray] = field(default_factory=dict)
     events: Path | None = None
@@ -299,7 +303,8 @@ def _tiles(shown: FilmInput, probes: list[VideoFile], parts: Layout) -> list[Cam
                 f"as NAME={probe.path.name}"
             )
         size = (box.width, box.height)
-        video = VideoFile(probe.path, probe.camera, decode_size_px=size, threads=1)
+        mask_px = shown.masks_px.get(probe.camera, ())
+        video = VideoFile(probe.path, probe.camera, decode_size_px=size, threads=1, mask_px=mask_px)
         tiles.append(CameraTile(shown.rig[probe.camera], video, *size))
     return tiles
 

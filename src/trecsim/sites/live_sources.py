@@ -36,12 +36,14 @@ def image_sources(
     sources: list[StreamSource | RecordedStream] = []
     for camera, source in file.site.sources.items():
         if source.video is not None:
-            video = VideoFile(source.video, camera, decode_size_px=limit_px, threads=1)
+            video = VideoFile(
+                source.video, camera, decode_size_px=limit_px, threads=1, mask_px=source.mask_px
+            )
             sources.append(RecordedStream(video, pace))
         else:
             address = address_of(file.site, source)
             size_px = checked.rig[camera].size_px
-            sources.append(StreamSource(camera, address, size_px, limit_px))
+            sources.append(StreamSource(camera, address, size_px, limit_px, source.mask_px))
     return sources
 
 

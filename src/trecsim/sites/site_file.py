@@ -93,6 +93,14 @@ def _as_fault(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return checked
 
 
+_MOST_MASKS = 50
+_Pixel = Annotated[float, Field(ge=-1e5, le=1e5)]
+MaskPolygon = Annotated[
+    list[Annotated[tuple[_Pixel, _Pixel], Field(strict=False)]], Field(min_length=3, max_length=100)
+]
+"""Corners of a part of an image, x and y each [px]."""
+
+
 class SourceTable(Table):
     """The source of one camera: one of `video`, `url` and `device`."""
 
@@ -109,6 +117,10 @@ class SourceTable(Table):
     """User and password of the camera, by their name: see `secrets`."""
     transport: Transport = "tcp"
     """How RTSP brings the images: "tcp" loses none, "udp" waits for none."""
+    mask_px: Annotated[list[MaskPolygon], Field(max_length=_MOST_MASKS)] = Field(
+        default_factory=list
+    )
+    """Polygons in this camera's image that are blanked before anything looks: privacy masks."""
 
     @property
     def is_live(self) -> bool:

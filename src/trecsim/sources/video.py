@@ -1,7 +1,7 @@
 """Video files as streams of frames with the time stamps of the file."""
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -9,11 +9,12 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float64
 
 from trecsim.errors import InputError, SetupError
 from trecsim.extras import install_command
 from trecsim.sources.image_sizes import fitted, original_px
+from trecsim.sources.masks import Image, Mask, Polygon
 from trecsim.sources.orientation import Orientation
 from trecsim.values import Frame
 
@@ -142,6 +143,8 @@ class VideoFile:
         Decoding threads; None uses one per processor. Use 1 if several videos are read at once.
     remark
         Is told what is odd about the file as a whole; logged if not given.
+    mask_px
+        Polygons of the upright original that are blanked in every image, see `Mask`.
 
     Attributes
     ----------
@@ -168,6 +171,7 @@ class VideoFile:
         decode_size_px: tuple[int, int] | None = None,
         threads: int | None = None,
         remark: Callable[[str], None] = log_remark,
+        mask_px: Sequence[Polygon] = (),
     ) -> None:
         self.path = path
         self.camera = camera
@@ -175,6 +179,7 @@ class VideoFile:
         self.size_px = self.info.size_px
         self.decoded_size_px = fitted(self.size_px, decode_size_px or self.size_px)
         self._threads = threads
+        self._mask = Mask(mask_px, self.size_px) if mask_px else None
         text = self.info.remark(path)
         if text is not None:
             remark(text)
@@ -202,7 +207,8 @@ class VideoFile:
                 self._check_size(picture)
                 t_s = clock(decode.time_s(picture))
                 if t_s is not None:
-                    yield Picture(self.camera, index, t_s, partial(to_rgb, picture))
+                    make = partial(_masked, to_rgb, picture, self._mask)
+                    yield Picture(self.camera, index, t_s, make)
                     index += 1
             self._warn(index, video.damaged, clock)
 
@@ -260,11 +266,16 @@ class Picture:
     camera: str
     index: int
     t_s: float
-    to_rgb: Callable[[], UInt8[np.ndarray, "h w 3"]]
+    to_rgb: Callable[[], Image]
 
     def frame(self) -> Frame:
         """Return the image in RGB."""
         return Frame(self.camera, self.index, self.t_s, self.to_rgb())
+
+
+def _masked(to_rgb: Callable[[Any], Image], picture: Any, mask: Mask | None) -> Image:
+    image = to_rgb(picture)
+    return image if mask is None else mask(image)
 
 
 class _Clock:

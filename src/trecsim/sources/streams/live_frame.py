@@ -7,14 +7,10 @@ from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
-import numpy as np
-from jaxtyping import UInt8
-
 from trecsim.sources.image_sizes import fitted
+from trecsim.sources.masks import Image, Mask
 from trecsim.sources.orientation import Orientation
 from trecsim.values import Frame
-
-Image = UInt8[np.ndarray, "h w 3"]
 
 
 class LiveFrame(Frame):
@@ -64,10 +60,12 @@ class Developer:
     ----------
     limit_px
         Width and height; None keeps the size.
+    mask
+        Blanks parts of the images; None for none.
     """
 
-    def __init__(self, limit_px: tuple[int, int] | None) -> None:
-        self._limit_px = limit_px
+    def __init__(self, limit_px: tuple[int, int] | None, mask: Mask | None = None) -> None:
+        self._limit_px, self._mask = limit_px, mask
         self._lock = Lock()  # FFmpeg's converter does one picture at a time
         self._converters: dict[tuple[int, int], Callable[[Any], Image]] = {}
 
@@ -83,4 +81,5 @@ class Developer:
         with self._lock:
             if size_px not in self._converters:
                 self._converters = {size_px: RgbConverter(size_px, Orientation())}
-            return self._converters[size_px](picture)
+            image = self._converters[size_px](picture)
+        return image if self._mask is None else self._mask(image)

@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from threading import Event
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from trecsim.errors import SetupError
 from trecsim.extras import install_command
 from trecsim.sources.image_sizes import is_cut
+from trecsim.sources.masks import Mask, Polygon
 from trecsim.sources.streams.frozen_image import FROZEN_S, FrozenImage
 from trecsim.sources.streams.image_dates import DELAY_S, ImageDates
 from trecsim.sources.streams.live_frame import Developer, LiveFrame
@@ -46,6 +47,8 @@ class StreamSource:
     limit_px
         Width and height that the images must fit into [px]; larger ones are made smaller. None
         keeps their size.
+    mask_px
+        Polygons of the camera's image that are blanked in every image, see `Mask`.
 
     Attributes
     ----------
@@ -64,6 +67,7 @@ class StreamSource:
         address: Address,
         size_px: tuple[int, int],
         limit_px: tuple[int, int] | None = None,
+        mask_px: Sequence[Polygon] = (),
     ) -> None:
         try:
             from trecsim.sources.streams import connection  # noqa: F401
@@ -74,6 +78,7 @@ class StreamSource:
         self.camera = camera
         self.counters = StreamCounters(camera)
         self._address, self._size_px, self._limit_px = address, size_px, limit_px
+        self._mask = Mask(mask_px, size_px) if mask_px else None
         self._closing = Event()
         self._retrying = Retrying(camera)
         self._given_up: list[Connection] = []
@@ -116,7 +121,7 @@ class StreamSource:
 
     def _frames(self, connection: "Connection", dates: ImageDates) -> Iterator[Frame]:
         """Yield the images of one connection until it ends."""
-        developer, frozen = Developer(self._limit_px), FrozenImage()
+        developer, frozen = Developer(self._limit_px, self._mask), FrozenImage()
         while connection.fault is None and not self._closing.is_set():
             taken = connection.take(_LOOK_S)
             if taken is None:
