@@ -18,6 +18,7 @@ from calibrating.made_boards import (
     small_images,
 )
 from made_rigs import ring
+from trecsim.calibrating.assembly import fixed_together
 from trecsim.calibrating.boards import Board
 from trecsim.calibrating.linking import link_cameras
 from trecsim.calibrating.rig_calibration import calibrate_rig
@@ -332,3 +333,37 @@ def test_freed_lenses_find_the_true_ones():
     freed = fit_rig(made.problem, links, free_lens=True)
     change = freed.adjusted.state.lens_px - made.fit.adjusted.state.lens_px
     assert (np.abs(change) < 4 * freed.lens_sd_px() + 1e-6).all()
+
+
+def test_boards_that_are_fixed_together_are_found_from_pictures_that_show_two():
+    boards = [Board(6, 8, 0.06, "5x5_250").on_side(n) for n in range(2)]
+    T_first_second = np.eye(4)
+    angle = np.deg2rad(40)
+    T_first_second[:3, :3] = [
+        [np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)],
+    ]  # fmt: skip
+    T_first_second[:3, 3] = 0.5, 0.02, 0.05
+    rig = ring(4)
+    rng = np.random.default_rng(3)
+    T = placements(rig, boards[0], 60, rng, Walk((0, 0, 1.1), (0.6, 0.6, 0.3), 0.4))
+    problem = problem_of(rig, boards, [T, T @ T_first_second], rng)
+    start = fixed_together(boards, problem.sights)
+    np.testing.assert_allclose(start[1], T_first_second, atol=0.05)
+    made = calibrate_rig(dataclasses.replace(problem, T_assembly_board=start))
+    found = made.fit.adjusted.state.T_assembly_board[1]
+    np.testing.assert_allclose(found, T_first_second, atol=0.003)
+    alone = calibrate_rig(dataclasses.replace(problem, sights=tuple(problem.sights)))
+    assert errors(rig, made.rig)[0].max() < 0.05
+    sd = [sum(c.rotation_sd_deg for c in one.result.cameras) for one in (made, alone)]
+    assert sd[0] < sd[1]
+
+
+def test_boards_that_are_never_seen_together_are_told():
+    boards = [Board(6, 8, 0.06, "5x5_250").on_side(n) for n in range(2)]
+    rig = ring(4)
+    rng = np.random.default_rng(3)
+    T = placements(rig, boards[0], 20, rng, Walk())
+    problem = problem_of(rig, boards, [T[:10], T[10:]], rng)
+    sights = [dataclasses.replace(s, moment=s.moment + 10 * s.board) for s in problem.sights]
+    with pytest.raises(CalibrationError, match=r"no picture shows board 2 together.*double-sided"):
+        fixed_together(boards, sights)

@@ -36,6 +36,8 @@ class Link:
         How many moments both saw the same board.
     agreeing
         With how many of them the motion agrees.
+    score
+        The same, each moment counting by how well it agrees.
     """
 
     first: int
@@ -43,6 +45,7 @@ class Link:
     T_second_first: RigidMotion
     moments: int
     agreeing: int
+    score: float
 
     @property
     def fits(self) -> bool:
@@ -168,7 +171,7 @@ def _link(
             if score > best_score:
                 best, best_score = guess, score
                 agreeing = int((errors < 2 * limit_px).sum())
-    return Link(first, second, best, len(common), agreeing)
+    return Link(first, second, best, len(common), agreeing, best_score)
 
 
 def _pinhole(

@@ -7,16 +7,22 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.calibrating.board_times import find_offsets, later, sights_at_moments, timed_views
+from trecsim.calibrating.boards import Board
 from trecsim.calibrating.linking import Links, link_cameras
 from trecsim.calibrating.result import CalibrationResult, CameraQuality, Finding, judge, rms_sd
 from trecsim.calibrating.rig_faults import check_links
 from trecsim.calibrating.rig_fit import BoardProblem, RigFit, fit_rig
 from trecsim.calibrating.rig_verdict import RigCheck, check_rig
 from trecsim.calibrating.room_error import PoseCovariance
+from trecsim.calibrating.views import CameraViews
 from trecsim.calibrating.world_frame import moved, upright
 from trecsim.errors import CalibrationError
+from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
+from trecsim.geometry.rigid import RigidMotion
 
+TIMED_ROUNDS = 3  # corners are taken between images again when offsets are better known
 MUCH_WORSE = 5.0  # times the typical error of a picture
 
 
@@ -103,6 +109,52 @@ def calibrate_rig(
     result = CalibrationResult(cameras, verdict, reasons, time_ref_s)
     board_m = corners_m @ T_new_old[:3, :3].T + T_new_old[:3, 3]
     return RigCalibration(rig, covariance, result, problem, links, fit, check, board_m)
+
+
+def calibrate_timed_rig(
+    cameras: Sequence[Camera],
+    boards: Sequence[Board],
+    views: Sequence[Sequence[CameraViews]],
+    *,
+    most_offset_s: float,
+    T_assembly_board: tuple[RigidMotion, ...] | None = None,
+) -> RigCalibration:
+    """Return the rig from videos whose clocks are unknown, with the offset of each clock.
+
+    Parameters
+    ----------
+    cameras, boards, views
+        The cameras with their intrinsics, the boards, and per board and camera what was seen.
+    most_offset_s
+        Largest offset between two clocks [s]; 0 if the videos are synchronised.
+    T_assembly_board
+        Where the boards are fixed on an assembly; None if they move on their own.
+
+    Raises
+    ------
+    CalibrationError
+        No rig can be computed; the message says what is missing.
+    """
+    timed = timed_views(cameras, views, boards)
+    stamps = np.concatenate([one.t_s for one in timed])
+    offset_s = np.zeros(len(cameras))
+    if most_offset_s > 0:
+        offset_s = find_offsets(cameras, timed, boards, most_offset_s, T_assembly_board)
+    rounds = TIMED_ROUNDS if most_offset_s > 0 else 1
+    for last in range(rounds):
+        sights = sights_at_moments(cameras, timed, boards, offset_s)
+        problem = BoardProblem(
+            later(cameras, offset_s), tuple(boards), tuple(sights), T_assembly_board,
+            timed=most_offset_s > 0,
+        )  # fmt: skip
+        if last == rounds - 1:
+            break
+        links = link_cameras(cameras, sights, boards, T_assembly_board)
+        check_links(problem, links)
+        fit = fit_rig(problem, links)
+        offset_s[list(fit.numbers)] += fit.adjusted.state.offset_s
+        offset_s -= offset_s[fit.numbers[0]]
+    return calibrate_rig(problem, time_ref_s=float((stamps.min() + stamps.max()) / 2))
 
 
 def _quality(

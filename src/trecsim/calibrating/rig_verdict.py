@@ -30,6 +30,7 @@ LEAST_MOMENTS = 8
 FEW_COMMON = 5
 LENS_DEG = 0.1  # change of a rotation with free lenses that matters
 LENS_SD = 4.0
+GOOD_OFFSET_S, USABLE_OFFSET_S = 0.004, 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +83,7 @@ def check_rig(
         _of_held_out(rig, left_out),
         _of_noise(rig, fit),
         *_of_moments(problem, links, fit),
+        *_of_times(problem, fit, rig),
         *_of_lenses(problem, links, fit, rig),
         _of_scale(problem),
     ]
@@ -196,6 +198,21 @@ def _of_moments(problem: BoardProblem, links: Links, fit: RigFit) -> list[Findin
     ]
     odd = [link for link in links.links if not link.fits and link.moments >= FEW_COMMON]
     return findings + [_of_link(problem, link) for link in odd[:2]]
+
+
+def _of_times(problem: BoardProblem, fit: RigFit, rig: Rig) -> list[Finding]:
+    if not problem.timed:
+        return []
+    sd_s = fit.offset_sd_s()
+    worst = int(np.argmax(sd_s))
+    text = (
+        f"time offsets are known to {1e3 * sd_s[worst]:.1f} ms (one standard deviation, camera "
+        f"{rig.names[worst]!r})"
+    )
+    if sd_s[worst] <= GOOD_OFFSET_S:
+        return [Finding("good", text)]
+    advice = "; keep the board moving more of the time"
+    return [Finding("usable" if sd_s[worst] <= USABLE_OFFSET_S else "wrong", text + advice)]
 
 
 def _of_link(problem: BoardProblem, link: Link) -> Finding:

@@ -10,10 +10,16 @@ from trecsim.cli.terminal import finish, note, progress_bar
 from trecsim.errors import CalibrationError, ConfigError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from trecsim.calibrating.board_images import BoardSource
     from trecsim.calibrating.boards import Board
     from trecsim.calibrating.rig_calibration import RigCalibration
+    from trecsim.calibrating.views import CameraViews
+    from trecsim.cli.terminal import ProgressBar
     from trecsim.geometry.camera import Camera
+
+MOST_LOOKED_AT = 600  # images of a video: 20 s at 30 per second
 
 
 def rig(
@@ -21,6 +27,11 @@ def rig(
     intrinsics: Path,
     out: Path,
     board: Annotated[BoardOptions, Parameter(name="*")],
+    boards: int = 1,
+    fixed_together: bool = False,
+    double_sided: bool = False,
+    synchronised: bool = False,
+    max_offset_s: float = 10.0,
     report: Path | None = None,
     json: bool = False,
 ) -> None:
@@ -39,6 +50,18 @@ def rig(
         A rig file with the intrinsics of these cameras, in any format that is read.
     out
         The rig file to write, `*.toml`.
+    boards
+        Number of ChArUco boards, with markers that follow on as `calibrate board` prints them.
+    fixed_together
+        The boards are fixed to each other, in places that are found.
+    double_sided
+        One ChArUco board printed on both sides, back to back and upright: lets cameras that look
+        at each other see the same board.
+    synchronised
+        The videos show the same moments at the same times; otherwise the offsets of their clocks
+        are found from the motion of the board.
+    max_offset_s
+        Largest offset between two videos to look for [s].
     report
         The report to write (default: beside the rig file, `*.html`).
     json
@@ -49,14 +72,17 @@ def rig(
     from trecsim.lab.report.calibration_page import write_calibration_report
     from trecsim.lab.report.rig_section import rig_sections
 
-    wanted = board.read()
+    wanted = _boards(board.read(), boards, double_sided)
     sources = board_sources(images)
     known = read_intrinsics(intrinsics)
     cameras = [_camera(known, source, intrinsics) for source in sources]
     if len(cameras) < 2:
         raise ConfigError("give two or more cameras as NAME=IMAGES_OR_VIDEO; one alone has no rig")
+    most_offset_s = 0.0 if synchronised else max_offset_s
     with progress_bar("images", quiet=json) as bar:
-        made = _calibrate(sources, cameras, [wanted], bar)
+        views = _look(sources, cameras, wanted, bar)
+    together = "back" if double_sided else "found" if fixed_together else ""
+    made = _calibrate(sources, cameras, wanted, views, together, most_offset_s)
     write_rig(made.rig, out, format="trecsim")
     page = report or out.with_suffix(".html")
     write_calibration_report(
@@ -66,7 +92,7 @@ def rig(
         rig=made.rig,
         covariance=made.covariance,
         sections=rig_sections(made, sources),
-        source=str(wanted),
+        source=str(wanted[0]),
     )
     result = made.result
     summary = {**result.summary(), **_facts(made), "out": out, "report": page}
@@ -88,19 +114,32 @@ def _camera(known: Any, source: "BoardSource", path: Path) -> "Camera":
     return camera
 
 
-def _calibrate(
-    sources: Any, cameras: list["Camera"], boards: list["Board"], progress: Any
-) -> "RigCalibration":
+def _boards(board: "Board", count: int, double_sided: bool) -> "list[Board]":
+    count = 2 if double_sided else count
+    if count > 1 and board.charuco is None:
+        raise ConfigError(
+            "several boards, or two sides, must be told apart: use ChArUco boards and --charuco"
+        )
+    if count < 1:
+        raise ConfigError(f"--boards must be 1 or more, got {count}")
+    return [board.on_side(number) for number in range(count)]
+
+
+def _look(
+    sources: "Sequence[BoardSource]",
+    cameras: "list[Camera]",
+    boards: "list[Board]",
+    progress: "ProgressBar",
+) -> "list[list[CameraViews]]":
     from trecsim.calibrating.board_faults import why_no_board
-    from trecsim.calibrating.rig_calibration import calibrate_rig
-    from trecsim.calibrating.rig_fit import BoardProblem
-    from trecsim.calibrating.sights import sights_of_images
     from trecsim.calibrating.views import look
 
-    views = []
-    for board in boards:
-        of_board = [look(source, board, progress=progress) for source in sources]
-        views.append(of_board)
+    if len({source.video is None for source in sources}) > 1:
+        raise ConfigError("give images of all cameras, or videos of all: moments must be matched")
+    views = [
+        [look(source, board, most=MOST_LOOKED_AT, progress=progress) for source in sources]
+        for board in boards
+    ]
     for number, (source, camera) in enumerate(zip(sources, cameras, strict=True)):
         if not any(of_board[number].views for of_board in views):
             raise CalibrationError(why_no_board(source, boards[0]))
@@ -110,9 +149,31 @@ def _calibrate(
                 f"camera {camera.name!r}: its images are {width} x {height} px, its intrinsics are "
                 f"for {camera.size_px[0]} x {camera.size_px[1]}; record both in the same mode"
             )
+    return views
+
+
+def _calibrate(
+    sources: "Sequence[BoardSource]",
+    cameras: "list[Camera]",
+    boards: "list[Board]",
+    views: "list[list[CameraViews]]",
+    together: str,
+    most_offset_s: float,
+) -> "RigCalibration":
+    from trecsim.calibrating.assembly import back_to_back, fixed_together
+    from trecsim.calibrating.rig_calibration import calibrate_rig, calibrate_timed_rig
+    from trecsim.calibrating.rig_fit import BoardProblem
+    from trecsim.calibrating.sights import sights_of_images
+
+    fixed = back_to_back(boards[0]) if together == "back" else None
     sights, _ = sights_of_images(cameras, views, boards)
-    problem = BoardProblem(tuple(cameras), tuple(boards), tuple(sights))
-    return calibrate_rig(problem)
+    if together == "found":
+        fixed = fixed_together(boards, sights)
+    if sources[0].video is None:
+        return calibrate_rig(BoardProblem(tuple(cameras), tuple(boards), tuple(sights), fixed))
+    return calibrate_timed_rig(
+        cameras, boards, views, most_offset_s=most_offset_s, T_assembly_board=fixed
+    )
 
 
 def _facts(made: "RigCalibration") -> dict[str, Any]:
@@ -137,7 +198,8 @@ def _line(made: "RigCalibration", number: int) -> str:
     if quality.name not in made.rig:
         return f"{quality.name}: not placed"
     x, y, z = made.rig[quality.name].position_m
+    late = f", clock {quality.time_offset_s:+.4f} s" if made.problem.timed else ""
     return (
         f"{quality.name}: at {x:.2f}, {y:.2f}, {z:.2f} m ± {1e3 * quality.position_sd_m:.1f} mm, "
-        f"± {quality.rotation_sd_deg:.3f} degrees, error {quality.reprojection_px:.2f} px"
+        f"± {quality.rotation_sd_deg:.3f} degrees, error {quality.reprojection_px:.2f} px{late}"
     )

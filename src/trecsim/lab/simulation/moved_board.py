@@ -135,3 +135,55 @@ def views_of(
                 views.append(View(f"image {moment}", moment, float("nan"), seen))
         found.append(CameraViews(camera.name, camera.size_px, tuple(views), ()))
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class Carried:
+    """A board that is carried about smoothly, now facing this camera, now that one.
+
+    Attributes
+    ----------
+    rig
+        The cameras.
+    board
+        The board.
+    walk
+        Where it is carried.
+    seed
+        Of the path.
+    """
+
+    rig: Rig
+    board: Board
+    walk: Walk
+    seed: int = 0
+
+    def pose(self, t_s: float) -> RigidMotion:
+        """Return where the board is at a time."""
+        rng = np.random.default_rng(self.seed)
+        rates, phases = rng.uniform(0.5, 1.6, (7, 3)), rng.uniform(0, 6.28, (7, 3))
+        waves = np.sin(rates * t_s + phases).mean(axis=1) * 1.4
+        middle = np.array(self.walk.middle_m) + waves[:3] * self.walk.half_m
+        share = (waves[3] + 1) / 2 * (len(self.rig) - 1)
+        number = int(np.clip(np.floor(share), 0, max(len(self.rig) - 2, 0)))
+        ends = [
+            self.rig.cameras[n].position_m for n in (number, min(number + 1, len(self.rig) - 1))
+        ]
+        towards = ends[0] + (share - number) * (ends[1] - ends[0]) - middle
+        away = -towards / np.linalg.norm(towards) + self.walk.tilt * waves[4:7]
+        return _posed(self.board, middle, away, 0.4 * float(waves[5]))
+
+    def views(
+        self, camera: Camera, stamps_s: Float64[np.ndarray, " frame"], late_s: float,
+        noise_px: float, rng: np.random.Generator,
+    ) -> CameraViews:  # fmt: skip
+        """Return what a camera sees whose stamps are `late_s` behind the time of the site."""
+        views = []
+        for number, stamp in enumerate(stamps_s):
+            T = self.pose(float(stamp + late_s))
+            seen = seen_by(
+                camera, self.board, T, noise_px, rng, partly=self.board.charuco is not None
+            )
+            if seen is not None:
+                views.append(View(f"{stamp:.2f} s", number, float(stamp), seen))
+        return CameraViews(camera.name, camera.size_px, tuple(views), ())
