@@ -113,7 +113,7 @@ def test_gltf_animates_each_joint_and_hides_who_is_absent(walkers: Walkers) -> N
         present = shown(nodes[f"person_{person}"].get("scale"), t_s)
         np.testing.assert_array_equal(present, there.any(axis=1))
         for joint, name in enumerate(COCO17.joints):
-            node = nodes[f"person_{person}/{name}"]
+            node = nodes[f"person_{person}_{name}"]
             times, places = node["translation"]
             known = there[:, joint]
             np.testing.assert_array_equal(shown(node.get("scale"), t_s) & present, known)

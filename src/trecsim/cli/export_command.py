@@ -19,6 +19,7 @@ def export(
     fill_s: float = 0.0,
     lag_s: float | None = None,
     butterworth_hz: float | None = None,
+    opensim: bool = False,
     provisional: bool = False,
     json: bool = False,
 ) -> None:
@@ -48,6 +49,9 @@ def export(
     butterworth_hz
         Smooth: Butterworth filter of order 4 with this cut-off frequency [Hz], forwards and
         backwards; zero phase.
+    opensim
+        Beside TRC files, also write a marker set and setups for OpenSim's scaling and inverse
+        kinematics.
     provisional
         Also export provisional people. Parquet gets all that there are, with their state.
     json
@@ -57,7 +61,7 @@ def export(
     from trecsim.export.smoothing import Smoothing
 
     settings = ExportSettings(
-        rate_hz, person, fill_s, Smoothing(lag_s, butterworth_hz), provisional
+        rate_hz, person, fill_s, Smoothing(lag_s, butterworth_hz), provisional, opensim
     )
     with progress_bar("frames", quiet=json) as bar:
         done = export_tracks(tracks, out, bar, settings=settings)

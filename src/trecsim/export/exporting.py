@@ -13,6 +13,7 @@ from trecsim.export.base import About, Format, Part, Writer
 from trecsim.export.fixed_rate import filled, resampled, usual_rate_hz
 from trecsim.export.formats import NATIVE, format_of
 from trecsim.export.motions import Motion, collect
+from trecsim.export.opensim_setup import setup_files
 from trecsim.export.placing import placed
 from trecsim.export.smoothing import NO_SMOOTHING, Smoothing, smoothed
 from trecsim.extras import needed
@@ -40,6 +41,8 @@ class ExportSettings:
         A filter; it makes the rate fixed.
     provisional
         Whether provisional people are exported.
+    opensim
+        Whether TRC gets a marker set and setups for OpenSim's scaling and inverse kinematics.
     """
 
     rate_hz: float | None = None
@@ -47,6 +50,7 @@ class ExportSettings:
     fill_s: float = 0.0
     smoothing: Smoothing = NO_SMOOTHING
     provisional: bool = False
+    opensim: bool = False
 
     def __post_init__(self) -> None:
         if self.rate_hz is not None and not _LOWEST_HZ <= self.rate_hz <= _HIGHEST_HZ:
@@ -153,6 +157,8 @@ def export_tracks(
     kind = format_of(out)
     settings = settings or ExportSettings()
     settings = replace(settings, provisional=settings.provisional or provisional)
+    if settings.opensim and kind.ending != ".trc":
+        raise InputError(f"--opensim belongs to TRC files; {out} is to be {kind.title}")
     if kind.ending in NATIVE and not settings.changes:
         extent = export_native(path, out, progress, provisional=settings.provisional)
         return Exported(
@@ -164,10 +170,16 @@ def export_tracks(
     motion = _prepared(recorded, settings, kind)
     parts = list(_parts(motion, kind))
     files = [_file_name(out, kind.ending, part.label) for part in parts]
-    with placed(files) as places:
-        for part, place, file in zip(parts, places, files, strict=True):
+    beside: dict[Path, str] = {}
+    if settings.opensim:
+        people = [(part.only, file) for part, file in zip(parts, files, strict=True)]
+        beside = setup_files(out, people)
+    with placed([*files, *beside]) as places:
+        for part, place, file in zip(parts, places, files, strict=False):
             write(part.motion, place, About(file.name, COCO17))
-    return _told(motion, recorded, files, kind, settings)
+        for place, text in zip(places[len(files) :], beside.values(), strict=True):
+            place.write_text(text, encoding="utf-8")
+    return _told(motion, recorded, [*files, *beside], kind, settings)
 
 
 def _writer_of(kind: Format) -> Writer:

@@ -169,7 +169,7 @@ def _add_person(
     name = f"person_{one.person}"
     positions = np.ascontiguousarray(y_up(held(one.xyz_m)).transpose(1, 0, 2))
     joints = [
-        scene.node(name=f"{name}/{joint}", translation=positions[number, 0].tolist())
+        scene.node(name=f"{name}_{joint}", translation=positions[number, 0].tolist())
         for number, joint in enumerate(skeleton.joints)
     ]
     root = scene.node(name=name, children=joints, extras={"person": one.person})
@@ -193,7 +193,7 @@ def _add_person(
         "material": len(scene.materials) - 1,
     }
     scene.meshes.append({"name": name, "primitives": [primitive]})
-    skin = scene.node(name=f"{name}/body", mesh=len(scene.meshes) - 1, skin=len(scene.skins) - 1)
+    skin = scene.node(name=f"{name}_body", mesh=len(scene.meshes) - 1, skin=len(scene.skins) - 1)
     scene.roots += [root, skin]
     times = scene.accessor((one.t_s - motion.t0_s).astype(np.float32)[:, None], bounds=True)
     for number, joint in enumerate(joints):
