@@ -8,6 +8,7 @@ import pytest
 from made_motion import exported, recorded, two_walkers
 from trecsim.export.axes import y_up
 from trecsim.export.bones import BONE_OF, Body, fitted_body, joints_of
+from trecsim.export.feet import rested
 from trecsim.export.turns3d import calm_order, steady_angles, turned
 from trecsim.skeleton import COCO17
 
@@ -42,7 +43,7 @@ def seen_turned_deg(body: Body, xyz_m: np.ndarray, limb: str) -> np.ndarray:
 @pytest.mark.parametrize("name", CLIPS)
 def test_joints_are_met_within_a_centimetre(shared_data: Path, name: str) -> None:
     xyz_m = y_up(clip(shared_data, name))
-    met = joints_of(fitted_body(xyz_m))
+    met = joints_of(fitted_body(xyz_m, 30.0))
     for joint, place in met.items():
         error_m = np.linalg.norm(place - xyz_m[:, COCO17.index(joint)], axis=1)
         assert np.median(error_m) < 0.01, joint
@@ -53,7 +54,7 @@ def test_no_bone_turns_more_than_thirty_degrees_unless_the_limb_really_does(
     shared_data: Path, name: str
 ) -> None:
     xyz_m = y_up(clip(shared_data, name))
-    body = fitted_body(xyz_m)
+    body = fitted_body(xyz_m, 30.0)
     for bone in body.bones:
         if bone.turn is None:
             continue
@@ -69,7 +70,7 @@ def test_no_bone_turns_more_than_thirty_degrees_unless_the_limb_really_does(
 # gimbal lock and step faster than the arm: its rotations are held to the bound, its angles are not.
 @pytest.mark.parametrize("name", CLIPS[:-1])
 def test_no_angle_jumps_unless_the_bone_turns(shared_data: Path, name: str) -> None:
-    for bone in fitted_body(y_up(clip(shared_data, name))).bones:
+    for bone in fitted_body(y_up(clip(shared_data, name)), 30.0).bones:
         if bone.turn is None:
             continue
         moved = np.degrees(turned(bone.turn))
@@ -104,6 +105,30 @@ def test_bvhio_reads_the_skeleton_with_constant_limbs_where_the_joints_are(
         )  # fmt: skip
     assert (np.median(errors, axis=0) < 0.01).all()
     assert (np.ptp(lengths, axis=0) < 1e-4).all()
+
+
+@pytest.mark.parametrize("name", ["bn1_walk_normal_001", "bn1_bow_active_001", "dm_long_walk1"])
+def test_a_foot_that_stands_does_not_slide(shared_data: Path, name: str) -> None:
+    xyz_m = y_up(clip(shared_data, name))
+    rng = np.random.default_rng(7)
+    trembling = xyz_m + rng.normal(0.0, 0.004, xyz_m.shape)
+    sliding = {}
+    for rate_hz in (None, 30.0):
+        ankle_m = joints_of(fitted_body(trembling, rate_hz))["left_ankle"][:, [0, 2]]
+        resting = rested(xyz_m[:, COCO17.index("left_ankle")], 30.0).share > 0.99
+        both = resting[1:] & resting[:-1]
+        speed = 30.0 * np.linalg.norm(np.diff(ankle_m, axis=0), axis=1)[both]
+        sliding[rate_hz] = float(np.median(speed))
+        assert both.sum() > 10
+    assert sliding[30.0] < 0.3 * sliding[None]
+
+
+def test_a_foot_that_moves_is_left_alone() -> None:
+    t_s = np.arange(100) / 30.0
+    moving = np.stack([0.5 * t_s, 0.1 * np.sin(6 * t_s), 0 * t_s], axis=1)
+    resting = rested(moving, 30.0)
+    assert resting.share.max() == 0.0
+    np.testing.assert_array_equal(resting.place_m, moving)
 
 
 def test_limbs_that_change_their_length_get_one_length(tmp_path: Path) -> None:

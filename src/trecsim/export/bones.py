@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.export.feet import Shares, rested
 from trecsim.export.turns3d import (
     Rotations,
     Vectors,
@@ -35,7 +36,8 @@ _CLAVICLE = 1.3  # its length by half the shoulder width: it meets all widths th
 _BENT = 1.05  # length of spine and neck by the longest distance that they span
 _SACRUM, _STERNUM = 0.1, 0.15
 _ROUNDS = 30
-_ANKLE_GIVES = 0.15  # how far a wrist or ankle moves for 1 that an elbow or knee does
+_HELD = 0.7  # how much less the end gives where it is held
+_END_GIVES = 0.15  # how far a wrist or ankle moves for 1 that an elbow or knee does
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,13 +129,17 @@ class _Builder:
         return self.add(name, parent, offset_m, local)
 
 
-def fitted_body(joints_m: Float64[np.ndarray, "frame joint 3"]) -> Body:
+def fitted_body(
+    joints_m: Float64[np.ndarray, "frame joint 3"], rate_hz: float | None = None
+) -> Body:
     """Fit a body to joints.
 
     Parameters
     ----------
     joints_m
         COCO-17 with y up; none is missing [m].
+    rate_hz
+        Frames per second, for feet that are held where they rest; None leaves them.
     """
     at = {name: joints_m[:, number] for number, name in enumerate(COCO17.joints)}
     hips_m = (at["left_hip"] + at["right_hip"]) / 2
@@ -142,7 +148,7 @@ def fitted_body(joints_m: Float64[np.ndarray, "frame joint 3"]) -> Body:
     chest = _add_trunk(builder, at, shoulders_m)
     _add_head(builder, at, chest, joints_m)
     for side, sign in (("left", 1.0), ("right", -1.0)):
-        _add_leg(builder, at, side, sign)
+        _add_leg(builder, at, side, sign, rate_hz)
     return Body(tuple(builder.bones), hips_m)
 
 
@@ -210,46 +216,74 @@ def _add_arm(
         at[f"{side}_shoulder"],
     )  # fmt: skip
     names = (f"{title}Arm", f"{title}ForeArm", f"{title}Hand")
-    joints = tuple(at[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist"))
-    _add_limb(builder, names, joints, clavicle, to_shoulder, rest, "ZXY")
+    joints = [at[f"{side}_{joint}"] for joint in ("shoulder", "elbow", "wrist")]
+    _add_limb(builder, names, joints, _lengths(joints), clavicle, to_shoulder, rest, "ZXY")
 
 
-def _add_leg(builder: _Builder, at: dict[str, Vectors], side: str, sign: float) -> None:
+def _add_leg(
+    builder: _Builder, at: dict[str, Vectors], side: str, sign: float, rate_hz: float | None
+) -> None:
     half_m = float(np.median(np.linalg.norm(at["left_hip"] - at["right_hip"], axis=1))) / 2
     title = side.capitalize()
     names = (f"{title}UpLeg", f"{title}Leg", f"{title}Foot")
-    joints = tuple(at[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle"))
-    _add_limb(builder, names, joints, 0, sign * half_m * _LEFT, _DOWN, "XZY")
+    joints = [at[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle")]
+    lengths_m = _lengths(joints)
+    held = None
+    if rate_hz is not None:
+        resting = rested(joints[2], rate_hz)
+        joints[2], held = resting.place_m, resting.share
+    _add_limb(builder, names, joints, lengths_m, 0, sign * half_m * _LEFT, _DOWN, "XZY", held)
+
+
+def _lengths(joints: list[Vectors]) -> list[float]:
+    """Return the lengths of a limb's two parts [m]."""
+    return [float(np.median(np.linalg.norm(b - a, axis=1))) for a, b in pairwise(joints)]
 
 
 def _add_limb(
     builder: _Builder,
     names: tuple[str, ...],
-    joints: tuple[Vectors, ...],
+    joints: list[Vectors],
+    lengths_m: list[float],
     parent: int,
     offset_m: Float64[np.ndarray, " 3"],
     rest: Float64[np.ndarray, " 3"],
     order: str,
+    held: Shares | None = None,
 ) -> None:
-    lengths_m = [float(np.median(np.linalg.norm(b - a, axis=1))) for a, b in pairwise(joints)]
     start_m = builder.places[parent] + builder.turns[parent] @ offset_m
-    middle_m, end_m = with_lengths(start_m, joints[1], joints[2], lengths_m[0], lengths_m[1])
+    middle_m, end_m = with_lengths(start_m, joints[1], joints[2], lengths_m, held)
     upper = builder.pointing(names[0], parent, offset_m, rest, middle_m, order, end_m)
     lower = builder.pointing(names[1], upper, lengths_m[0] * rest, rest, end_m, order)
     builder.add(names[2], lower, lengths_m[1] * rest)
 
 
 def with_lengths(
-    start_m: Vectors, middle_m: Vectors, end_m: Vectors, upper_m: float, lower_m: float
+    start_m: Vectors,
+    middle_m: Vectors,
+    end_m: Vectors,
+    lengths_m: list[float],
+    held: Shares | None = None,
 ) -> tuple[Vectors, Vectors]:
     """Return the nearest elbow and wrist, or knee and ankle, that fit two lengths.
+
+    Parameters
+    ----------
+    start_m, middle_m, end_m
+        Shoulder, elbow and wrist, or hip, knee and ankle [m].
+    lengths_m
+        Of the upper and the lower part [m].
+    held
+        How firmly the end stays where it is, from 0 to 1; None for 0.
 
     Notes
     -----
     Both lengths are corrected in turn along the limb; the end gives way less than the middle, so
     that hands and feet stay where they are. There is no angle in it, hence nothing that flips.
     """
-    gives = 1.0 / (1.0 + _ANKLE_GIVES)
+    upper_m, lower_m = lengths_m
+    loose = np.ones(len(end_m)) if held is None else 1.0 - _HELD * held
+    gives = (1.0 / (1.0 + _END_GIVES * loose))[:, None]
     for _ in range(_ROUNDS):
         along = end_m - middle_m
         excess = (1.0 - lower_m / np.maximum(np.linalg.norm(along, axis=1), 1e-6))[:, None] * along

@@ -23,7 +23,7 @@ _ROWS_AT_ONCE = 4096
 def write_bvh(motion: Motion, path: Path, about: About) -> None:
     """Write one person as BVH; where joints are missing, the last pose is held."""
     one = motion.people[0]
-    body = fitted_body(y_up(held(one.xyz_m)).astype(np.float64))
+    body = fitted_body(y_up(held(one.xyz_m)).astype(np.float64), motion.rate_hz)
     with path.open("wb") as file:
         file.write(("HIERARCHY\n" + _branch(body, 0, 0)).encode())
         file.write(f"MOTION\nFrames: {len(one.t_s)}\n".encode())
