@@ -144,6 +144,11 @@ class RuleEvents:
         """Take what people have put in place of the modes, from now on."""
         self._engine.overrides = overrides
 
+    @property
+    def faults(self) -> Mapping[str, str]:
+        """What went wrong in rules at the last moment, by their `id`."""
+        return self._engine.faults
+
     def mode(self, t_s: float) -> str | None:
         """Return the mode that is in force at a time [s]."""
         return self._engine.mode(t_s)
@@ -217,6 +222,10 @@ def assess(
     with atomic_write(out, private=True) as file:
         for event in tally.watch(chain(first, moments), events):
             file.write(f"{event_text(event)}\n")
+    remarks += [
+        f"rule {rule} failed at {count} moments and told nothing of them: {tally.faults[rule]}"
+        for rule, count in sorted(tally.failed.items())
+    ]
     return AssessSummary(
         out=out,
         moments=tally.moments,
@@ -234,13 +243,18 @@ class _Tally:
         self.moments = self.events = 0
         self.people: set[int] = set()
         self.by_rule: Counter[str] = Counter()
+        self.failed: Counter[str] = Counter()
+        self.faults: dict[str, str] = {}
 
     def watch(self, moments: Iterable[Snapshot], events: RuleEvents) -> Iterator[Event]:
         """Yield the events of all moments."""
         for snapshot in moments:
             self.moments += 1
             self.people.update(snapshot.id[snapshot.is_confirmed].tolist())
-            for event in events.step(snapshot):
+            told = events.step(snapshot)
+            self.failed.update(events.faults.keys())
+            self.faults.update(events.faults)
+            for event in told:
                 self.events += 1
                 self.by_rule[event["data"]["rule"]["id"]] += event["data"]["phase"] == "new"
                 yield event

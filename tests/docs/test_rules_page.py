@@ -1,10 +1,13 @@
 """The page about rules names every kind with its numbers, and its examples are right."""
 
 import re
+import sys
+import types
 from pathlib import Path
 
 import pytest
 
+from trecsim.own_rules import Kind, check_kind
 from trecsim.safety.kinds import KINDS
 from trecsim.sites.recorded_site import read_recorded_site
 
@@ -36,3 +39,13 @@ def test_the_example_is_a_site_file(tmp_path: Path) -> None:
 
 def test_it_says_that_rules_are_advisory() -> None:
     assert "**Rules are advisory.** trecsim is no certified safety function" in PAGE
+
+
+def test_the_rule_of_your_own_passes_the_checks() -> None:
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    made: dict[str, object] = {"__name__": "crouching"}
+    sys.modules["crouching"] = types.ModuleType("crouching")  # dataclasses look it up
+    exec(compile(code, "rules.md", "exec"), made)
+    kind = made["CROUCH"]
+    assert isinstance(kind, Kind)
+    check_kind(kind)

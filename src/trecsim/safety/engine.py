@@ -123,6 +123,8 @@ class RuleEngine:
     ----------
     overrides
         What people have put in place of the modes.
+    faults
+        What went wrong in rules at the last moment, by their `id`.
     """
 
     def __init__(
@@ -137,6 +139,7 @@ class RuleEngine:
     ) -> None:
         self._site, self._clock, self._forecaster = site, clock, forecaster
         self._modes, self.overrides = tuple(modes), Overrides()
+        self.faults: dict[str, str] = {}
         self._kept = [_Kept(rule, rule.kind.condition(rule)) for rule in rules]
         self._memory, self._cameras = Memory(), cameras_in_view(rig)
         self._last_s = float("-inf")
@@ -156,7 +159,7 @@ class RuleEngine:
         scene = self._memory.take(snapshot, forecasts)
         now = self._clock.local(scene.t_s)
         off = self._off(scene.t_s, now)
-        return [data for kept in self._kept for data in self._judge(kept, scene, now, off)]
+        return [data for kept in self._kept for data in self._judged(kept, scene, now, off)]
 
     def change(
         self, rules: Sequence[Rule], clock: Clock, t_s: float, modes: Sequence[Mode] = ()
@@ -175,6 +178,7 @@ class RuleEngine:
             Of the site.
         """
         self._modes = tuple(modes)
+        self.faults.clear()
         before = {kept.rule.id: kept for kept in self._kept}
         self._clock, self._kept = clock, []
         for rule in rules:
@@ -198,6 +202,19 @@ class RuleEngine:
 
     def _off(self, t_s: float, now: LocalTime | None) -> frozenset[str]:
         return rules_off(self._modes, self.overrides.at(t_s), now)
+
+    def _judged(
+        self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]
+    ) -> list[EventData]:
+        """Judge one rule; one that raises begins anew, and all others go on."""
+        try:
+            events = list(self._judge(kept, scene, now, off))
+        except Exception as error:  # the boundary: one rule must not take the others with it
+            kept.memory = None
+            self.faults[kept.rule.id] = f"{type(error).__name__}: {error}"
+            return []
+        self.faults.pop(kept.rule.id, None)
+        return events
 
     def _judge(
         self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]

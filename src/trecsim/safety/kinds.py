@@ -16,6 +16,7 @@ from trecsim.safety.conditions.groups import Separated
 from trecsim.safety.conditions.movement import Running, WrongWay
 from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy, OutOfZone
 from trecsim.safety.directed_lines import Edge, Line
+from trecsim.safety.own_kinds import own_kinds
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule import Key, Kind, Rule
 
@@ -309,5 +310,10 @@ _ALL = (
     ),
 )  # fmt: skip
 
-KINDS = {kind.name: kind for kind in _ALL}
-"""All kinds of rules, by name."""
+_OWN, OWN_FAULTS = own_kinds([kind.name for kind in _ALL])
+
+KINDS = {kind.name: kind for kind in (*_ALL, *_OWN)}
+"""All kinds of rules, by name: ours, and those that other packages bring."""
+
+BUILT_IN = tuple(kind.name for kind in _ALL)
+"""Names of the kinds that are part of trecsim."""

@@ -43,6 +43,7 @@ class RuleWatch:
         self._next: RuleSet | None = None
         self._overrides: Overrides | None = None
         self._fault: str | None = None
+        self._failing: set[str] = set()
 
     def write(self, snapshot: Snapshot, /) -> None:
         """Judge one moment."""
@@ -54,7 +55,18 @@ class RuleWatch:
                 logger.exception("the rules fail; people are tracked all the same")
             self._fault = f"{type(error).__name__}: {error}"
         else:
-            self._fault = None
+            self._note(self._events.faults)
+
+    def _note(self, faults: Mapping[str, str]) -> None:
+        """Take note of rules that fail by themselves; the others are judged all the same."""
+        for rule, fault in faults.items():
+            if rule not in self._failing:
+                logger.error("rule %s fails, the others go on: %s", rule, fault)
+        for rule in self._failing - set(faults):
+            logger.warning("rule %s works again", rule)
+        self._failing = set(faults)
+        said = [f"{rule}: {fault}" for rule, fault in sorted(faults.items())]
+        self._fault = "; ".join(said) or None
 
     def change(self, rules: RuleSet) -> None:
         """Take other rules from the next moment on; may be called in any thread."""

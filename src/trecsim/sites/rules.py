@@ -15,6 +15,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from trecsim.safety.conditions.density import LEAST_M2
 from trecsim.safety.directed_lines import Edge, Line
+from trecsim.safety.kinds import OWN_FAULTS
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Polygon, Prism, area_m2
 from trecsim.safety.rule import Place, Rule
@@ -65,7 +66,8 @@ def _too_small(
 
 
 def rule_remarks(rules: Sequence[RuleTable]) -> Iterator[str]:
-    """Yield what rules ask for and do not get."""
+    """Yield what rules ask for and do not get, and which rules of other packages do not work."""
+    yield from OWN_FAULTS
     for rule in rules:
         if rule.early_s > 0.0 and not rule.of_kind.can_warn:
             yield f"rule {rule.id}: early_s has no effect: {rule.kind} cannot warn early"
