@@ -185,6 +185,61 @@ class RulesHealth:
         return None if self.fault is None else f"the rules fail: {self.fault}"
 
 
+@dataclass(frozen=True, slots=True)
+class ZoneCount:
+    """How full a zone is.
+
+    Attributes
+    ----------
+    inside
+        Number of people.
+    density_pm2, level
+        Voronoi density [people/m^2] and level of service of walkways; None in zones that are too
+        small for one.
+    """
+
+    inside: int = 0
+    density_pm2: float | None = None
+    level: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LineCount:
+    """How often a line was crossed in each direction."""
+
+    inwards: int = 0
+    outwards: int = 0
+
+    def to_json(self) -> dict[str, int]:
+        """Return the entry of a line in `/api/health`."""
+        return {"in": self.inwards, "out": self.outwards}
+
+
+@dataclass(frozen=True, slots=True)
+class Counts:
+    """People in zones and over lines.
+
+    Attributes
+    ----------
+    since_s
+        Since when crossings are counted [s]; None before the first people.
+    zones, lines
+        By name.
+    """
+
+    since_s: float | None = None
+    zones: Mapping[str, ZoneCount] = field(default_factory=dict)
+    lines: Mapping[str, LineCount] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the entry in `/api/health`."""
+        return {
+            "since_s": self.since_s,
+            "zones": {name: asdict(zone) for name, zone in self.zones.items()},
+            "lines": {name: line.to_json() for name, line in self.lines.items()},
+        }
+
+
 LATE_S = 10.0  # an output that has not got rid of an event for longer has a fault
 
 
@@ -274,6 +329,8 @@ class Health:
         How often a worker crashed and was started again, by name.
     outputs
         All outputs of events, by name.
+    counts
+        How many people are where.
     """
 
     t_s: float
@@ -284,6 +341,7 @@ class Health:
     restarts: Mapping[str, int] = field(default_factory=dict)
     rules: RulesHealth = RulesHealth()
     outputs: Mapping[str, OutputHealth] = field(default_factory=dict)
+    counts: Counts = Counts()
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -319,4 +377,5 @@ class Health:
             "restarts": dict(self.restarts),
             "rules": asdict(self.rules),
             "outputs": {name: one.to_json() for name, one in self.outputs.items()},
+            "counts": self.counts.to_json(),
         }

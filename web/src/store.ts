@@ -27,9 +27,11 @@ export interface Own {
   toast: { text: string; undo: (() => void) | null; until: number } | null;
 }
 
-export type Layer = "paths" | "forecasts" | "zones" | "cameras" | "numbers" | "uncertainty";
+export type Layer =
+  | "paths" | "forecasts" | "zones" | "density" | "cameras" | "numbers" | "uncertainty";
 export const LAYERS: Record<Layer, string> = {
-  paths: "Last 10 s", forecasts: "Next 4 s", zones: "Zones and edges", cameras: "Cameras",
+  paths: "Last 10 s", forecasts: "Next 4 s", zones: "Zones and edges", density: "Density, on the plan",
+  cameras: "Cameras",
   numbers: "Numbers", uncertainty: "Uncertainty",
 };
 
@@ -42,7 +44,8 @@ function kept(): Kept {
   const plain: Kept = {
     theme: "system",
     layers: {
-      paths: true, forecasts: true, zones: true, cameras: true, numbers: true, uncertainty: true,
+      paths: true, forecasts: true, zones: true, density: false, cameras: true, numbers: true,
+      uncertainty: true,
     },
   };
   try {

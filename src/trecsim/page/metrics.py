@@ -31,6 +31,7 @@ class _Figures(Collector):
         yield from _of_cameras(health)
         yield from _of_stages(health)
         yield from _of_outputs(health)
+        yield from _of_counts(health)
         yield from _of_page(self._state)
 
 
@@ -94,6 +95,25 @@ def _of_stages(health: Health) -> Iterator[Metric]:
     for name, count in health.restarts.items():
         restarts.add_metric([name], count)
     yield restarts
+
+
+def _of_counts(health: Health) -> Iterator[Metric]:
+    inside = GaugeMetricFamily("trecsim_zone_people", "People in a zone.", labels=["zone"])
+    density = GaugeMetricFamily(
+        "trecsim_zone_density", "Voronoi density in a zone [people/m^2].", labels=["zone"]
+    )
+    crossings = CounterMetricFamily(
+        "trecsim_line_crossings", "Crossings of a line since midnight.",
+        labels=["line", "direction"],
+    )  # fmt: skip
+    for name, zone in health.counts.zones.items():
+        inside.add_metric([name], zone.inside)
+        if zone.density_pm2 is not None:
+            density.add_metric([name], zone.density_pm2)
+    for name, line in health.counts.lines.items():
+        crossings.add_metric([name, "in"], line.inwards)
+        crossings.add_metric([name, "out"], line.outwards)
+    yield from (inside, density, crossings)
 
 
 def _of_outputs(health: Health) -> Iterator[Metric]:

@@ -109,6 +109,27 @@ _CAMERA = {
     },
     "required": ["state", "fps", "age_s", "clock", "dropped"],
 }
+_COUNTS = _closed(
+    "People in zones and over lines.",
+    {
+        "since_s": _said("Since when crossings are counted [s].", **_MAYBE),
+        "zones": {
+            "type": "object",
+            "additionalProperties": _closed(
+                "How full a zone is.",
+                {
+                    "inside": _COUNT,
+                    "density_pm2": _said("Voronoi density [people/m^2].", **_MAYBE),
+                    "level": _said("Level of service, A to F.", type=["string", "null"]),
+                },
+            ),
+        },
+        "lines": {
+            "type": "object",
+            "additionalProperties": _closed("Crossings.", {"in": _COUNT, "out": _COUNT}),
+        },
+    },
+)
 _HEALTH = {
     "type": "object",
     "description": "How well the site works: twice a second. What /api/health says.",
@@ -120,6 +141,7 @@ _HEALTH = {
         "cameras": {"type": "object", "additionalProperties": _CAMERA},
         "fusion": {"type": "object", "required": ["state"]},
         "store": {"type": "object", "required": ["state"]},
+        "counts": _COUNTS,
     },
     "required": ["type", "sent_s", "status", "faults", "cameras", "fusion", "store"],
 }

@@ -11,11 +11,12 @@ from trecsim.assessing import RuleEvents, RuleSet, rule_set
 from trecsim.calibration import read_rig
 from trecsim.errors import Error, InputError
 from trecsim.geometry import Rig
-from trecsim.health import CameraHealth, FusionHealth, FusionState, Health, RulesHealth
+from trecsim.health import CameraHealth, Counts, FusionHealth, FusionState, Health, RulesHealth
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView, cameras_of, floor_of
 from trecsim.run_summary import SUMMARY
 from trecsim.safety.engine import Clock
+from trecsim.service.counting import Counting
 from trecsim.sites.recorded_site import RecordedSite
 from trecsim.store.names import RIG
 from trecsim.store.playback import Recording, recordings, snapshots
@@ -70,16 +71,20 @@ def recording_view(recording: Recording) -> SiteView:
     )
 
 
-def recorded_rules(recording: Recording, rig: Rig) -> RuleSet:
-    """Return the rules that a site had when a recording of it was made; none if not known."""
+def recorded_site(recording: Recording) -> RecordedSite | None:
+    """Return zones, lines and rules that a site had when a recording was made, if known."""
     site = _configuration(recording.folder)
     wanted = ("format", "name", "timezone", "zones", "lines", "edges", "rules")
     kept = {key: site[key] for key in wanted if key in site}
     with suppress(Error):
-        read, _ = examined(RecordedSite, kept, {"folder": recording.folder})
-        if read is not None:
-            return rule_set(read.name, read, rig)
-    return RuleSet(recording.id, (), Clock(), rig)
+        return examined(RecordedSite, kept, {"folder": recording.folder})[0]
+    return None
+
+
+def _rules(recording: Recording, site: RecordedSite | None, rig: Rig) -> RuleSet:
+    if site is None:
+        return RuleSet(recording.id, (), Clock(), rig)
+    return rule_set(site.name, site, rig)
 
 
 def _configuration(folder: Path) -> dict[str, Any]:
@@ -113,18 +118,24 @@ def replay(
     """
     rig = read_rig(recording.folder / RIG)
     cameras = dict.fromkeys(rig.names, CameraHealth("ended"))
-    rules = recorded_rules(recording, rig)
+    site = recorded_site(recording)
+    counting = None if site is None else Counting(site)
+    rules = _rules(recording, site, rig)
     events, total = RuleEvents(rules), len(rules.rules)
 
     def tell(state: FusionState, people: int = 0) -> None:
         fusion = FusionHealth(state, people=people)
-        page.health(Health(time.time(), cameras, fusion, rules=RulesHealth(total, total)))
+        counts = Counts() if counting is None else counting.counts()
+        armed = RulesHealth(total, total)
+        page.health(Health(time.time(), cameras, fusion, rules=armed, counts=counts))
 
     told_s = -1.0
     for snapshot in paced(snapshots(recording.folder), speed, stop):
         page.write(rounded(snapshot))
         for event in events.step(snapshot):
             page.event(event)
+        if counting is not None:
+            counting.write(snapshot)
         if time.monotonic() - told_s >= 0.5:
             told_s = time.monotonic()
             tell("running", int(snapshot.is_confirmed.sum()))

@@ -25,6 +25,7 @@ from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
 from trecsim.run_summary import RunSummary
 from trecsim.safety.modes import Overrides
+from trecsim.service.counting import Counting
 from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
@@ -102,9 +103,12 @@ class SiteService:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
         rules = self._rules = RuleWatch(_rules_of(checked.file, checked.rig), self._put_event)
-        self._reloading = Reloading(checked.file, partial(self._apply, rules, checked.rig))
+        counting = Counting(checked.file.site)
+        self._reloading = Reloading(
+            checked.file, partial(self._apply, rules, counting, checked.rig)
+        )
         watchers = monitor.sinks()
-        watchers = replace(watchers, snapshots=[*watchers.snapshots, rules])
+        watchers = replace(watchers, snapshots=[*watchers.snapshots, rules, counting])
         told: list[Callable[[Health], None]] = [self._reloading]
         if self._page is not None:
             watchers = replace(watchers, snapshots=[*watchers.snapshots, self._page])
@@ -114,7 +118,8 @@ class SiteService:
             self._take_in(monitor, feed)
             health = monitor.health()
             outputs = {one.name: one.health() for one in self._deliveries}
-            return replace(health, rules=rules.health(health.t_s), outputs=outputs)
+            judged_rules, counts = rules.health(health.t_s), counting.counts()
+            return replace(health, rules=judged_rules, outputs=outputs, counts=counts)
 
         def asked() -> bool:
             self._heartbeat.beat()
@@ -167,9 +172,10 @@ class SiteService:
             self._rules.override(Overrides.of(store.ledger.setting(OVERRIDES)))
         return [FaultLog(), faults]
 
-    def _apply(self, rules: RuleWatch, rig: Rig, file: SiteFile) -> None:
+    def _apply(self, rules: RuleWatch, counting: Counting, rig: Rig, file: SiteFile) -> None:
         """Take over what has changed in a site file."""
         rules.change(_rules_of(file, rig))
+        counting.change(file.site)
         self._show(file, rig)
 
     def _put_event(self, event: dict[str, Any]) -> None:

@@ -22,6 +22,8 @@ export interface PlanInput {
   active: ReadonlyMap<string, Severity>;
   faulty: ReadonlySet<string>;
   layers: { paths: boolean; forecasts: boolean; zones: boolean; cameras: boolean };
+  /** Mean number of people in cells of the floor; null where density is not shown. */
+  heat: { cell: number; people: ReadonlyMap<string, number> } | null;
   /** Large plan: names of zones and cameras are written. */
   names: boolean;
   /** The zone, line or edge that is chosen. */
@@ -75,6 +77,7 @@ export function drawPlan(
 ): PlanView {
   const view = planView(input.site, width, height, margin);
   drawFloor(pen, c, view, input);
+  if (input.heat) drawHeat(pen, c, view, input.heat);
   if (input.layers.zones) drawZones(pen, c, view, input);
   if (input.layers.cameras) drawCameras(pen, c, view, input);
   const people = input.snapshot?.people.filter((p) => Number.isFinite(p.floor[0])) ?? [];
@@ -108,6 +111,38 @@ function drawFloor(pen: Pen, c: Palette, view: PlanView, { site, names }: PlanIn
       trace(pen, view, ends, false);
       pen.stroke();
     }
+  }
+}
+
+/** Where levels of service of walkways begin, by Fruin [people/m²]: E, F. */
+const [LEVEL_E, LEVEL_F] = [1.08, 2.15];
+
+/** Draw densities: grey up to level D, then in the colours of a warning and an alarm. */
+function drawHeat(
+  pen: Pen, c: Palette, view: PlanView, { cell, people }: NonNullable<PlanInput["heat"]>,
+): void {
+  const sums = new Map<string, number>();
+  for (const [key, count] of people) {
+    const [i = 0, j = 0] = key.split(" ").map(Number);
+    for (const di of [-1, 0, 1]) {
+      for (const dj of [-1, 0, 1]) {
+        const near = `${i + di} ${j + dj}`;
+        sums.set(near, (sums.get(near) ?? 0) + count);
+      }
+    }
+  }
+  const window = (3 * cell) ** 2;
+  for (const [key, count] of sums) {
+    const density = count / window;
+    const [i = 0, j = 0] = key.split(" ").map(Number);
+    const [a, b] = [view.to([i * cell, j * cell]), view.to([(i + 1) * cell, (j + 1) * cell])];
+    const ink = density >= LEVEL_F ? c.alarmFill : density >= LEVEL_E ? c.warnFill : c.text;
+    const strength = density >= LEVEL_E ? 0.5 : 0.34 * Math.min(1, density / LEVEL_E);
+    if (strength < 0.01) continue;
+    pen.fillStyle = alpha(ink, strength);
+    pen.fillRect(
+      Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.abs(b[0] - a[0]) + 0.5, Math.abs(b[1] - a[1]) + 0.5,
+    );
   }
 }
 

@@ -232,4 +232,24 @@ export class History {
     }
     return counts;
   }
+
+  /** Return the mean number of people in each cell of the floor over the last seconds before t. */
+  heat(t: number, seconds: number, cell: number, every = 0.5): Map<string, number> {
+    const found = new Map<string, number>();
+    let [last, moments] = [-Infinity, 0];
+    for (let i = Math.max(this.#head, this.#at(t - seconds)); i <= this.#at(t); i++) {
+      const frame = this.#frames[i] as Packed;
+      if (frame.t - last < every) continue;
+      last = frame.t;
+      moments++;
+      frame.states.forEach((state, k) => {
+        const [x, y] = [frame.floor[2 * k] ?? NaN, frame.floor[2 * k + 1] ?? NaN];
+        if (state === PROVISIONAL || !Number.isFinite(x)) return;
+        const key = `${Math.floor(x / cell)} ${Math.floor(y / cell)}`;
+        found.set(key, (found.get(key) ?? 0) + 1);
+      });
+    }
+    for (const [key, count] of found) found.set(key, count / moments);
+    return found;
+  }
 }

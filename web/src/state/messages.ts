@@ -56,6 +56,15 @@ export interface Health {
   stages?: Record<string, { median_ms: number; p95_ms: number }>;
   restarts?: Record<string, number>;
   rules?: { armed: number; total: number } | null;
+  counts?: Counts | null;
+}
+
+export type Level = "A" | "B" | "C" | "D" | "E" | "F";
+
+export interface Counts {
+  since_s: number | null;
+  zones: Record<string, { inside: number; density_pm2: number | null; level: Level | null }>;
+  lines: Record<string, { in: number; out: number }>;
 }
 
 export interface HealthMessage extends Health {

@@ -1,4 +1,5 @@
 import { Alerts } from "./alerts.tsx";
+import { CountsBox } from "./counts.tsx";
 import { PlanBox } from "./planview.tsx";
 import { Selection } from "./selection.tsx";
 import { Stage } from "./stage.tsx";
@@ -22,6 +23,7 @@ export function Live() {
       <div class="right">
         <Alerts />
         <Selection />
+        <CountsBox />
         <PlanBox />
       </div>
     </div>

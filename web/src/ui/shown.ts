@@ -51,6 +51,16 @@ export function concerned(): Concerned {
   return { alarmed, active, faulty };
 }
 
+/** The map of density is that of so long [s], in cells of this side [m]. */
+const [HEAT_S, CELL_M] = [60, 0.5];
+let heated: { t: number; heat: ReadonlyMap<string, number> } = { t: NaN, heat: new Map() };
+
+/** Return the mean number of people per cell, computed once a second. */
+function heat(t: number): ReadonlyMap<string, number> {
+  if (!(Math.abs(t - heated.t) < 1)) heated = { t, heat: store.film.heat(t, HEAT_S, CELL_M) };
+  return heated.heat;
+}
+
 /** Return what the plan draws; null before the site is known. */
 export function planInput(names: boolean): PlanInput | null {
   const { state, shown, own, address } = store;
@@ -63,6 +73,7 @@ export function planInput(names: boolean): PlanInput | null {
     selected: address.person,
     ...concerned(),
     layers: own.layers,
+    heat: own.layers.density && shown ? { cell: CELL_M, people: heat(shown.t) } : null,
     names,
     chosen: address.page === "zones" ? address.subject : null,
   };

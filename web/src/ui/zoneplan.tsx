@@ -64,7 +64,7 @@ export function ZonePlan({ tool, setTool }: { tool: Tool; setTool: (tool: Tool) 
           ? { ...desk.parts, [kind]: omit(desk.parts[kind], chosen ?? "") } : desk.parts;
         drawPlan(sheet.pen, palette(), sheet.width, sheet.height, MARGIN, {
           ...input, site: drafted(input.site, rest), chosen,
-          layers: { ...input.layers, forecasts: false, zones: true },
+          layers: { ...input.layers, forecasts: false, zones: true }, heat: null,
         });
       }} />
       {view && site && <Sketch view={view} site={site} size={size} tool={tool} setTool={setTool} />}
