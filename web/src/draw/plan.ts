@@ -164,11 +164,12 @@ function drawZones(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void
   }
   for (const line of input.site.lines) {
     trace(pen, view, line.points, false);
-    pen.strokeStyle = c.zone;
+    pen.strokeStyle = line.name === input.chosen ? c.accent : c.zone;
     pen.lineWidth = 1.3;
     pen.setLineDash([5, 3]);
     pen.stroke();
     pen.setLineDash([]);
+    if (input.names) drawWayIn(pen, view, line.points);
   }
   for (const edge of input.site.edges) {
     const severity = input.active.get(edge.name);
@@ -179,6 +180,23 @@ function drawZones(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void
     pen.stroke();
     drawTeeth(pen, view, edge.points);
   }
+}
+
+/** Draw an arrow across a line in the direction "in": from its right to its left. */
+function drawWayIn(pen: Pen, view: PlanView, points: readonly Point[]): void {
+  const [a, b] = [view.to(points[0] as Point), view.to(points[1] as Point)];
+  const length = Math.hypot(b[0] - a[0], b[1] - a[1]);
+  if (length < 12) return;
+  const [ux, uy] = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+  const [x, y] = [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2];
+  const [tx, ty] = [x + uy * 18, y - ux * 18]; // y runs down on the screen: left is this side
+  pen.beginPath();
+  pen.moveTo(x, y);
+  pen.lineTo(tx, ty);
+  pen.moveTo(tx - uy * 6 - ux * 4, ty + ux * 6 - uy * 4);
+  pen.lineTo(tx, ty);
+  pen.lineTo(tx - uy * 6 + ux * 4, ty + ux * 6 + uy * 4);
+  pen.stroke();
 }
 
 /** Return the corner of a polygon that lies uppermost left on the screen. */

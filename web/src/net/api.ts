@@ -1,6 +1,6 @@
 // Requests of the page. Each error says what could not be done, in the server's words.
 
-import type { CloudEvent, Me, Reason } from "../state/messages.ts";
+import type { CloudEvent, Me, Modes, Reason } from "../state/messages.ts";
 
 export class SignedOut extends Error {}
 
@@ -145,3 +145,11 @@ export interface Curve {
 /** Return the probability of an alert's condition over time, as the recording gives it. */
 export const getCurve = (event: string): Promise<Curve> =>
   json(`/api/events/${encodeURIComponent(event)}/why`);
+
+export const getModes = (): Promise<Modes> => json("/api/mode");
+
+/** Put a mode in force, or a rule off; return what holds then. */
+export const setMode = async (
+  what: { mode?: string | null; until_s?: number; bypass?: { rule: string; until_s?: number } },
+  csrf: string | null,
+): Promise<Modes> => (await send("/api/mode", what, csrf)) as Modes;

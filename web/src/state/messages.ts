@@ -55,7 +55,7 @@ export interface Health {
   store: { state: "off" | "writing" | "failing"; fault?: string | null };
   stages?: Record<string, { median_ms: number; p95_ms: number }>;
   restarts?: Record<string, number>;
-  rules?: { armed: number; total: number } | null;
+  rules?: { armed: number; total: number; mode?: string | null } | null;
   counts?: Counts | null;
 }
 
@@ -130,4 +130,14 @@ export interface Me {
   user: string | null;
   role: "viewer" | "operator" | "admin" | null;
   csrf?: string | null;
+}
+
+/** What `/api/mode` tells. */
+export interface Modes {
+  mode: string | null;
+  scheduled: string | null;
+  chosen: { mode: string | null; until_s: number; by: string } | null;
+  bypassed: Record<string, { until_s: number; by: string; note: string }>;
+  off: string[];
+  longest_s: number;
 }

@@ -29,6 +29,9 @@ export interface Site {
   version: string;
   timezone: string;
   mode: string | null;
+  /** Which rules are off in each mode. */
+  modes: Record<string, { off: string[]; schedule: string[] | null }>;
+  ruleIds: string[];
   cameras: Camera[];
   zones: Zone[];
   lines: Path[];
@@ -55,6 +58,9 @@ const isPoint = (value: unknown): value is Point =>
 
 const points = (value: unknown): Point[] => (Array.isArray(value) ? value.filter(isPoint) : []);
 
+const texts = (value: unknown): string[] =>
+  Array.isArray(value) ? value.filter((one): one is string => typeof one === "string") : [];
+
 const number = (value: unknown, other: number): number =>
   typeof value === "number" && Number.isFinite(value) ? value : other;
 
@@ -72,6 +78,10 @@ export function readSite(body: unknown): Site {
     version: typeof outer.version === "string" ? outer.version : "",
     timezone: readTimezone(site.timezone),
     mode: typeof site.mode === "string" ? site.mode : null,
+    modes: Object.fromEntries(entries(site.modes).map(([name, value]) => [name, {
+      off: texts(value.off), schedule: value.schedule ? texts(value.schedule) : null,
+    }])),
+    ruleIds: texts(site.rule_ids),
     cameras,
     zones: zones.filter((zone) => zone.polygon.length > 2),
     lines: lines.filter((line) => line.points.length > 1),

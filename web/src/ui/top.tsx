@@ -1,4 +1,5 @@
 import { useEffect } from "preact/hooks";
+import { ModeFact } from "./mode.tsx";
 import { useStore } from "./use.ts";
 import { Glyph, Icon } from "./icons.tsx";
 import { isFault } from "../state/alerts.ts";
@@ -80,7 +81,7 @@ export function Facts() {
           />
           <CamerasFact state={state} to={system} />
           <RulesFact state={state} />
-          {state.site?.mode && <Fact kind="mode" name="Mode" value={state.site.mode} />}
+          <ModeFact />
         </>
       )}
       <Time state={state} />
