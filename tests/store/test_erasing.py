@@ -10,6 +10,7 @@ from typing import IO
 import numpy as np
 import pytest
 
+from made_events import made_event
 from made_live import assert_same_bits, live_moments
 from made_tracks import assert_same, walk
 from trecsim.cli import main
@@ -248,3 +249,28 @@ def test_a_damaged_recording_is_told_and_the_period_is_gone_from_all_others(
     assert_same_bits(list(snapshots(whole)), moments[:30] + moments[61:])
     with Ledger(site) as ledger:
         assert [one.details["recordings"] for one in ledger.audit()] == [["b"]]
+
+
+def test_events_of_the_time_do_not_list_whom_was_erased_and_others_stay(tmp_path: Path) -> None:
+    run = record(tmp_path / "run", list(walk(100, people=2)))
+    here = [{"person": 0, "floor_m": [41.5, 2.0]}, {"person": 1, "floor_m": [3.0, 2.0]}]
+    with Ledger(run) as ledger:
+        for name, t_s in (("in", 1.0), ("after", 3.0)):
+            times = {"t_start_s": t_s, "t_detect_s": t_s, "people": here}
+            ledger.append_event(made_event(name, **times))
+        until = {"t_start_s": 0.1, "t_detect_s": 2.5, "t_end_s": 2.5, "people": here}
+        ledger.append_event(made_event("from before to after", "end", **until))
+    done = erase(run, 0.5, 2.0, person=0)
+    assert done.events == 2
+    with Ledger(run) as ledger:
+        listed = [[one["person"] for one in e.event["data"]["people"]] for e in ledger.events()]
+        ids = [one.event["id"] for one in ledger.events()]
+        assert ledger.audit()[-1].details["events"] == 2
+    assert listed == [[1], [0, 1], [1]]
+    assert ids[0] == made_event("in")["id"]
+    assert erase(run, 0.5, 2.0, person=0).events == 0
+    erase(run, -np.inf, np.inf)
+    with Ledger(run) as ledger:
+        assert all(not one.event["data"]["people"] for one in ledger.events())
+    for file in run.glob("ledger.sqlite*"):
+        assert b"41.5" not in file.read_bytes(), file

@@ -21,9 +21,10 @@ def erase(
     """Delete a period from recordings, for everybody or for one person.
 
     The files are rewritten without these rows; a site may go on recording meanwhile. The act is
-    entered in the audit log (`ledger.sqlite`), which is made if it is missing. Events stay until
-    their own limit; backups are not changed. 2D poses (`poses.jsonl`) have no identities: they are
-    deleted only where the period is deleted for everybody.
+    entered in the audit log (`ledger.sqlite`), which is made if it is missing. Events of the time
+    stay until their own limit, without the people whom they list and where these were; what
+    outputs have sent, and backups, are not changed. 2D poses (`poses.jsonl`) have no identities:
+    they are deleted only where the period is deleted for everybody.
 
     Parameters
     ----------
@@ -49,5 +50,6 @@ def erase(
         {"folder": folder, **asdict(done)},
         json,
         f"{counted(done.rows, 'row')} deleted from {counted(done.files, 'file')} of "
-        f"{counted(len(done.recordings), 'recording')}",
+        f"{counted(len(done.recordings), 'recording')}; people taken out of "
+        f"{counted(done.events, 'event')}",
     )

@@ -2,9 +2,9 @@
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 
@@ -46,12 +46,15 @@ class Erased:
         The recordings in which something was found.
     remarks
         What could not be deleted, and why.
+    events
+        Number of events that do not list these people any more.
     """
 
     rows: int = 0
     files: int = 0
     recordings: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+    events: int = 0
 
 
 def erase(
@@ -65,8 +68,8 @@ def erase(
     """Delete a period from recordings, for everybody or for one person.
 
     A site may go on recording meanwhile. On a full disk files are changed where they lie. The act
-    is entered in the audit log of the folder, if it has one. Events are not deleted: they end with
-    their own limit.
+    is entered in the audit log of the folder. Events of the time stay until their own limit,
+    without the people whom they list and where these were.
 
     Parameters
     ----------
@@ -118,7 +121,10 @@ def erase(
             done.remarks + remarks,
         )
     times = {"from_s": _finite(from_s), "to_s": _finite(to_s)}  # JSON has no infinity
-    _enter(folder, folders, who, done, {**times, "person": person})
+    with Ledger(_place_of_ledger(folder, folders)) as ledger:
+        done = replace(done, events=ledger.erase_people(from_s, to_s, person))
+        what = {**times, "person": person, "recordings": list(done.recordings), "rows": done.rows}
+        ledger.append_audit(who, "erase", {**what, "events": done.events})
     if damaged:
         raise InputError(
             f"{damaged[0]}; {len(damaged)} of {len(folders)} recordings still hold this period, "
@@ -131,15 +137,9 @@ def _finite(t_s: float) -> float | None:
     return t_s if math.isfinite(t_s) else None
 
 
-def _enter(
-    folder: Path, folders: Sequence[Path], who: str, done: Erased, what: Mapping[str, object]
-) -> None:
+def _place_of_ledger(folder: Path, folders: Sequence[Path]) -> Path:
     places = dict.fromkeys([folder, folder.parent, *folders])
-    place = next((one for one in places if (one / LEDGER).exists()), folder)
-    with Ledger(place) as ledger:
-        ledger.append_audit(
-            who, "erase", {**what, "recordings": list(done.recordings), "rows": done.rows}
-        )
+    return next((one for one in places if (one / LEDGER).exists()), folder)
 
 
 def _erase_in(folder: Path, from_s: float, to_s: float, stays: Kept) -> Erased:

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
 
-from trecsim.cloud_events import numbered
+from trecsim.cloud_events import event_text, numbered
 from trecsim.errors import InputError
 from trecsim.store.audit import FIRST_HASH, next_hash
 from trecsim.store.ledger_events import (
@@ -23,6 +23,7 @@ from trecsim.store.ledger_events import (
     event_in,
     event_row,
     next_seq,
+    without_people,
 )
 from trecsim.store.ledger_file import NAME, open_ledger, sqlite_faults, transaction
 from trecsim.store.ledger_reading import LedgerEvent, LedgerReading
@@ -228,6 +229,30 @@ class Ledger(LedgerReading):
             connection.execute(f"DELETE FROM reviewed WHERE episode IN ({old})", [before_s])
             found = connection.execute(f"DELETE FROM event WHERE episode IN ({old})", [before_s])
             return int(found.rowcount)
+
+    def erase_people(self, from_s: float, to_s: float, person: int | None = None) -> int:
+        """Take people out of the events of a time; return the number of events changed.
+
+        Parameters
+        ----------
+        from_s, to_s
+            The time, both included [s].
+        person
+            The identity; None for everybody.
+        """
+        changed, after = 0, 0
+        with self._lock, sqlite_faults(self.path):
+            self._connection.execute("PRAGMA secure_delete = ON")  # nothing stays in free pages
+        while found := self.events(after):
+            after = found[-1].number
+            made = [(one.number, without_people(one.event, from_s, to_s, person)) for one in found]
+            rows = [(event_text(event), number) for number, event in made if event is not None]
+            with self._writing() as connection:
+                connection.executemany("UPDATE event SET body = ? WHERE number = ?", rows)
+            changed += len(rows)
+        with self._lock, sqlite_faults(self.path):
+            self._connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+        return changed
 
     def close(self) -> None:
         """Close the file."""

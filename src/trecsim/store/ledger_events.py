@@ -62,6 +62,34 @@ def event_in(text: object) -> dict[str, Any] | None:
     return event if isinstance(event.get("data"), dict) else None
 
 
+def without_people(
+    event: Mapping[str, Any], from_s: float, to_s: float, person: int | None
+) -> dict[str, Any] | None:
+    """Return an event without the people whom it lists; None where none of them is to go.
+
+    What happened, where the rule is, and when stays; who was there, and where, does not.
+
+    Parameters
+    ----------
+    event
+        The event.
+    from_s, to_s
+        The time that is erased; an event counts from its beginning to its end [s].
+    person
+        The identity; None for everybody.
+    """
+    data = event["data"]
+    times = [data.get(key) for key in ("t_start_s", "t_detect_s", "t_end_s")]
+    known = [float(t_s) for t_s in times if t_s is not None]
+    if not known or min(known) > to_s or max(known) < from_s:
+        return None
+    people = data.get("people") or []
+    kept = [one for one in people if person is not None and one.get("person") != person]
+    if len(kept) == len(people):
+        return None
+    return {**event, "data": {**data, "people": kept, "erased": True}}
+
+
 def checked_act(phase: str, said: Mapping[str, Any], now_s: float) -> dict[str, Any]:
     """Return what somebody says with an act, without what is None; refuse it if not complete.
 
