@@ -23,6 +23,10 @@ polygon_m = [[0.0, -1.0], [4.0, -1.0], [4.0, 1.0], [0.0, 1.0]]
 points_m = [[0.0, -1.0], [0.0, 1.0]]
 [edges.platform]
 points_m = [[-10.0, 0.0], [10.0, 0.0]]
+[volumes.cart]
+size_m = [2.0, 1.0, 1.5]
+path_m = [[-10.0, 0.0], [10.0, 0.0]]
+path_s = [0.0, 10.0]
 """
 Path2D = Callable[[np.ndarray], np.ndarray]
 """Where somebody is, (time, 2) [m]; NaN while nobody is there."""

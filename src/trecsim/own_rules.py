@@ -38,6 +38,7 @@ from trecsim.safety.machine import Finding, Timing
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule import Key, Kind, Place, Rule
 from trecsim.safety.rule_scene import Memory, Scene
+from trecsim.safety.volumes import Volume
 from trecsim.values import PROVISIONAL, Snapshot
 
 __all__ = [
@@ -54,14 +55,18 @@ __all__ = [
     "Prism",
     "Rule",
     "Scene",
+    "Volume",
     "check_kind",
 ]
 
 _SQUARE_M = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-_SHAPES: Mapping[str, Prism | Line | Edge] = {
+_SHAPES: Mapping[str, Prism | Line | Edge | Volume] = {
     "zone": Prism(Polygon(_SQUARE_M), (0.0, 2.5)),
     "line": Line(np.array([[0.0, 0.0], [4.0, 0.0]])),
     "edge": Edge(np.array([[0.0, 0.0], [4.0, 0.0]])),
+    "volume": Volume(
+        (1.0, 1.0, 2.0), 0.0, np.array([[0.0, 1.0], [4.0, 1.0]]), np.array([0.0, 4.0])
+    ),
 }
 
 

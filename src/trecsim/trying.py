@@ -79,7 +79,7 @@ def _take(episodes: dict[str, dict[str, Any]], events: Iterable[Mapping[str, Any
     for event in events:
         data = event["data"]
         told = episodes.setdefault(data["event"], {"event": data["event"], "kind": "", "rule": ""})
-        place = next((data[key] for key in ("zone", "line", "edge") if key in data), None)
+        place = next((data[key] for key in ("zone", "line", "edge", "volume") if key in data), None)
         told.update(
             rule=data["rule"]["id"],
             kind=data["rule"]["kind"],

@@ -31,6 +31,8 @@ NEEDS = {
     "body.down": "on_delay_s = 0.3",
     "crowd.panic": "people = 2",
     "body.distress": "",
+    "ttc.vehicle": 'volume = "cart"',
+    "volume.enter": 'volume = "cart"',
     "group.split": "distance_m = 1.0\ntogether_s = 0.5\non_delay_s = 0.2",
 }
 RULES = "".join(

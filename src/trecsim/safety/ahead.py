@@ -12,7 +12,7 @@ moved towards the place by as much as the joints stick out in that direction now
 its border.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -99,18 +99,49 @@ class Ahead:
             Joints between these heights count [m]; None looks at the floor point alone.
         """
         near = self.of(np.flatnonzero(self._may_reach(polygon)))
-        shape = near.xy_m.shape[:-1]
-        xy_m, cov_m2 = near.xy_m.reshape(-1, 2), near.cov_m2.reshape(-1, 2, 2)
-        if z_m is not None and len(xy_m):
-            outside_m = np.maximum(-polygon.distance_m(xy_m), 0.0)
-            towards = polygon.normals(xy_m)
-            reach_m = near.reach_m(towards.reshape(*shape, 2), z_m).reshape(-1)
-            has_joint = np.isfinite(reach_m)
-            moved_m = np.minimum(np.where(has_joint, reach_m, 0.0), outside_m + LEAST_SIGMA_M)
-            inside = polygon.probability(xy_m + moved_m[:, None] * towards, cov_m2) * has_joint
-        else:
-            inside = polygon.probability(xy_m, cov_m2)
-        return Arrivals.of(near, inside.reshape(shape))
+        return Arrivals.of(near, near._inside(polygon, z_m))
+
+    def _inside(
+        self, polygon: Polygon, z_m: tuple[float, float] | None
+    ) -> Float64[np.ndarray, "person mode step"]:
+        """Return the probability to be in a polygon at each time ahead; see `in_polygon`."""
+        shape = self.xy_m.shape[:-1]
+        xy_m, cov_m2 = self.xy_m.reshape(-1, 2), self.cov_m2.reshape(-1, 2, 2)
+        if z_m is None or not len(xy_m):
+            return polygon.probability(xy_m, cov_m2).reshape(shape)
+        outside_m = np.maximum(-polygon.distance_m(xy_m), 0.0)
+        towards = polygon.normals(xy_m)
+        reach_m = self.reach_m(towards.reshape(*shape, 2), z_m).reshape(-1)
+        has_joint = np.isfinite(reach_m)
+        moved_m = np.minimum(np.where(has_joint, reach_m, 0.0), outside_m + LEAST_SIGMA_M)
+        inside = polygon.probability(xy_m + moved_m[:, None] * towards, cov_m2) * has_joint
+        return np.asarray(inside.reshape(shape))
+
+    def in_moving(
+        self, polygons: Sequence[Sequence[Polygon]], z_m: tuple[float, float]
+    ) -> "Arrivals":
+        """Return how probable it is that each person will have been in a place that moves.
+
+        Parameters
+        ----------
+        polygons
+            Where it is at each time ahead; several at once for several places.
+        z_m
+            Joints between these heights count [m].
+        """
+        there = np.zeros(self.xy_m.shape[:-1])
+        for step, these in enumerate(polygons):
+            for polygon in these:
+                at = self._at(step)._inside(polygon, z_m)
+                there[:, :, step] = np.maximum(there[:, :, step], at[:, :, 0])
+        return Arrivals.of(self, there)
+
+    def _at(self, step: int) -> "Ahead":
+        one = slice(step, step + 1)
+        return Ahead(
+            self.t_s, self.person, self.ahead_s[one], self.weight, self.xy_m[:, :, one],
+            self.cov_m2[:, :, one], self.joint_m,
+        )  # fmt: skip
 
     def beyond(
         self,

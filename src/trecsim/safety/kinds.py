@@ -14,11 +14,13 @@ from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
 from trecsim.safety.conditions.groups import Separated
 from trecsim.safety.conditions.movement import Running, WrongWay
+from trecsim.safety.conditions.vehicles import NearVolume, OnVolume
 from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy, OutOfZone
 from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.own_kinds import own_kinds
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule import Key, Kind, Rule
+from trecsim.safety.volumes import Volume
 
 
 def _prism(rule: Rule) -> Prism:
@@ -120,6 +122,20 @@ def _distressed(rule: Rule) -> Condition:
 
 def _separated(rule: Rule) -> Condition:
     return Separated(rule.keys["distance_m"], rule.keys["together_s"])
+
+
+def _volume(rule: Rule) -> Volume:
+    assert rule.place is not None
+    assert isinstance(rule.place.shape, Volume)
+    return rule.place.shape
+
+
+def _near_volume(rule: Rule) -> Condition:
+    return NearVolume(_volume(rule), rule.keys["distance_m"])
+
+
+def _on_volume(rule: Rule) -> Condition:
+    return OnVolume(_volume(rule), rule.keys["after_s"])
 
 
 _SECONDS = {"gt": 0.0, "le": 86400.0}
@@ -225,6 +241,23 @@ _ALL = (
         "Somebody is on the floor, hips below 0.35 m, and no fall was seen.",
         "ours; 30 s on the floor raises the severity",
         _down, place="zone", place_is_optional=True, on_delay_s=10.0, escalate_s=30.0,
+    ),
+    Kind(
+        "ttc.vehicle",
+        "Any joint that a camera supports is within `distance_m` of the moving volume; inside it "
+        "counts at once, with a higher severity. Both are foreseen.",
+        "3 s: horizon of pedestrians' interactions; distance: ours",
+        _near_volume, place="volume", on_delay_s=0.1, early_s=3.0, can_warn=True,
+        keys=(Key("distance_m", float, "So near is near [m].", 0.3, {"ge": 0.0, "le": 10.0}),),
+    ),
+    Kind(
+        "volume.enter",
+        "Any joint that a camera supports is inside the moving volume, once that has been on its "
+        "way for `after_s`.",
+        "ours: whoever is still on a chair behind the place to leave it",
+        _on_volume, place="volume", on_delay_s=0.3,
+        keys=(Key("after_s", float, "For how long the volume must have been on its way [s].", 0.0,
+                  {"ge": 0.0, "le": 86400.0}),),
     ),
     Kind(
         "zone.confined",

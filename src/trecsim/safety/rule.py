@@ -9,10 +9,11 @@ from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Prism
 from trecsim.safety.schedules import Schedule
+from trecsim.safety.volumes import Volume
 
 Severity = Literal["info", "warning", "alarm", "critical"]
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "alarm", "critical")
-PlaceKind = Literal["zone", "line", "edge"]
+PlaceKind = Literal["zone", "line", "edge", "volume"]
 
 
 class Place(NamedTuple):
@@ -21,14 +22,14 @@ class Place(NamedTuple):
     Attributes
     ----------
     kind, name
-        Zone, line or edge, and what it is called.
+        Zone, line, edge or volume, and what it is called.
     shape
         Where it is.
     """
 
     kind: PlaceKind
     name: str
-    shape: Prism | Line | Edge
+    shape: Prism | Line | Edge | Volume
 
 
 @dataclass(frozen=True, slots=True)

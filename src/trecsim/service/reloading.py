@@ -12,7 +12,7 @@ from trecsim.sites.site_reading import SiteFile, read_site
 
 logger = logging.getLogger(__name__)
 
-WHILE_RUNNING = frozenset({"timezone", "zones", "lines", "edges", "rules", "modes"})
+WHILE_RUNNING = frozenset({"timezone", "zones", "lines", "edges", "volumes", "rules", "modes"})
 """Tables of a site file that may change while the site runs."""
 
 

@@ -63,6 +63,45 @@ class EdgeTable(Table):
         return self
 
 
+class VolumeTable(Table):
+    """A box that moves over the floor by a timetable: a vehicle, the chairs of a lift."""
+
+    size_m: Annotated[
+        tuple[
+            Annotated[float, Field(gt=0.0, le=1000.0)],
+            Annotated[float, Field(gt=0.0, le=1000.0)],
+            Annotated[float, Field(gt=0.0, le=1000.0)],
+        ],
+        Field(strict=False),
+    ]
+    """Its length along its way, width, and height [m]."""
+    bottom_m: _Coordinate = 0.0
+    """How high it is above the floor [m]."""
+    path_m: Annotated[list[Point], Field(min_length=1, max_length=_MOST_POINTS)]
+    """Where its middle goes, x and y each [m]; a single point for a box that stands."""
+    path_s: Annotated[
+        list[Annotated[float, Field(ge=0.0, le=86400.0)]], Field(max_length=_MOST_POINTS)
+    ] = Field(default_factory=lambda: [0.0])
+    """When it is at each of these points, from its start on [s]."""
+    start_s: float = 0.0
+    """When it starts, in the time of the recording, or Unix time [s]."""
+    period_s: Annotated[float, Field(gt=0.0, le=86400.0)] | None = None
+    """After so long the next one starts [s]; there is only one, if not given."""
+    heading_deg: Annotated[float, Field(ge=-360.0, le=360.0)] | None = None
+    """Its heading [degrees]: 0 is +x, 90 is +y; that of its way, if not given."""
+
+    @model_validator(mode="after")
+    def _has_a_timetable(self) -> Self:
+        if len(self.path_s) != len(self.path_m):
+            raise ValueError(
+                f"path_s: expected a time for each of the {len(self.path_m)} points of path_m, "
+                f"found {len(self.path_s)}"
+            )
+        if any(after <= before for before, after in pairwise(self.path_s)):
+            raise ValueError("path_s: expected times that grow from point to point")
+        return self
+
+
 def _check_steps(points_m: list[tuple[float, float]]) -> None:
     for number, (before, after) in enumerate(pairwise(points_m), 1):
         if before == after:

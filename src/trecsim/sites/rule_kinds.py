@@ -6,7 +6,7 @@ from trecsim.sites.rule_tables import TABLES
 
 COMMON = ("on_delay_s", "off_delay_s", "cooldown_s", "p_on", "p_off", "early_s")
 """Numbers that rules of all kinds have."""
-_PLACES = ("zone", "line", "edge")
+_PLACES = ("zone", "line", "edge", "volume")
 _LIMITS = {"minimum": "least", "maximum": "most", "exclusiveMinimum": "above",
            "exclusiveMaximum": "below"}  # fmt: skip
 
@@ -14,11 +14,11 @@ _LIMITS = {"minimum": "least", "maximum": "most", "exclusiveMinimum": "above",
 def rule_kinds() -> list[dict[str, Any]]:
     """Return what a form for rules needs to know of each kind.
 
-    Each has `name`, `about`, `place` ("zone", "line", "edge" or None), `place_is_optional`,
-    `keys`, its own, and `common`, the numbers that all kinds have. A key has `name`, `about`,
-    `type` ("number", "integer", "choice", "flag", "text"), `default` (None where it must be
-    given), `required`, and, where there are any, `choices` and the limits `least`, `most`,
-    `above` and `below`.
+    Each has `name`, `about`, `place` ("zone", "line", "edge", "volume" or None),
+    `place_is_optional`, `keys`, its own, and `common`, the numbers that all kinds have. A key has
+    `name`, `about`, `type` ("number", "integer", "choice", "flag", "text"), `default` (None where
+    it must be given), `required`, and, where there are any, `choices` and the limits `least`,
+    `most`, `above` and `below`.
     """
     return [_kind(table.model_json_schema()) for table in TABLES]
 

@@ -5,7 +5,7 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from trecsim.sites.mode_tables import ModeTable, mode_faults
-from trecsim.sites.places import EdgeTable, LineTable, TimeZone, ZoneTable
+from trecsim.sites.places import EdgeTable, LineTable, TimeZone, VolumeTable, ZoneTable
 from trecsim.sites.rule_tables import MOST_RULES, AnyRule
 from trecsim.sites.rules import Places, refuse, rule_faults
 from trecsim.toml_models import Table
@@ -25,6 +25,8 @@ class Ruled(Table):
     """Directed lines on the floor, by name; the page draws them."""
     edges: dict[Name, EdgeTable] = Field(default_factory=dict)
     """Edges of drops, by name; the page draws them."""
+    volumes: dict[Name, VolumeTable] = Field(default_factory=dict)
+    """Boxes that move by a timetable, by name."""
     rules: Annotated[list[AnyRule], Field(max_length=MOST_RULES)] = Field(default_factory=list)
     """What to tell of the people: see the kinds of rules."""
 
@@ -33,8 +35,10 @@ class Ruled(Table):
 
     @property
     def places(self) -> Places:
-        """Zones, lines and edges, by kind and name."""
-        return {"zone": self.zones, "line": self.lines, "edge": self.edges}
+        """Zones, lines, edges and volumes, by kind and name."""
+        return {
+            "zone": self.zones, "line": self.lines, "edge": self.edges, "volume": self.volumes,
+        }  # fmt: skip
 
     @model_validator(mode="after")
     def _rules_fit(self) -> Self:

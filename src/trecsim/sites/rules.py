@@ -20,12 +20,16 @@ from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Polygon, Prism, area_m2
 from trecsim.safety.rule import Place, Rule
 from trecsim.safety.schedules import read_hours
-from trecsim.sites.places import EdgeTable, LineTable, ZoneTable
+from trecsim.safety.volumes import Volume
+from trecsim.sites.places import EdgeTable, LineTable, VolumeTable, ZoneTable
 from trecsim.sites.rule_tables import RuleTable
 from trecsim.toml_models.toml_reading import Fault, nearest
 
-Places = Mapping[str, Mapping[str, ZoneTable | LineTable | EdgeTable]]
-"""Zones, lines and edges, by kind ("zone") and name."""
+PlaceTable = ZoneTable | LineTable | EdgeTable | VolumeTable
+Shape = Prism | Line | Edge | Volume
+
+Places = Mapping[str, Mapping[str, PlaceTable]]
+"""Zones, lines, edges and volumes, by kind ("zone") and name."""
 
 
 def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
@@ -49,9 +53,7 @@ def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
         yield ("rules", number, kind), f"there is no {kind} {name!r}; {hint}"
 
 
-def _too_small(
-    number: int, rule: RuleTable, place: ZoneTable | LineTable | EdgeTable
-) -> Iterator[Fault]:
+def _too_small(number: int, rule: RuleTable, place: PlaceTable) -> Iterator[Fault]:
     if rule.kind not in ("density.level", "density.critical") or not isinstance(place, ZoneTable):
         return
     area = abs(area_m2(np.array(place.polygon_m)))
@@ -99,9 +101,7 @@ def zone_of(name: str) -> tzinfo:
     return ZoneInfo(name)
 
 
-def _rule(
-    table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Prism | Line | Edge]
-) -> Rule:
+def _rule(table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Shape]) -> Rule:
     kind, name = table.of_kind, table.place
     place = None
     if kind.place is not None and name is not None:
@@ -125,14 +125,24 @@ def _rule(
     return Rule(table.id, kind, table.severity, place, hours, timing, table.early_s, keys, config)
 
 
-def _shape(table: ZoneTable | LineTable | EdgeTable) -> Prism | Line | Edge:
+def _shape(table: PlaceTable) -> Shape:
     if isinstance(table, ZoneTable):
         return Prism(Polygon(np.array(table.polygon_m)), table.z_m)
+    if isinstance(table, VolumeTable):
+        return _volume(table)
     points_m = np.array(table.points_m)
     return Line(points_m) if isinstance(table, LineTable) else Edge(points_m)
 
 
-def _digest(rule: RuleTable, place: ZoneTable | LineTable | EdgeTable | None) -> str:
+def _volume(table: VolumeTable) -> Volume:
+    heading = table.heading_deg
+    return Volume(
+        table.size_m, table.bottom_m, np.array(table.path_m), np.array(table.path_s),
+        table.start_s, table.period_s, None if heading is None else math.radians(heading),
+    )  # fmt: skip
+
+
+def _digest(rule: RuleTable, place: PlaceTable | None) -> str:
     """Return the SHA-256 of a rule and its place, with all that is left out at its default."""
     facts: dict[str, Any] = {
         "rule": rule.model_dump(mode="json"),

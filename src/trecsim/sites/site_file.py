@@ -194,7 +194,7 @@ PosesPlace = Annotated[
 ]
 
 LATER = "not in this version of trecsim"
-LISTED = ("volumes", "portals")
+LISTED = ("portals",)
 NOT_YET = {
     **dict.fromkeys(
         ("reconnect_s", "reconnect"),

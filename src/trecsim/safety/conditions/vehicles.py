@@ -1,0 +1,91 @@
+"""Conditions on moving volumes: who is about to be hit, and who is still on one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float64
+
+from trecsim.safety.ahead import Ahead, Expected
+from trecsim.safety.conditions.base import LEAST, Judged
+from trecsim.safety.machine import LIKELY, Finding
+from trecsim.safety.polygons import Prism
+from trecsim.safety.rule_scene import Scene
+from trecsim.safety.volumes import Volume
+from trecsim.skeleton import COCO17
+
+
+def _inside(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen joint"]:
+    """Return the probability that each supported joint of seen people is in one of the boxes."""
+    rows = scene.seen
+    xyz_m = scene.people.xyz_m[rows]
+    counts = (scene.people.support[rows] > 0) & np.isfinite(xyz_m).all(axis=-1)
+    inside: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
+    cov_m2 = scene.people.cov_m2[rows][counts]
+    for box in boxes:
+        inside[counts] = np.maximum(inside[counts], box.probability(xyz_m[counts], cov_m2))
+    return inside
+
+
+def _joints(inside: Float64[np.ndarray, " joint"]) -> tuple[str, ...]:
+    return tuple(COCO17.joints[j] for j in np.flatnonzero(inside >= LIKELY))
+
+
+@dataclass(frozen=True, slots=True)
+class NearVolume:
+    """A joint that a camera supports is near a moving volume; graver: inside it.
+
+    Attributes
+    ----------
+    volume
+        The volume.
+    distance_m
+        So near is near [m].
+    """
+
+    volume: Volume
+    distance_m: float
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        near = _inside(scene, self.volume.boxes(scene.t_s, self.distance_m))
+        hit = _inside(scene, self.volume.boxes(scene.t_s))
+        findings = {}
+        for n in np.flatnonzero((near > LEAST).any(axis=1)):
+            grave = float(hit[n].max())
+            joints = _joints(hit[n] if grave >= LIKELY else near[n])
+            found = Finding(float(near[n].max()), {}, graver=grave, joints=joints)
+            findings[int(scene.people.id[scene.seen[n]])] = found
+        return Judged(findings)
+
+    def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
+        """Look ahead for where people and volumes will meet; see `Foreseeing`."""
+        boxes = [self.volume.boxes(ahead.t_s + s, self.distance_m) for s in ahead.ahead_s.tolist()]
+        polygons = [[box.polygon for box in these] for these in boxes]
+        return ahead.in_moving(polygons, self.volume.z_m).expected(within_s)
+
+
+@dataclass(frozen=True, slots=True)
+class OnVolume:
+    """A joint that a camera supports is inside a moving volume that is some way on.
+
+    Attributes
+    ----------
+    volume
+        The volume.
+    after_s
+        It counts once the volume has been under way for so long [s].
+    """
+
+    volume: Volume
+    after_s: float
+
+    def judge(self, scene: Scene, memory: Any = None) -> Judged:
+        """Judge one moment; see `Condition`."""
+        inside = _inside(scene, self.volume.boxes(scene.t_s, after_s=self.after_s))
+        findings = {}
+        for n in np.flatnonzero((inside > LEAST).any(axis=1)):
+            found = Finding(float(inside[n].max()), {}, joints=_joints(inside[n]))
+            findings[int(scene.people.id[scene.seen[n]])] = found
+        return Judged(findings)

@@ -1,0 +1,120 @@
+"""Moving volumes: where they are when, who is hit by them, and who is warned of them."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from made_paths import bodies_on, events_of, line, moments, site_with, times, told
+from trecsim.safety.volumes import Volume
+from trecsim.sites.recorded_site import RecordedSite
+from trecsim.toml_models import parsed
+from trecsim.toml_models.toml_reading import examined
+
+T = times(9.0)
+CART = '[[rules]]\nid = "r"\nkind = "ttc.vehicle"\nvolume = "cart"\n'
+NEVER: list[Any] = []
+WAY = np.array([[0.0, 0.0], [10.0, 0.0]])
+
+
+def chairs(**options: Any) -> Volume:
+    return Volume((1.0, 2.0, 1.2), 0.3, WAY, np.array([0.0, 5.0]), **options)
+
+
+def centres(volume: Volume, t_s: float) -> list[float]:
+    return [float(box.polygon.corners_m[:, 0].mean()) for box in volume.boxes(t_s)]
+
+
+def test_a_single_volume_is_there_from_its_start_to_its_end() -> None:
+    volume = chairs(start_s=100.0)
+    assert centres(volume, 99.9) == []
+    assert centres(volume, 102.5) == pytest.approx([5.0])
+    assert centres(volume, 105.1) == []
+    assert volume.boxes(102.5)[0].z_m == pytest.approx((0.3, 1.5))
+
+
+def test_with_a_period_several_are_on_their_way_and_none_before_the_start() -> None:
+    volume = chairs(period_s=2.0)
+    assert centres(volume, 4.5) == pytest.approx([1.0, 5.0, 9.0])
+    assert centres(volume, 0.5) == pytest.approx([1.0])
+    assert centres(volume, -0.5) == []
+    assert len(centres(volume, 1.7e9 + 0.5)) == 3
+    sparse = chairs(period_s=8.0)
+    assert centres(sparse, 6.5) == []
+
+
+def test_it_is_long_along_its_way_and_wider_by_the_margin() -> None:
+    north = Volume((4.0, 1.0, 1.0), 0.0, np.array([[0.0, 0.0], [0.0, 9.0]]), np.array([0.0, 9.0]))
+    corners_m = north.boxes(3.0, 0.5)[0].polygon.corners_m
+    assert np.ptp(corners_m, axis=0) == pytest.approx([2.0, 5.0])
+    turned = Volume((4.0, 1.0, 1.0), 0.0, np.zeros((1, 2)), np.zeros(1), heading_rad=math.pi / 2)
+    assert np.ptp(turned.boxes(7.0)[0].polygon.corners_m, axis=0) == pytest.approx([1.0, 4.0])
+
+
+def walking(path: Any) -> list[Any]:
+    return moments([bodies_on(path, T)], T)
+
+
+def test_who_stands_in_the_way_is_warned_before_and_hit_with_a_higher_severity() -> None:
+    events = events_of(CART, walking(line((0.0, 0.0), (0.0, 0.0))))  # the cart is there at 5 s
+    kinds = told(events, "phase", "predicted", "severity")
+    assert kinds[0] == ("new", True, "warning")
+    assert ("update", False, "warning") in kinds or ("update", False, "alarm") in kinds
+    assert kinds[-1][0] == "end"
+    warned, begun = (event["data"] for event in events[:2])
+    assert 1.5 <= begun["lead_s"] <= 3.1
+    assert begun["t_start_s"] == pytest.approx(5.0 - (1.0 + 0.3) / 2.0 - 0.13, abs=0.2)
+    assert warned["volume"] == "cart"
+    assert "alarm" in [severity for *_, severity in kinds]
+
+
+def test_who_walks_alongside_or_crosses_behind_it_is_not_warned() -> None:
+    assert events_of(CART, walking(line((-8.0, 3.0), (1.2, 0.0)))) == NEVER
+    crosses_s = 7.0
+    behind = line((-4.0, -1.3 * crosses_s), (0.0, 1.3))  # the cart passes x = -4 at 3 s
+    assert events_of(CART, walking(behind)) == NEVER
+
+
+def test_who_crosses_before_it_is_warned_only_where_they_will_meet() -> None:
+    meet_s = 5.0
+    meets = line((0.0, -1.3 * meet_s), (0.0, 1.3))  # both at the origin at 5 s
+    events = events_of(CART, walking(meets))
+    assert told(events, "phase", "predicted")[0] == ("new", True)
+    assert any(not predicted for _, predicted in told(events, "phase", "predicted"))
+
+
+def test_who_is_still_on_the_chair_behind_the_place_to_leave_is_told() -> None:
+    rides = line((-10.0, 0.0), (2.0, 0.0))
+    on_it = '[[rules]]\nid = "r"\nkind = "volume.enter"\nvolume = "cart"\nafter_s = 6\n'
+    events = events_of(on_it, walking(rides))
+    assert told(events, "phase") == [("new",)]
+    assert events[0]["data"]["t_start_s"] == pytest.approx(6.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ("path_m = [[0, 0], [1, 0]]\n", "expected a time for each of the 2 points"),
+        ("path_m = [[0, 0], [1, 0]]\npath_s = [1, 1]\n", "times that grow"),
+        ("path_m = [[0, 0]]\nsize_m = [0, 1, 1]\n", "size_m"),
+    ],
+)
+def test_a_timetable_that_cannot_be_is_told(keys: str, told: str) -> None:
+    from pathlib import Path
+
+    size = "" if "size_m" in keys else "size_m = [1, 1, 1]\n"
+    text = f'format = "trecsim.site/1"\nname = "made"\n[volumes.cart]\n{size}{keys}'
+    _, faults = examined(RecordedSite, parsed(Path("site.toml"), text, "site file"))
+    assert any(told in f"{key} {fault}" for key, fault in faults)
+
+
+def test_a_volume_is_part_of_the_digest_of_its_rule() -> None:
+    from made_paths import PLACES
+    from trecsim.assessing import rule_set
+
+    configs = {
+        rule_set("made", site_with(CART, places), None).rules[0].config
+        for places in (PLACES, PLACES.replace("[0.0, 10.0]\n", "[0.0, 11.0]\n"))
+    }
+    assert len(configs) == 2
