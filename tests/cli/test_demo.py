@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from trecsim.cli import demo_command
+from trecsim.lab.packs.pack_files import PACKS
 
 
 def test_the_command_tells_what_came_of_it(
@@ -56,3 +57,26 @@ def test_without_matplotlib_the_demo_says_how_to_get_a_picture(
     assert code == 0
     assert "no picture: it needs Matplotlib: " in out
     assert "[plot]" in out
+
+
+def test_the_scenario_packs_are_listed_with_what_happens(
+    trecsim: Callable[..., tuple[int, str, str]],
+) -> None:
+    code, out, err = trecsim("demo", "--list")
+    assert (code, err) == (0, "")
+    assert [line.split()[0] for line in out.splitlines()[:-1]] == list(PACKS)
+    code, out, _ = trecsim("demo", "--list", "--json")
+    assert [one["name"] for one in json.loads(out)["packs"]] == list(PACKS)
+
+
+def test_a_demo_of_a_pack_is_a_site_with_its_rules(
+    trecsim: Callable[..., tuple[int, str, str]], tmp_path: Path
+) -> None:
+    code, out, _ = trecsim("demo", "lift", "--out", tmp_path / "lift", "--seconds", 1, "--json")
+    assert code == 0
+    assert json.loads(out)["people_simulated"] == 9
+    site = (tmp_path / "lift" / "site.toml").read_text()
+    assert site.startswith("# Made by trecsim demo.")
+    assert 'id = "fall-in-strip"' in site
+    code, out, _ = trecsim("site", "check", tmp_path / "lift" / "site.toml")
+    assert code == 0

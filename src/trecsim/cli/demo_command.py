@@ -4,7 +4,9 @@ import os
 import sys
 from pathlib import Path
 from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from trecsim.cli.first_run import compile_first
 from trecsim.cli.stopping import stopping_in_order
@@ -29,6 +31,7 @@ def demo(
     people: int = 4,
     cameras: int = 4,
     seed: int = 0,
+    list_: Annotated[bool, Parameter(name="--list")] = False,
     json: bool = False,
 ) -> None:
     """Run a simulated site, with its live page: no camera, no download.
@@ -38,10 +41,14 @@ def demo(
     cameras. In a terminal it goes on until Ctrl-C and opens the page in a browser; without one it
     takes 20 s. At the end it prints the error against the ground truth and draws the paths.
 
+    Scenario packs (`lift`, `platform`, `machine-cell`, `gate`, `care-room`) are sites with rules of
+    their own on which something happens that the page tells.
+
     Parameters
     ----------
     scene
-        A built-in scene, see `trecsim simulate --names`, or a scene file. Without it: a room.
+        A scenario pack, see `--list`; a built-in scene, see `trecsim simulate --names`; or a scene
+        file. Without it: a room.
     out
         Directory to write to. Files of an earlier demo are replaced; other files are never
         touched.
@@ -53,9 +60,14 @@ def demo(
         Number of cameras in the room (at least 2).
     seed
         Seed of the random numbers: each gives other people on other paths.
+    list_
+        List the scenario packs, each with what happens there.
     json
         Print the summary as one JSON object.
     """
+    if list_:
+        _list(json)
+        return
     from trecsim.cli.page_line import demo_page
     from trecsim.lab.demo import DemoScene, prepare
     from trecsim.lab.demo import demo as run_demo
@@ -81,6 +93,16 @@ def demo(
                 remark=note,
             )
     finish(_facts(result), json, _told(result))
+
+
+def _list(json: bool) -> None:
+    from trecsim.lab.packs.pack_files import PACKS
+
+    width = max(map(len, PACKS))
+    lines = [f"  {name:<{width}}  {about}" for name, about in PACKS.items()]
+    following = "next: trecsim demo NAME; trecsim simulate --names lists more scenes"
+    facts = {"packs": [{"name": name, "about": about} for name, about in PACKS.items()]}
+    finish(facts, json, "\n".join([*lines, following]))
 
 
 def _open_browser(page: "PageProcess | None") -> None:

@@ -10,6 +10,7 @@ from trecsim.lab.demo_folder import RUN, make_room
 from trecsim.lab.demo_poses import CHAPTER_S, demo_scene, with_outage, without_end
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
 from trecsim.lab.evaluation.moments import Recorded, read_moments, with_empty_moments
+from trecsim.lab.packs.pack_files import PACKS, pack_scene
 from trecsim.lab.simulation.scene import Scene, Simulation, simulate
 from trecsim.lab.simulation.scene_file import read_scene
 from trecsim.lab.staging import write_simulation
@@ -30,7 +31,8 @@ class DemoScene:
     Attributes
     ----------
     scene
-        A scene file, or the name of a built-in scene; None takes a room with the next ones.
+        A scenario pack, a scene file, or the name of a built-in scene; None takes a room with the
+        next ones.
     people, cameras
         How many.
     seed
@@ -81,7 +83,7 @@ def prepare(folder: Path, seconds: float | None, shown: DemoScene) -> Scene:
         The disk is full.
     """
     scene = _scene(shown, seconds)
-    make_room(folder)
+    make_room(folder, shown.scene if shown.scene in PACKS else None)
     return scene
 
 
@@ -163,6 +165,9 @@ def _scene(shown: DemoScene, seconds: float | None) -> Scene:
     if shown.scene is None:
         length_s = CHAPTER_S if seconds is None else seconds
         return demo_scene(length_s, shown.people, shown.cameras, shown.seed)
+    if shown.scene in PACKS:
+        scene = pack_scene(shown.scene)
+        return scene if seconds is None else replace(scene, seconds=seconds)
     scene = read_scene(shown.scene)
     return scene if seconds is None else with_outage(replace(scene, seconds=seconds))
 

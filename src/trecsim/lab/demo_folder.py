@@ -4,14 +4,15 @@ from pathlib import Path
 
 from trecsim.errors import InputError
 from trecsim.extras import has_extra
+from trecsim.lab.packs.pack_files import pack_site
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.ledger_file import discard_ledger
 from trecsim.store.names import POSES, RIG
 from trecsim.store.recordings import discard_recording
 
 MARK = "# Made by trecsim demo."
-SITE = f"""{MARK} Run it again as any other site: trecsim run site.toml
-format = "trecsim.site/1"
+HEAD = f"{MARK} Run it again as any other site: trecsim run site.toml\n"
+SITE = f"""{HEAD}format = "trecsim.site/1"
 name = "demo"
 rig = "{RIG}"
 poses = "{POSES}"
@@ -48,10 +49,17 @@ RUN = "run"
 RUN_FILES = ("tracks.parquet", RIG, "timing.csv", "summary.json", "paths.png")
 
 
-def make_room(folder: Path) -> None:
+def make_room(folder: Path, pack: str | None = None) -> None:
     """Make the folder of a demo, or remove what an earlier one left there, and nothing else.
 
     Then write its site file, which marks the folder as that of a demo.
+
+    Parameters
+    ----------
+    folder
+        The folder.
+    pack
+        A scenario pack whose site it is; None for the usual room.
 
     Raises
     ------
@@ -73,7 +81,8 @@ def make_room(folder: Path) -> None:
         discard_recording(folder / RUN)
         discard_ledger(folder / RUN)
     with atomic_write(folder / "site.toml") as file:
-        file.write(SITE + (PAGE if has_extra("page") else ""))
+        site = SITE if pack is None else f"{HEAD}{pack_site(pack)}"
+        file.write(site + (PAGE if has_extra("page") else ""))
 
 
 def _is_ours(folder: Path) -> bool:

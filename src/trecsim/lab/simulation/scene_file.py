@@ -61,7 +61,7 @@ def read_scene(source: Path | str) -> Scene:
             f"there is no scene {str(source)[:80]!r}, neither a built-in one nor a file; "
             f"{nearest(str(source), BUILT_IN)}"
         )
-    return _scene(path, read_text(path, _KIND), path.parent)
+    return scene_of(path, read_text(path, _KIND))
 
 
 def built_in_text(name: str) -> str:
@@ -79,12 +79,26 @@ def built_in_text(name: str) -> str:
 
 @cache
 def _built_in(name: str) -> Scene:
-    return _scene(Path(f"{name}.toml"), built_in_text(name), Path())
+    return scene_of(Path(f"{name}.toml"), built_in_text(name))
 
 
-def _scene(path: Path, text: str, folder: Path) -> Scene:
-    table = validated(SceneTable, path, text, _KIND, {"folder": folder})
-    scene, faults = table.scene(path.stem)
+def scene_of(path: Path, text: str) -> Scene:
+    """Return the scene that a text says.
+
+    Parameters
+    ----------
+    path
+        Where it stands, for messages; files that it names are beside it.
+    text
+        A scene file.
+
+    Raises
+    ------
+    ConfigError
+        When anything in it is wrong; the message lists all faults with their lines.
+    """
+    table = validated(SceneTable, path, text, _KIND, {"folder": path.parent})
+    scene, faults = table.scene(path.name.partition(".")[0])
     if scene is None:
         raise file_faults(path, text, faults)
     return scene

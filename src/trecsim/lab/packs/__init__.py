@@ -1,0 +1,1 @@
+"""Scenario packs: simulated sites with their rules, on which something really happens."""
