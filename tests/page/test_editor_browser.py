@@ -74,6 +74,34 @@ def press_plan(page, *places: tuple[float, float]) -> None:
         page.mouse.click(box["x"] + x * box["width"], box["y"] + y * box["height"])
 
 
+@pytest.mark.parametrize("dark", [False, True], ids=["light", "dark"])
+def test_no_part_of_the_editor_breaks_a_rule_of_axe(chromium, hall, dark) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe")
+
+    def faults(page) -> list[str]:
+        found = axe.Axe().run(page).response["violations"]
+        return [f"{one['id']}: {node['html'][:200]}" for one in found for node in one["nodes"]]
+
+    url = f"{hall.process.url}zones/exit-strip"
+    with opened(chromium, url, width=1440, height=900, dark=dark) as page:
+        page.locator(".rule summary").first.click(timeout=PATIENCE_MS)
+        page.locator(".rule .more summary").first.click()
+        page.get_by_text("3 corners").click()
+        assert faults(page) == []
+        page.get_by_label("To", exact=True).fill("2.2")
+        with page.expect_response(lambda answer: answer.request.method == "PUT"):
+            page.get_by_label("To", exact=True).press("Tab")
+        page.get_by_role("button", name="Try on a recording").click()
+        page.locator(".film button").first.wait_for()
+        assert faults(page) == []
+        page.locator(".film button").first.click()
+        page.locator(".trial .counts").wait_for()
+        assert faults(page) == []
+        page.get_by_role("button", name="Make live").click()
+        page.get_by_role("dialog").wait_for()
+        assert faults(page) == []
+
+
 def test_a_zone_is_drawn_tried_on_a_recording_and_made_live(chromium, hall, site) -> None:
     with opened(chromium, f"{hall.process.url}zones", width=1440, height=900) as page:
         page.get_by_role("group", name="Tool").get_by_role("button", name="Zone").click()

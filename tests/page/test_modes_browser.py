@@ -36,6 +36,8 @@ def test_a_mode_is_put_in_force_for_a_while_and_given_back(chromium, hall) -> No
         fact = page.locator(".fact.mode")
         expect(fact).to_contain_text("All rules", timeout=PATIENCE_MS)
         fact.click()
+        axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe")
+        assert axe.Axe().run(page).response["violations"] == []
         page.get_by_role("button", name="Night off: Strip").click()
         page.get_by_role("button", name="4 hours").click()
         expect(page.locator(".toast")).to_contain_text("Night to")

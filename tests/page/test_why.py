@@ -133,6 +133,8 @@ def test_the_page_draws_the_curve_and_its_limits_and_closes_with_a_reason(
         expect(curve.locator(".line")).to_have_count(1)
         assert "from 90 % on, over below 50 %" in curve.get_attribute("aria-label")
         assert "The floor point is inside the zone" in shown.inner_text(".why")
+        axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="no axe")
+        assert axe.Axe().run(shown).response["violations"] == []
         shown.get_by_role("button", name="False alarm").click()
         expect(shown.get_by_role("button", name="Close alert")).to_be_disabled()
         shown.get_by_label("Note", exact=True).fill("a trolley")

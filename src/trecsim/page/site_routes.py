@@ -22,7 +22,7 @@ from trecsim.page.live_state import LiveState
 from trecsim.page.recordings_shown import recording_folder
 from trecsim.page.site_check import FaultsError
 from trecsim.page.site_draft import ConflictError, Draft, DraftDesk
-from trecsim.page.site_text import parts_of
+from trecsim.page.site_text import PLACES, parts_of
 from trecsim.page.trial import Trials
 
 LARGEST_DRAFT = 500_000  # bytes
@@ -117,17 +117,23 @@ class SiteDesk:
 
     async def draft(self, request: Request) -> Response:
         """Return the draft, and what is doubtful about it; null where there is none."""
-        desk = self._desk()
-        if desk.draft is None:
+        if self.desk is None or self.desk.draft is None:
             return json_answer(None)
-        return await self._shown(desk.draft)
+        return await self._shown(self.desk.draft)
 
     async def parts(self, request: Request) -> Response:
         """Return what the page can change of the site file, and what is doubtful about it."""
-        desk = self._desk()
+        desk = self.desk
+        if desk is None:  # as a recording that is replayed
+            site = self.state.site["site"]
+            shown = {kind: site.get(kind, {}) for kind in PLACES}
+            version = self.state.site["version"]
+            return json_answer(
+                {"version": version, **shown, "rules": [], "remarks": [], "has_file": False}
+            )
         parts = await _done(desk.parts)
         remarks = await _done(desk.remarks) if desk.draft is None else []
-        return json_answer({**parts, "remarks": remarks})
+        return json_answer({**parts, "remarks": remarks, "has_file": True})
 
     async def kinds(self, request: Request) -> Response:
         """Return the kinds of rules there are, as forms need them."""

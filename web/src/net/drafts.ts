@@ -6,6 +6,7 @@ import type { Kind, Parts, Remark } from "../state/draft.ts";
 export interface LiveParts extends Parts {
   version: string;
   remarks: Remark[];
+  has_file: boolean;
 }
 
 export interface Draft extends Omit<Parts, "rules"> {

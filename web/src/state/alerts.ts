@@ -231,6 +231,15 @@ const TITLES: Record<string, (alert: Alert, who: string, where: string) => strin
   "body.fall": (_, who) => `${who} fell`,
   "body.down": (a, who) => `${who} down${long(a) && `, ${long(a)}`}`,
   "flow.wrong_way": (_, who) => `${who} goes the wrong way`,
+  "zone.confined": (_, who, where) => `${who} has left ${where}`,
+  "density.critical": (_, _who, where) => `${where} is dangerously crowded`,
+  "crowd.pressure": (_, _who, where) => `Crowd turbulence in ${where}`,
+  "flow.bottleneck": (_, _who, where) => `Flow through ${where} breaks down`,
+  "crowd.panic": () => "Several people run",
+  "body.climb": (_, who) => `${who} climbs`,
+  "body.reach": (_, who, where) => `${who} reaches into ${where}`,
+  "body.distress": (_, who) => `${who} calls for help`,
+  "group.split": (_, who) => `${who} is left alone`,
 };
 
 /** Return how long it had lasted when it was detected, or in all; nothing below a second. */

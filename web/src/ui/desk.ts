@@ -28,6 +28,7 @@ export class Desk {
   trial: Trial | null = null;
   trying = false;
   loaded = false;
+  hasFile = true;
   fault = "";
 
   #past: Parts[] = [];
@@ -52,7 +53,7 @@ export class Desk {
 
   get mayEdit(): boolean {
     const role = store.state.me?.role ?? null;
-    return this.loaded && (role === null || role === "admin");
+    return this.loaded && this.hasFile && (role === null || role === "admin");
   }
 
   get isDraft(): boolean {
@@ -72,6 +73,7 @@ export class Desk {
       const { version, remarks, zones, lines, edges, rules } = live;
       this.live = { zones, lines, edges, rules };
       this.version = version;
+      this.hasFile = live.has_file;
       this.kinds = kinds;
       if (draft && draft.based_on === version) this.#take(draft);
       else this.#taken(this.live, 0, "", remarks);

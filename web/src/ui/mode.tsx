@@ -66,7 +66,7 @@ function Menu({ modes, done }: { modes: Modes | null; done: (modes: Modes) => vo
     const name = asked.rule ? `Rule ${named(asked.rule)} off` : asked.mode ? named(asked.mode) : "All rules";
     return (
       <div class="menu mode" role="group" aria-label={`${name} until`}>
-        <h3>{name} for</h3>
+        <p class="over">{name} for</p>
         {HOURS.map((hours) => {
           const until = serverTime(state) + hours * 3600;
           const at = clock(until, zone).slice(0, 5);
@@ -84,7 +84,7 @@ function Menu({ modes, done }: { modes: Modes | null; done: (modes: Modes) => vo
   const off = Object.entries(modes?.bypassed ?? {});
   return (
     <div class="menu mode">
-      <h3>Mode, for a while</h3>
+      <p class="over">Mode, for a while</p>
       {Object.entries(site.modes).map(([name, one]) => (
         <button key={name} type="button" onClick={() => setAsked({ mode: name })}>
           {modes?.mode === name ? <Icon name="check" size={16} /> : <span class="gap" />}
@@ -99,7 +99,7 @@ function Menu({ modes, done }: { modes: Modes | null; done: (modes: Modes) => vo
           <span class="gap" /><span>Back to the schedule<small>{modes.scheduled ? named(modes.scheduled) : "all rules on"}</small></span>
         </button>
       )}
-      <h3>Rules</h3>
+      <p class="over">Rules</p>
       {off.map(([rule, one]) => (
         <button key={rule} type="button" onClick={() => void put({ bypass: { rule } }, `Rule ${named(rule)} is armed again.`)}>
           <span class="gap" /><span>Arm {named(rule)} again<small>off to {clock(one.until_s, zone).slice(0, 5)}{one.by !== "local" && `, ${one.by}`}</small></span>

@@ -20,7 +20,13 @@ export const KIND_NAMES: Record<string, string> = {
   "occupancy.limit": "Too many people", "density.level": "Too crowded",
   "speed.running": "Somebody runs", "flow.wrong_way": "Wrong way",
   "edge.platform": "Near or beyond the edge", "body.fall": "Somebody fell",
-  "body.down": "Somebody lies on the floor",
+  "body.down": "Somebody lies on the floor", "body.climb": "Somebody climbs",
+  "body.reach": "Somebody reaches in", "body.distress": "Somebody calls for help",
+  "zone.confined": "Somebody leaves the allowed zone", "density.critical": "Dangerously crowded",
+  "crowd.pressure": "Crowd turbulence", "flow.bottleneck": "Flow breaks down",
+  "crowd.panic": "Several people run", "group.split": "Somebody is left alone",
+  "ttc.vehicle": "Collision ahead", "access.tailgate": "Two with one access",
+  "access.unauthorised": "Access without authorisation", "lift.unload": "Lift not unloaded",
 };
 
 export const kindName = (kind: string): string => KIND_NAMES[kind] ?? named(kind.replaceAll(".", " "));

@@ -53,14 +53,16 @@ export function Zones() {
 }
 
 function Nothing() {
-  const { parts, mayEdit } = useDesk();
+  const { parts, mayEdit, hasFile } = useDesk();
   return (
     <div class="none">
-      <strong>{parts.rules.length === 0 ? "No rules yet" : "Nothing chosen"}</strong>
+      <strong>{hasFile && parts.rules.length === 0 ? "No rules yet" : "Nothing chosen"}</strong>
       <p>
         {mayEdit
           ? "Choose a zone, line or edge, or draw one on the plan. A rule says when someone in it is an alert."
-          : "Choose a zone, line or edge. Only admins change them."}
+          : hasFile
+            ? "Choose a zone, line or edge. Only admins change them."
+            : "Choose a zone, line or edge. They are those of the recording, and cannot be changed."}
       </p>
       <p>Rules are advisory: trecsim is no certified safety function.</p>
     </div>
