@@ -17,16 +17,16 @@ _WHOLE_RATE_S = 5e-4  # a whole number of frames per second is meant if it drift
 
 
 def usual_rate_hz(motion: Motion) -> float:
-    """Return the rate of the recorded times [1/s]: their median step, refined over all steps.
+    """Return the rate of the recorded times [1/s]: frames of the median step over the whole time.
 
-    Times rounded to milliseconds have a median step of 33 ms for 30 frames per second; the mean of
-    the usual steps does not have that error.
+    Times rounded to milliseconds have a median step of 33 ms for 30 frames per second; over the
+    whole time that error vanishes.
     """
     steps = np.diff(_all_times(motion))
-    usual = steps[np.abs(steps - motion.step_s) < 0.5 * motion.step_s]
-    rate_hz = 1.0 / float(usual.mean())
+    frames = float(np.maximum(np.rint(steps / motion.step_s), 1.0).sum())
+    rate_hz = frames / float(steps.sum())
     whole = round(rate_hz)
-    if whole and abs(1.0 / rate_hz - 1.0 / whole) * len(usual) < _WHOLE_RATE_S:
+    if whole and abs(1.0 / rate_hz - 1.0 / whole) * frames < _WHOLE_RATE_S:
         return float(whole)
     return rate_hz
 

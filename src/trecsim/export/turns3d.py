@@ -187,17 +187,25 @@ def steady_angles(turns: Rotations, order: str) -> Float64[np.ndarray, "frame 3"
 
 
 def _continued(choices: Float64[np.ndarray, "frame 2 3"]) -> Float64[np.ndarray, "frame 3"]:
+    """Choose one of the two sets at each frame, the nearest to the one before, and unwrap.
+
+    The sets change roles alike: from the first to the first is as far as from the second to the
+    second. So whether to change over is known of each step alone.
+    """
+    same = _apart(choices[1:, 0], choices[:-1, 0])
+    crossed = _apart(choices[1:, 1], choices[:-1, 0])
+    start = int(_apart(choices[:1, 1], 0.0)[0] < _apart(choices[:1, 0], 0.0)[0])
+    chosen = (start + np.concatenate([[0], np.cumsum(crossed < same)])) % 2
+    angles = choices[np.arange(len(choices)), chosen]
     whole = 2.0 * np.pi
-    out = np.empty((len(choices), 3))
-    before = [0.0, 0.0, 0.0]
-    for frame, (one, other) in enumerate(choices.tolist()):
-        near = [a - whole * round((a - b) / whole) for a, b in zip(one, before, strict=True)]
-        far = [a - whole * round((a - b) / whole) for a, b in zip(other, before, strict=True)]
-        if _apart(far, before) < _apart(near, before):
-            near = far
-        out[frame] = before = near
-    return out
+    angles -= whole * np.round(angles[:1] / whole)
+    return np.asarray(np.unwrap(angles, axis=0))
 
 
-def _apart(a: list[float], b: list[float]) -> float:
-    return abs(a[0] - b[0]) + abs(a[1] - b[1]) + abs(a[2] - b[2])
+def _apart(
+    a: Float64[np.ndarray, "frame 3"], b: "Float64[np.ndarray, 'frame 3'] | float"
+) -> Float64[np.ndarray, " frame"]:
+    """Return how far sets of angles are apart, whole turns aside [rad]."""
+    whole = 2.0 * np.pi
+    steps = a - b
+    return np.asarray(np.abs(steps - whole * np.round(steps / whole)).sum(axis=1))
