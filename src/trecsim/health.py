@@ -77,6 +77,9 @@ class CameraHealth:
         Number of images that were left out, by reason.
     fault
         What is wrong with it; None where nothing is.
+    moved_deg, moved_since_s
+        By how much it looks elsewhere than the rig says [degrees], and since when, as the people
+        who are tracked tell; None where it does not.
     """
 
     state: CameraState = "down"
@@ -85,6 +88,8 @@ class CameraHealth:
     clock: Clock = "arrival"
     dropped_by: Mapping[str, int] = field(default_factory=dict)
     fault: str | None = None
+    moved_deg: float | None = None
+    moved_since_s: float | None = None
 
     @property
     def dropped(self) -> int:
@@ -102,6 +107,21 @@ class CameraHealth:
         if self.state not in ("stale", "down"):
             return None
         return f"camera {name} is {self.state}" + (f": {self.fault}" if self.fault else "")
+
+    def said_of_view(self, name: str) -> str | None:
+        """Return that the camera was moved, in a few words; None where it was not.
+
+        Examples
+        --------
+        >>> CameraHealth("live", moved_deg=2.04).said_of_view("north")
+        'camera north looks 2.0 degrees elsewhere than the rig says; run trecsim calibrate repair'
+        """
+        if self.moved_deg is None:
+            return None
+        return (
+            f"camera {name} looks {self.moved_deg:.1f} degrees elsewhere than the rig says; run "
+            "trecsim calibrate repair"
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the entry of a camera in `/api/health`."""

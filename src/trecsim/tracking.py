@@ -11,6 +11,7 @@ import numpy as np
 
 from trecsim.consistency import Consistency
 from trecsim.consistency.learnt_errors import LearntErrors
+from trecsim.consistency.view_watch import ViewWatch
 from trecsim.errors import Error, InputError
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.arguments import called, check_arguments
@@ -25,6 +26,9 @@ logger = logging.getLogger(__name__)
 
 _FURTHEST_M = 1e4  # from the middle of the cameras; nobody is seen from so far
 _REMEMBERED = 100_000  # an hour and more at 25 frame sets a second
+_PUSHED_RAD = (
+    0.005  # the tracker begins anew with a camera that is off by so much more than it knows
+)
 _RECENT = 10_000  # identities; one that so many others were reported after does not come back
 
 
@@ -165,6 +169,8 @@ class Follower:
         )
         self._reach, self._consistency = _Reach(rig), Consistency(rig)
         self._learnt = LearntErrors(rig.names)
+        self._views = ViewWatch(rig)
+        self._rig = rig
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
         self._tally = tally if tally is not None else Tally()
@@ -242,12 +248,25 @@ class Follower:
             self._tally.add(step, confirmed.id.tolist())
             self._highest_id = max(self._highest_id, snapshot.id.max(initial=-1))
             self._tell_step(step)
+            self._watch_views(frame_set, confirmed)
             self._remark(self._consistency.observe(frame_set, confirmed))
             if not self._consistency.has_spoken:  # a wrong camera turns the others, too
                 self._remark(self._learnt.observe(frame_set.t_s, self._tracker.camera_errors))
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s
                 yield snapshot
+
+    def _watch_views(self, frame_set: FrameSet, confirmed: Snapshot) -> None:
+        """Let the tracker begin anew with cameras that were knocked.
+
+        Remarks on them come from the consistency of poses and rig, live also from the site's
+        health, which watches by itself.
+        """
+        for one in self._views.observe(frame_set.views, confirmed):
+            errors, camera = self._tracker.camera_errors, self._rig.index(one.camera)
+            turn_rad = np.radians([-one.down_deg, one.right_deg])
+            if np.hypot(*(turn_rad - errors.applied[camera, :2])) > _PUSHED_RAD:
+                errors.push(camera, turn_rad)
 
     def _remark(self, texts: Iterable[str]) -> None:
         for text in texts:

@@ -14,6 +14,7 @@ from trecsim.fusion.tuning import (
     CAMERA_RENEW_S,
     CAMERA_SETTLE_S,
     CLOCK_SIGMA_S,
+    PUSH_SIGMA_RAD,
     TURN_SIGMA_RAD,
 )
 from trecsim.geometry import Rig
@@ -83,6 +84,26 @@ class CameraErrors:
         if due:
             self._used_s = t_s
         return due
+
+    def push(self, camera: int, turn_rad: Float64[np.ndarray, " 2"]) -> None:
+        """Forget what is known of a camera, and begin with a turn about its x and y axes.
+
+        For a camera that was knocked: its key points are outliers to the tracks, so that residuals
+        of those that are used would hardly tell. What follows refines the turn, or forgets it.
+
+        Parameters
+        ----------
+        camera
+            Its place in the rig.
+        turn_rad
+            The turn, in the camera's coordinates [rad].
+        """
+        self.info[camera], self.info[:, :, camera] = 0.0, 0.0
+        self.vector[camera] = 0.0
+        for axis, turn in enumerate(turn_rad.tolist()):
+            self.info[camera, axis, camera, axis] = 1.0 / PUSH_SIGMA_RAD**2
+            self.vector[camera, axis] = turn / PUSH_SIGMA_RAD**2
+        self._used_s = -math.inf
 
     def corrected(self) -> Cameras:
         """Return the cameras with their errors taken out as far as they are known.

@@ -100,6 +100,8 @@ CAMERA_ERROR_S: Final = 20.0
 CAMERA_CHECK_S: Final = 0.1
 CAMERA_SETTLE_S: Final = 10.0
 CAMERA_RENEW_S: Final = 0.5
+# A turn that a camera's whole image tells is as exact as the errors of key points that last [rad].
+PUSH_SIGMA_RAD: Final = 0.003
 # Weight of the usual variance of turns against that of one camera's angle; cameras whose image
 # directions a point in space takes up.
 PRIOR_WEIGHT: Final = 3.0

@@ -55,7 +55,12 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
     dropped = CounterMetricFamily(
         "trecsim_camera_dropped_frames", "Images left out.", labels=["camera", "reason"]
     )
+    moved = GaugeMetricFamily(
+        "trecsim_camera_moved_degrees", "By how much it looks elsewhere than the rig says.",
+        labels=["camera"],
+    )  # fmt: skip
     for name, camera in health.cameras.items():
+        moved.add_metric([name], camera.moved_deg or 0.0)
         for one in CAMERA_STATES:
             state.add_metric([name, one], float(camera.state == one))
         fps.add_metric([name], camera.fps)
@@ -63,7 +68,7 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
             age.add_metric([name], camera.age_s)
         for reason, count in camera.dropped_by.items():
             dropped.add_metric([name, reason], count)
-    yield from (state, fps, age, dropped)
+    yield from (state, fps, age, dropped, moved)
 
 
 def _of_stages(health: Health) -> Iterator[Metric]:

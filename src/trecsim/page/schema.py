@@ -106,6 +106,8 @@ _CAMERA = {
         "dropped": _said("Images that were left out.", **_COUNT),
         "dropped_by": _said("The same by reason.", type="object", additionalProperties=_COUNT),
         "fault": _said("What is wrong; null where nothing is.", type=["string", "null"]),
+        "moved_deg": _said("How far it looks elsewhere than the rig says; null: not.", **_MAYBE),
+        "moved_since_s": _said("Since when [s]; null where it does not.", **_MAYBE),
     },
     "required": ["state", "fps", "age_s", "clock", "dropped"],
 }

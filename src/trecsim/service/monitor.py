@@ -4,8 +4,11 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, Protocol
 
+from trecsim.consistency.view_watch import ViewWatch
+from trecsim.geometry import Rig
 from trecsim.health import (
     CameraHealth,
     Clock,
@@ -87,6 +90,8 @@ class Monitor:
         All cameras of the site.
     streams
         What tells about itself.
+    rig
+        The cameras, to tell those that look elsewhere than it says; None tells nothing of that.
     wall_clock, clock
         Unix time and a steady clock [s].
     """
@@ -96,6 +101,7 @@ class Monitor:
         cameras: Iterable[str],
         streams: Iterable[StreamReadings] = (),
         *,
+        rig: Rig | None = None,
         wall_clock: Callable[[], float] = time.time,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -105,6 +111,8 @@ class Monitor:
         self._wall_clock, self._clock = wall_clock, clock
         self._stages = {name: Recent() for name in STAGES}
         self._last: Snapshot | None = None
+        self._rig, self._views = rig, ViewWatch(rig) if rig is not None else None
+        self._newest: dict[str, Poses2D] = {}
         self.restarts: Counter[str] = Counter()
         self.queue_drops: Mapping[str, int] = {}
         self.ledger_fault: str | None = None
@@ -117,6 +125,9 @@ class Monitor:
     def write(self, snapshot: Snapshot, /) -> None:
         """Take where everybody is."""
         self._last = snapshot
+        if self._views is not None:
+            self._views.observe(tuple(self._newest.values()), snapshot)
+            self._newest = {}
         age_ms = self._age_ms(snapshot.t_s)
         self._note("image to people", age_ms, age_ms)
 
@@ -136,6 +147,9 @@ class Monitor:
         now_s = self._clock()
         if poses.camera in self._images:
             self._images[poses.camera].add(now_s)
+        if self._rig is not None:
+            time_s = self._rig[poses.camera].time_s(poses.t_s)
+            self._newest = {**self._newest, poses.camera: replace(poses, t_s=time_s)}
         age_ms = self._age_ms(poses.t_s)
         self._note("image to poses", age_ms, age_ms)
 
@@ -178,6 +192,7 @@ class Monitor:
         last_s = stream.last_image_s if stream else images.last_s
         age_s = None if last_s is None else now_s - last_s
         dropped = Counter(stream.dropped if stream else {})
+        moved = None if self._views is None else self._views.off.get(name)
         dropped.update({"queue": self.queue_drops.get(name, 0)} if self.queue_drops else {})
         return CameraHealth(
             state=camera_state(age_s, ended=self.ended or (stream is not None and stream.ended)),
@@ -186,6 +201,8 @@ class Monitor:
             clock=stream.clock if stream else "arrival",
             dropped_by=dict(+dropped),
             fault=stream.fault if stream else None,
+            moved_deg=None if moved is None else round(moved.turn_deg, 2),
+            moved_since_s=None if moved is None else moved.since_s,
         )
 
     def _store(self) -> StoreHealth:

@@ -14,12 +14,13 @@ from trecsim.health import (
     OutputHealth,
 )
 
-Kind = Literal["camera.health", "fusion.health", "store.health", "output.health"]
+Kind = Literal["camera.health", "camera.moved", "fusion.health", "store.health", "output.health"]
 Verdict = Literal["well", "faulty", "unknown"]
 Severity = Literal["warning", "alarm"]
 
 KINDS: Mapping[Kind, Severity] = {
     "camera.health": "warning",
+    "camera.moved": "warning",
     "fusion.health": "alarm",
     "store.health": "warning",
     "output.health": "warning",
@@ -28,6 +29,7 @@ KINDS: Mapping[Kind, Severity] = {
 
 LIMITS: Mapping[Kind, Mapping[str, float]] = {
     "camera.health": {"stale_s": STALE_S, "down_s": DOWN_S},
+    "camera.moved": {},
     "fusion.health": {"stalled_s": STALLED_S},
     "store.health": {},
     "output.health": {"late_s": LATE_S},
@@ -88,8 +90,9 @@ def parts_of(health: Health, read_since_s: float) -> list[PartState]:
         `DOWN_S` after that.
     """
     cameras = [_camera(name, one, health, read_since_s) for name, one in health.cameras.items()]
+    views = [_view(name, one, health) for name, one in health.cameras.items()]
     outputs = [_output(name, one, health) for name, one in health.outputs.items()]
-    return [*cameras, _fusion(health), _store(health), *outputs]
+    return [*cameras, *views, _fusion(health), _store(health), *outputs]
 
 
 def _camera(name: str, camera: CameraHealth, health: Health, read_since_s: float) -> PartState:
@@ -101,6 +104,17 @@ def _camera(name: str, camera: CameraHealth, health: Health, read_since_s: float
         verdict = "unknown"
     measures, said = {"age_s": camera.age_s}, camera.said(name) or ""
     return PartState("camera.health", name, verdict, camera.state, since_s, said, measures)
+
+
+def _view(name: str, camera: CameraHealth, health: Health) -> PartState:
+    """Return whether a camera looks where the rig says."""
+    moved = camera.moved_deg is not None
+    since_s = health.t_s if camera.moved_since_s is None else camera.moved_since_s
+    verdict: Verdict = "faulty" if moved else "well" if camera.state == "live" else "unknown"
+    said, measures = camera.said_of_view(name) or "", {"turn_deg": camera.moved_deg}
+    return PartState(
+        "camera.moved", name, verdict, "moved" if moved else "well", since_s, said, measures
+    )
 
 
 def _fusion(health: Health) -> PartState:

@@ -97,7 +97,7 @@ class SiteService:
             Draws what came of the run, at its end.
         """
         self._show(checked.file, checked.rig)
-        monitor = Monitor(checked.rig.names, inputs.readings if inputs else ())
+        monitor = Monitor(checked.rig.names, inputs.readings if inputs else (), rig=checked.rig)
         feed = None
         if inputs is not None:
             self._pictures = self._picture_maker(checked)

@@ -9,6 +9,7 @@ from made_walkers import LATE_S, recording, turns_deg
 from trecsim.calibrating.people.calibrate import calibrate_people
 from trecsim.errors import CalibrationError
 from trecsim.geometry import Rig
+from trecsim.values import Poses2D
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +79,7 @@ def test_without_distance_and_stature_the_verdict_says_that_the_scale_is_a_guess
 def test_a_recording_without_people_is_refused_with_how_to_record():
     scene = recording()
     nobody = [
-        dataclasses.replace(one, xy_px=one.xy_px[:0], score=one.score[:0], person_score=np.zeros(0))
+        Poses2D(one.camera, one.t_s, one.xy_px[:0], one.score[:0], np.zeros(0))
         for one in scene.poses[:200]
     ]
     with pytest.raises(CalibrationError, match="no camera saw anybody; let one to three people"):

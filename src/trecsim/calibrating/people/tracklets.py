@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.calibrating.people.camera_records import CameraRecord
-from trecsim.calibrating.people.kernels.linking import link
+from trecsim.calibrating.people.kernels.tracklet_linking import link
 from trecsim.calibrating.people.tuning import SHORTEST_TRACKLET_S
 
 
