@@ -31,6 +31,7 @@ _IN_ORDER = (
     "speed",
     "forecast",
     "early_warnings",
+    "board_calibration",
     "simulating",
     "evaluating",
     "reading",

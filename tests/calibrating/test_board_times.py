@@ -55,3 +55,12 @@ def test_videos_that_never_show_the_board_at_once_are_told():
     ]
     with pytest.raises(CalibrationError, match="no two videos show the board moving"):
         calibrate_timed_rig(NEIGHBOURS.cameras, [BIG], [apart], most_offset_s=1.0)
+
+
+def test_corners_between_images_lie_on_the_path_of_the_board():
+    made = calibrate_timed_rig(
+        NEIGHBOURS.cameras, [BIG], [videos((0.0, 0.03, 0.05), (12.0, 12.0, 12.0), noise_px=0.02)],
+        most_offset_s=1.0,
+    )  # fmt: skip
+    assert errors(NEIGHBOURS, made.rig)[0].max() < 0.02
+    assert made.fit.adjusted.sigma_px < 0.3

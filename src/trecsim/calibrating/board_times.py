@@ -26,6 +26,7 @@ LEAST_SHARED_S = 2.0  # time for which both must see the board moving
 PEAKS = 5  # offsets that are tried on the poses
 LONGEST_GAP_S = 0.17  # between views, for corners to be taken in between
 MOST_MOMENTS = 160
+LEAST_CORNERS = 6
 TRIED_MOMENTS = 60
 GRID_MOMENTS = 1200
 
@@ -53,6 +54,11 @@ class TimedViews:
     poses: Float64[np.ndarray, "view 4 4"]
 
 
+def _sorted(seen: SeenBoard) -> SeenBoard:
+    order = np.argsort(seen.ids)
+    return SeenBoard(seen.ids[order], seen.xy_px[order], seen.edge_px)
+
+
 def timed_views(
     cameras: Sequence[Camera], views: Sequence[Sequence[CameraViews]], boards: Sequence[Board]
 ) -> list[TimedViews]:
@@ -60,7 +66,8 @@ def timed_views(
     found = []
     for number, (board, of_board) in enumerate(zip(boards, views, strict=True)):
         for index, (camera, of_camera) in enumerate(zip(cameras, of_board, strict=True)):
-            rows = [(view, posed(camera, board, view.seen)) for view in of_camera.views]
+            ordered = [replace(view, seen=_sorted(view.seen)) for view in of_camera.views]
+            rows = [(view, posed(camera, board, view.seen)) for view in ordered]
             kept = [(view, T) for view, T in rows if T is not None]
             found.append(
                 TimedViews(
@@ -318,17 +325,42 @@ def _interpolated(
     cameras: Sequence[Camera],
     boards: Sequence[Board],
 ) -> Sight | None:
-    a, b = one.views[place], one.views[place + 1]
-    ids, in_a, in_b = np.intersect1d(a.seen.ids, b.seen.ids, return_indices=True)
-    if len(ids) < 6:
+    """Return the corners between two images, by the cubic through the two before and after."""
+    stamp = float(one.t_s[place] + share * (one.t_s[place + 1] - one.t_s[place]))
+    around = [n for n in range(place - 1, place + 3) if 0 <= n < len(one.t_s)]
+    around = [n for n in around if abs(one.t_s[n] - stamp) <= 2 * LONGEST_GAP_S]
+    views = [one.views[n] for n in around]
+    ids = views[around.index(place)].seen.ids
+    for view in views:
+        ids = np.intersect1d(ids, view.seen.ids)
+    if len(ids) < LEAST_CORNERS:
         return None
-    xy_a, xy_b = a.seen.xy_px[in_a], b.seen.xy_px[in_b]
-    seen = SeenBoard(ids, xy_a + share * (xy_b - xy_a), a.seen.edge_px)
+    weight, slope = _cubic(one.t_s[around], stamp)
+    xy = np.array([v.seen.xy_px[np.searchsorted(v.seen.ids, ids)] for v in views])
+    seen = SeenBoard(ids, np.tensordot(weight, xy, axes=1), views[0].seen.edge_px)
     T = posed(cameras[one.camera], boards[one.board], seen)
     if T is None:
         return None
-    velocity = (xy_b - xy_a) / (b.t_s - a.t_s)
-    return Sight(one.camera, moment, one.board, a.label, ids, seen.xy_px, velocity, T)
+    velocity = np.tensordot(slope, xy, axes=1)
+    label = one.views[place].label
+    return Sight(one.camera, moment, one.board, label, ids, seen.xy_px, velocity, T)
+
+
+def _cubic(
+    t_s: Float64[np.ndarray, " view"], stamp_s: float
+) -> tuple[Float64[np.ndarray, " view"], Float64[np.ndarray, " view"]]:
+    """Return the weights of values at some times for the value and the slope at another.
+
+    Notes
+    -----
+    Lagrange's polynomial through all of them: of the third degree for four. Straight lines between
+    images would cut the corners of the board's path.
+    """
+    x = t_s - stamp_s
+    scale = float(np.abs(x).max()) or 1.0
+    powers = np.vander(x / scale, increasing=True)
+    inverse_powers = np.linalg.inv(powers)
+    return inverse_powers[0], inverse_powers[1] / scale
 
 
 def later(cameras: Sequence[Camera], offset_s: Float64[np.ndarray, " cam"]) -> tuple[Camera, ...]:

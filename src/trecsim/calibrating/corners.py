@@ -13,6 +13,7 @@ from trecsim.extras import needed
 SEARCHED_PX, SMALL_PX, LARGE_PX = 800, 400, 1280  # longer sides of the pictures searched
 SMOOTHED_PX = 1.2
 WINDOW_SHARE = 0.35  # of the distance of corners: what is used to refine one
+CHARUCO_WINDOW_SHARE = 0.12  # there, markers begin at an eighth, and their edges would pull
 LARGEST_WINDOW_PX = 11
 REFINED = (3, 60, 1e-3)  # OpenCV's criterion: both, steps, px
 LEAST_CHARUCO = 6  # corners of a partly seen board that are worth using
@@ -133,7 +134,8 @@ class BoardFinder:
         if not len(starts):
             return xy.astype(np.float64)
         apart = float(np.quantile(np.linalg.norm(xy[starts] - xy[ends], axis=1), 0.1))
-        window = int(np.clip(WINDOW_SHARE * apart, 2, LARGEST_WINDOW_PX))
+        share = CHARUCO_WINDOW_SHARE if self.board.charuco else WINDOW_SHARE
+        window = int(np.clip(share * apart, 2, LARGEST_WINDOW_PX))
         given = np.array(xy, dtype=np.float32).reshape(-1, 1, 2)
         refined = self._cv2.cornerSubPix(grey, given, (window, window), (-1, -1), REFINED)
         return np.asarray(refined, dtype=np.float64).reshape(-1, 2)

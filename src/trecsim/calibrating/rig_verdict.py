@@ -30,6 +30,7 @@ LEAST_MOMENTS = 8
 FEW_COMMON = 5
 LENS_DEG = 0.1  # change of a rotation with free lenses that matters
 LENS_SD = 4.0
+LENS_BETTER = 0.97  # of the noise that is left; a few numbers more always fit a little better
 GOOD_OFFSET_S, USABLE_OFFSET_S = 0.004, 0.02
 
 
@@ -234,7 +235,8 @@ def _of_lenses(problem: BoardProblem, links: Links, fit: RigFit, rig: Rig) -> li
     with np.errstate(divide="ignore", invalid="ignore"):
         surprise = np.abs(change) / stated
     worst = int(np.argmax(np.nan_to_num(surprise).max(axis=1)))
-    if turns.max() <= LENS_DEG or np.nan_to_num(surprise).max() <= LENS_SD:
+    better = freed.adjusted.sigma_px < LENS_BETTER * fit.adjusted.sigma_px
+    if not better or turns.max() <= LENS_DEG or np.nan_to_num(surprise).max() <= LENS_SD:
         return [Finding("good", "the intrinsics fit: freed, they stay where they are")]
     fx, fy, cx, cy = change[worst]
     return [

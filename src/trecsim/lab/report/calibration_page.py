@@ -76,7 +76,7 @@ def _verdict(result: CalibrationResult) -> Section:
     meaning = MEANING[result.verdict]
     good = result.verdict == "good"
     blocks: list[Block] = [Text(meaning, "good") if good else Text(meaning, "warning")]
-    blocks.extend(Text(reason) for reason in result.reasons)
+    blocks.extend(Text(f"{reason[:1].upper()}{reason[1:]}.") for reason in result.reasons)
     return Section("Verdict", blocks)
 
 
