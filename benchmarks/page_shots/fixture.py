@@ -25,6 +25,20 @@ ZONES = {
     "waiting-area": {"polygon_m": [[-8, 1.6], [-2, 1.6], [-2, 3.6], [-8, 3.6]], "z_m": [0, 2.2]},
 }
 EDGES = {"platform-edge": {"points_m": [[9, 0], [-9, 0]]}}
+RULES = [
+    {"id": "strip", "kind": "zone.restricted", "zone": "edge-strip", "severity": "alarm"},
+    {"id": "waited", "kind": "zone.dwell", "zone": "waiting-area", "dwell_s": 1200.0,
+     "severity": "info", "schedule": ["Mo-Su 22:00-06:00"]},
+    {"id": "many", "kind": "occupancy.limit", "zone": "waiting-area", "limit": 40,
+     "severity": "info"},
+    {"id": "edge", "kind": "edge.platform", "edge": "platform-edge", "severity": "critical"},
+    {"id": "fall", "kind": "body.fall", "severity": "alarm"},
+]  # fmt: skip
+MODES = {
+    "day": {"off": ["waited"], "schedule": ["06:00-22:00"]},
+    "night": {"off": [], "schedule": ["22:00-06:00"]},
+    "maintenance": {"off": ["strip", "edge"], "schedule": None},
+}
 FLOOR_M = [-10.0, -3.0, 10.0, 5.0]
 
 
@@ -44,8 +58,9 @@ def site(*, rules: tuple[int, int] = (9, 9)) -> dict[str, Any]:
     return {
         "version": "0" * 64,
         "site": {
-            "name": "platform-2", "timezone": "Europe/Zurich", "mode": "Day", "pictures": False,
+            "name": "platform-2", "timezone": "Europe/Zurich", "mode": "day", "pictures": False,
             "cameras": fixture()["cameras"], "zones": ZONES, "lines": {}, "edges": EDGES,
+            "modes": MODES, "rule_ids": [rule["id"] for rule in RULES],
             "floor_m": FLOOR_M, "rules": {"armed": rules[0], "total": rules[1]}, "kind": "live",
         },
     }  # fmt: skip

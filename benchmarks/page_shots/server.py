@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from harness.machine import ROOT
+from page_shots.editor import curve, editor
 from page_shots.fixture import LAG_S, START_S, fixture, site
 
 STATIC = ROOT / "src" / "trecsim" / "page" / "static"
@@ -66,6 +67,7 @@ class Situation:
     role: str | None = "operator"
     cameras_known: bool = True
     webgl: bool = True
+    drafted: bool = False
     broken: bool = False
 
     @property
@@ -100,6 +102,15 @@ def health(situation: Situation) -> dict[str, Any]:
             "publish": {"median_ms": 4.0, "p95_ms": 9.0},
         },
         "restarts": {"estimator": 1},
+        "rules": {"armed": situation.rules[0], "total": situation.rules[1], "fault": None,
+                  "mode": "day"},
+        "counts": {
+            "since_s": START_S - 40_000.0, "lines": {},
+            "zones": {
+                "edge-strip": {"inside": 1, "density_pm2": 0.04, "level": "A"},
+                "waiting-area": {"inside": 2, "density_pm2": 0.24, "level": "A"},
+            },
+        },
     }  # fmt: skip
 
 
@@ -154,8 +165,11 @@ def answer(situation: Situation, path: str) -> tuple[int, str, bytes]:
             {"id": "2026-11-30T13", "from_s": START_S, "to_s": START_S + 24, "people": 6},
         ]},
     }  # fmt: skip
+    bodies |= editor(situation.drafted)
     if path in bodies:
         return 200, "application/json", _text(bodies[path]).encode()
+    if path.endswith("/why"):
+        return 200, "application/json", _text(curve()).encode()
     if path.endswith("/snapshots"):
         lines = [_snapshot(situation, one, 0.0) for one in fixture()["snapshots"]]
         return 200, "application/x-ndjson", "\n".join(lines).encode()

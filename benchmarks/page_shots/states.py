@@ -121,6 +121,14 @@ def _close(page: Page) -> None:
     page.keyboard.press("2")
 
 
+def _trial(page: Page) -> None:
+    """Try the draft, with the rules of the zone open."""
+    page.locator(".rule summary").first.click()
+    page.get_by_role("button", name="Try on a recording").click()
+    page.locator(".film button").first.click()
+    page.wait_for_selector(".counts")
+
+
 ALL_SIZES = ("wide", "tablet", "phone")
 
 STATES = [
@@ -157,7 +165,14 @@ STATES = [
     State("review",
           Situation(AT_S, events=[*PAST, SILENT, ALARM, event("edge-1", "end", AT_S - 2)]),
           "/review/edge-1", ("wide", "tablet"), act=_stand_still),
-    State("zones", Situation(AT_S, rules=(0, 0)), "/zones/waiting-area", ("wide", "tablet")),
+    State("zones", Situation(AT_S, role="admin", drafted=True), "/zones/waiting-area",
+          ("wide", "tablet"), act=_trial),
+    State("zones-live", Situation(AT_S), "/zones/waiting-area", ("wide", "phone")),
+    State("zones-small", Situation(AT_S, role="admin", drafted=True), "/zones/bench",
+          themes=("light",)),
+    State("modes", Situation(AT_S), act=lambda page: page.click(".fact.mode"), themes=("light",)),
+    State("density", Situation(AT_S), "/live?view=plan", themes=("light",),
+          act=lambda page: page.get_by_role("button", name="Density").click()),
     State("system", Situation(AT_S, cameras=DOWN, events=[*PAST, *DOWN_SINCE]), "/system",
           ("wide", "tablet")),
     State("sign-in", Situation(AT_S, signed_in=False), sizes=("wide", "phone")),

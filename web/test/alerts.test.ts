@@ -137,3 +137,16 @@ test("an alert holds between its beginning and its end, one of a moment for two 
   const moment = only(fold(event({ event: "e", phase: "new", t_start_s: T, t_end_s: T })));
   assert.deepEqual([T, T + 2, T + 3].map((t) => holds(moment, t)), [true, true, false]);
 });
+
+test("an early warning keeps its lead, and is detected when what was expected begins", () => {
+  const warned = event({ event: "e", phase: "new", predicted: true, t_start_s: T + 1.8, t_detect_s: T, lead_s: 1.8 });
+  const begun = event({
+    event: "e", phase: "update", predicted: false, t_start_s: T + 1.7, t_detect_s: T + 1.9, lead_s: 1.7,
+  });
+  const early = only(fold(warned));
+  assert.deepEqual([early.predicted, early.lead, early.warned, early.detected], [true, 1.8, T, T]);
+  const real = only(fold(warned, begun));
+  assert.deepEqual(
+    [real.predicted, real.lead, real.warned, real.start, real.detected], [false, 1.7, T, T + 1.7, T + 1.9],
+  );
+});

@@ -110,6 +110,8 @@ function told(alert: Alert, data: EventData): Alert {
     raisedFrom: raised ? alert.severity : alert.raisedFrom,
     predicted: data.predicted ?? alert.predicted,
     lead: data.lead_s ?? alert.lead,
+    // What was expected has begun: it is detected now.
+    detected: alert.predicted && data.predicted === false ? (data.t_detect_s ?? alert.detected) : alert.detected,
     joints: data.joints ?? alert.joints,
     threshold: data.threshold ? numbers(data.threshold) : alert.threshold,
     start: data.t_start_s ?? alert.start,

@@ -61,7 +61,7 @@ export function RuleForm({ n, rule, at }: { n: number; rule: Rule; at: "zone" | 
             ))}
           </select>
         </label>
-        {kind && <p class="about">{kind.about}</p>}
+        {kind && <p class="about">{kind.about.replaceAll("`", "")}</p>}
         <label class="row"><span>Name</span>
           <Entry value={rule.id} pattern="[A-Za-z0-9_\-]{1,64}" required title="Letters, digits, - and _"
             commit={(text) => set("id", text.trim())} />
