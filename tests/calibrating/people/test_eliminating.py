@@ -1,13 +1,17 @@
 """The adjustment's kernels beside slow, obvious twins."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from trecsim.calibrating.people.adjusting import _moved, _workspace
+from trecsim.calibrating.people.adjusting import Adjusted, _moved, _workspace
 from trecsim.calibrating.people.kernels import eliminating
 from trecsim.calibrating.people.kernels.eliminating import Sights, Unknowns, look, reduce, trust
 from trecsim.calibrating.people.observations import Observations
-from trecsim.calibrating.people.tuning import BIAS_S, NOISE_PX
+from trecsim.calibrating.people.state import RigState
+from trecsim.calibrating.people.tuning import BIAS_S, LEAST_VARIANCE, MOST_VARIANCE, NOISE_PX
+from trecsim.calibrating.people.variances import with_own_variances
 from trecsim.geometry.rigid import rigid_motion, rotation_matrix
 
 CAMERAS = 3
@@ -192,3 +196,17 @@ def test_the_cost_falls_along_the_step_of_the_equations():
     before = eliminating.total_cost(seen.sights, unknowns, 1.0)
     after = eliminating.total_cost(seen.sights, _moved(seen, unknowns, step, work, 8), 1.0)
     assert after < before
+
+
+def test_variances_found_are_those_of_the_observations_that_were_adjusted():
+    seen, unknowns = scene()
+    adjusted = Adjusted(RigState.empty(CAMERAS), unknowns, np.eye(24), 0.0)
+    fewer = dataclasses.replace(
+        seen,
+        sights=seen.sights._replace(gap_s=seen.sights.gap_s[:3], block_first=np.array([0, 2, 3])),
+    )
+    mended = with_own_variances(seen, adjusted, fewer).sights
+    ratio = mended.bias_m2 / seen.sights.bias_m2
+    assert ratio[0] == pytest.approx(ratio[1])
+    assert LEAST_VARIANCE <= ratio[0] <= MOST_VARIANCE
+    np.testing.assert_allclose(with_own_variances(seen, adjusted).sights.bias_m2, mended.bias_m2)

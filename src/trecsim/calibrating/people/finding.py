@@ -110,7 +110,8 @@ def find(
     rig = adjusted(seen, rig.state, priors, annealing=FINE)
     if lens_sd is not None:
         priors = replace(priors, lens_sd=lens_sd)
-    seen = with_own_variances(observations(tracks, records, chain, rig.state), rig)
+    again = observations(tracks, records, chain, rig.state)
+    seen = with_own_variances(seen, rig, again)
     rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
     return Found(tracks, chain, levels, relations, seen, rig, priors)
 

@@ -12,8 +12,19 @@ from trecsim.calibrating.people.tuning import BIAS_S, LEAST_VARIANCE, MOST_VARIA
 MEDIAN_OF_TWO = 2.0 * np.log(2.0)  # of a squared distance in units of one axis's variance
 
 
-def with_own_variances(seen: Observations, adjusted: Adjusted) -> Observations:
-    """Return observations whose variances are those that the adjustment found.
+def with_own_variances(
+    seen: Observations, adjusted: Adjusted, of: Observations | None = None
+) -> Observations:
+    """Return observations whose variances are those that an adjustment found.
+
+    Parameters
+    ----------
+    seen
+        What was adjusted.
+    adjusted
+        The result.
+    of
+        The observations to return; None takes those that were adjusted.
 
     Notes
     -----
@@ -21,17 +32,15 @@ def with_own_variances(seen: Observations, adjusted: Adjusted) -> Observations:
     ``2 m`` numbers that `m` cameras say of a joint its place takes up three, and what lies in their
     direction is no bias: so much of the variance is missing from what was found.
     """
-    sights = seen.sights
+    sights, wanted = seen.sights, seen if of is None else of
     cameras = len(sights.cam) / max(len(sights.block), 1)
     left = 1.0 - 1.5 / cameras
     bias = _within(_bias_ratio(seen, adjusted) / left)
     noise = _within(_noise_ratio(seen, adjusted) / left)
+    own = wanted.sights
     return replace(
-        seen,
-        sights=sights._replace(
-            bias_m2=bias * sights.bias_m2, noise_m2=noise * sights.noise_m2
-        ),
-    )  # fmt: skip
+        wanted, sights=own._replace(bias_m2=bias * own.bias_m2, noise_m2=noise * own.noise_m2)
+    )
 
 
 def _within(ratio: float) -> float:
