@@ -32,6 +32,7 @@ _IN_ORDER = (
     "forecast",
     "early_warnings",
     "board_calibration",
+    "rules_cost",
     "simulating",
     "evaluating",
     "reading",

@@ -12,7 +12,7 @@ moved towards the place by as much as the joints stick out in that direction now
 its border.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,6 +20,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.forecasting.forecasts import Forecasts
+from trecsim.safety.directed_lines import Edge
 from trecsim.safety.gaussian import normal_cdf
 from trecsim.safety.polygons import LEAST_SIGMA_M, Polygon
 from trecsim.values import Snapshot
@@ -88,7 +89,9 @@ class Ahead:
             self.cov_m2[rows], self.joint_m[rows],
         )  # fmt: skip
 
-    def in_polygon(self, polygon: Polygon, z_m: tuple[float, float] | None = None) -> "Arrivals":
+    def in_polygon(
+        self, polygon: Polygon, z_m: tuple[float, float] | None = None, *, least: float = 0.0
+    ) -> "Arrivals":
         """Return how probable it is that each person will have been in a polygon.
 
         Parameters
@@ -97,9 +100,27 @@ class Ahead:
             On the floor.
         z_m
             Joints between these heights count [m]; None looks at the floor point alone.
+        least
+            Who is surely less probable may be left out.
         """
-        near = self.of(np.flatnonzero(self._may_reach(polygon)))
+        near = self.of(np.flatnonzero(self._may_reach(polygon.corners_m)))
+        if least > 0.0 and len(near.person):
+            near = near.of(np.flatnonzero(near._at_most(polygon) >= least))
         return Arrivals.of(near, near._inside(polygon, z_m))
+
+    def _at_most(self, polygon: Polygon) -> Float64[np.ndarray, " person"]:
+        """Return a bound of the probability to have been in a polygon, that of its nearest side.
+
+        A point in a convex polygon is on the inner side of each of its sides; in others the bound
+        holds nearly. The body reaches as far as its farthest joint in any direction.
+        """
+        xy_m = self.xy_m.reshape(-1, 2)
+        body_m = np.sqrt(np.nan_to_num(np.square(self.joint_m[..., :2]).sum(axis=-1)).max(axis=1))
+        distance_m = polygon.distance_m(xy_m).reshape(self.xy_m.shape[:-1])
+        sigma_m = np.sqrt(np.trace(self.cov_m2, axis1=-2, axis2=-1)) + LEAST_SIGMA_M
+        outside = np.minimum(distance_m + body_m[:, None, None], 0.0)  # inside the bound is 1
+        best = np.where(outside < 0.0, outside / sigma_m, np.inf).max(axis=2)
+        return np.asarray((self.weight * normal_cdf(best)).sum(axis=1))
 
     def _inside(
         self, polygon: Polygon, z_m: tuple[float, float] | None
@@ -143,28 +164,27 @@ class Ahead:
             self.cov_m2[:, :, one], self.joint_m,
         )  # fmt: skip
 
-    def beyond(
-        self,
-        nearest: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]],
-        depth_m: float,
-    ) -> "Arrivals":
+    def beyond(self, edge: Edge, depth_m: float) -> "Arrivals":
         """Return how probable it is that a joint of each person will have been beyond an edge.
+
+        Only of people who come near the edge: nobody gets beyond it elsewhere.
 
         Parameters
         ----------
-        nearest
-            Returns the distance from the edge of floor points, and the direction in which it grows.
+        edge
+            The edge.
         depth_m
             Who is farther beyond is on the other side [m].
         """
-        shape = self.xy_m.shape[:-1]
-        distance_m, normal = nearest(self.xy_m.reshape(-1, 2))
-        reach_m = self.reach_m(-normal.reshape(*shape, 2), (-np.inf, np.inf)).reshape(-1)
-        cov_m2 = self.cov_m2.reshape(-1, 2, 2)
+        near = self.of(np.flatnonzero(self._may_reach(edge.points_m)))
+        shape = near.xy_m.shape[:-1]
+        distance_m, normal = edge.nearest(near.xy_m.reshape(-1, 2))
+        reach_m = near.reach_m(-normal.reshape(*shape, 2), (-np.inf, np.inf)).reshape(-1)
+        cov_m2 = near.cov_m2.reshape(-1, 2, 2)
         sigma_m = np.sqrt(np.einsum("ni,nij,nj->n", normal, cov_m2, normal)) + LEAST_SIGMA_M
         beside = distance_m >= -depth_m  # not where it is NaN
         over = np.where(beside, (reach_m - distance_m) / sigma_m, -np.inf)
-        return Arrivals.of(self, normal_cdf(over).reshape(shape))
+        return Arrivals.of(near, normal_cdf(over).reshape(shape))
 
     def reach_m(
         self, towards: Float64[np.ndarray, "person mode step 2"], z_m: tuple[float, float]
@@ -183,13 +203,12 @@ class Ahead:
         reach_m: Float64[np.ndarray, "person mode step"] = out_m.max(axis=-1, initial=-np.inf)
         return reach_m
 
-    def _may_reach(self, polygon: Polygon) -> Bool[np.ndarray, " person"]:
-        """Tell who gets near the box around a polygon."""
+    def _may_reach(self, corners_m: Float64[np.ndarray, "corner 2"]) -> Bool[np.ndarray, " person"]:
+        """Tell who gets near the box around a place."""
         spread_m = _SURE * np.sqrt(np.trace(self.cov_m2, axis1=-2, axis2=-1)).max(axis=(1, 2))
         body_m = np.nan_to_num(np.abs(self.joint_m[..., :2])).max(axis=(1, 2), initial=0.0)
         wide_m = (spread_m + body_m)[:, None]
         low_m, high_m = self.xy_m.min(axis=(1, 2)), self.xy_m.max(axis=(1, 2))
-        corners_m = polygon.corners_m
         may: Bool[np.ndarray, " person"] = (
             (high_m + wide_m > corners_m.min(axis=0)) & (low_m - wide_m < corners_m.max(axis=0))
         ).all(axis=1)

@@ -163,11 +163,22 @@ class Prism:
         of the prism is judged in slices of constant height, in which the distribution over the
         floor is known.
         """
+        over = self.polygon.probability(xyz_m[:, :2], cov_m2[:, :2, :2])
+        there = np.flatnonzero(~(over <= 0.0))  # elsewhere the height does not matter
+        over[there] = self._with_height(xyz_m[there], cov_m2[there], over[there])
+        return over
+
+    def _with_height(
+        self,
+        xyz_m: Float64[np.ndarray, "point 3"],
+        cov_m2: Float64[np.ndarray, "point 3 3"],
+        over: Float64[np.ndarray, " point"],
+    ) -> Float64[np.ndarray, " point"]:
+        """Return the probability of points that may be over the polygon; see `probability`."""
         cov_m2 = _known(cov_m2)
         sigma_z = np.sqrt(cov_m2[:, 2, 2])
         low, high = ((limit - xyz_m[:, 2]) / sigma_z for limit in self.z_m)
         in_height = normal_cdf(high) - normal_cdf(low)
-        over = self.polygon.probability(xyz_m[:, :2], cov_m2[:, :2, :2])
         inside: Float64[np.ndarray, " point"] = over * in_height
         cut = _is_open(in_height) & _is_open(over) & (cov_m2[:, 2, :2] != 0.0).any(axis=1)
         if cut.any():

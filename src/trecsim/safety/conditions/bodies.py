@@ -119,29 +119,44 @@ class Distress:
         before: Waves = memory or {}
         inside = np.nan_to_num(scene.inside(self.polygon))
         rows, known = scene.seen, _known(scene, _WRISTS)
-        xyz_m, cov_m2 = scene.people.xyz_m[rows], scene.people.cov_m2[rows]
+        xyz_m = scene.people.xyz_m[rows]
+        heights = np.where(known, xyz_m[:, _WRISTS, 2], -np.inf)
+        raised = heights.max(axis=1, initial=-np.inf) > xyz_m[:, _SHOULDERS, 2].max(axis=1)
+        waved = np.isin(scene.people.id[rows], list(before))
         findings: dict[int, Finding] = {}
         after: dict[int, tuple[tuple[float, float], ...]] = {}
-        for n, row in enumerate(rows):
-            person, body = int(scene.people.id[row]), scene.body
-            above_m = xyz_m[n, _WRISTS, 2] - body.head_z_m[row]
-            variance_m2 = np.nan_to_num(cov_m2[n, _WRISTS, 2, 2]) + body.head_sigma_m[row] ** 2
-            sigma_m = np.sqrt(variance_m2) + LEAST_SIGMA_M
-            up = np.where(known[n], normal_cdf((above_m - ABOVE_M) / sigma_m), 0.0)
-            both = float(np.nan_to_num(up).min())
+        for n in np.flatnonzero(raised | waved):  # of most people no hand is raised
+            row = int(rows[n])
+            person = int(scene.people.id[row])
             path = (*before.get(person, ()), *_hand(scene.t_s, xyz_m[n], known[n]))
             path = tuple(one for one in path if scene.t_s - one[0] <= WAVE_S + 1.0)
             if path:
                 after[person] = path
-            hertz = waves_hz(path, scene.t_s)
-            waves = 1.0 if WAVE_HZ[0] <= hertz <= WAVE_HZ[1] else 0.0
-            sure = max(both, waves) * float(inside[row])
-            if sure > LEAST:
-                findings[person] = Finding(
-                    sure, {"above_head_m": float(np.nanmin(above_m)), "waves_hz": hertz},
-                    since_s=scene.t_s - WAVE_S if waves > both else None,
-                )  # fmt: skip
+            found = _asks(scene, row, known[n], path, float(inside[row]))
+            if found is not None:
+                findings[person] = found
         return Judged(findings, after)
+
+
+def _asks(
+    scene: Scene,
+    row: int,
+    known: np.ndarray,
+    path: tuple[tuple[float, float], ...],
+    inside: float,
+) -> Finding | None:
+    """Return whether somebody who has raised a hand asks for help."""
+    above_m = scene.people.xyz_m[row, _WRISTS, 2] - scene.body.head_z_m[row]
+    variance_m2 = np.nan_to_num(scene.people.cov_m2[row, _WRISTS, 2, 2])
+    sigma_m = np.sqrt(variance_m2 + scene.body.head_sigma_m[row] ** 2) + LEAST_SIGMA_M
+    up = np.where(known, normal_cdf((above_m - ABOVE_M) / sigma_m), 0.0)
+    both, hertz = float(np.nan_to_num(up).min()), waves_hz(path, scene.t_s)
+    waves = 1.0 if WAVE_HZ[0] <= hertz <= WAVE_HZ[1] else 0.0
+    sure = max(both, waves) * inside
+    if not sure > LEAST:
+        return None
+    measures = {"above_head_m": float(above_m.min()), "waves_hz": hertz}
+    return Finding(sure, measures, since_s=scene.t_s - WAVE_S if waves > both else None)
 
 
 def _hand(

@@ -64,4 +64,4 @@ class AtEdge:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead for joints beyond the edge; see `Foreseeing`."""
-        return ahead.beyond(self.edge.nearest, self.depth_m).expected(within_s)
+        return ahead.beyond(self.edge, self.depth_m).expected(within_s)

@@ -14,6 +14,8 @@ from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule_scene import Scene
 from trecsim.skeleton import COCO17
 
+LEAST_AHEAD = 0.1
+"""What is expected with less than this is not told: rules warn, and take back, at more."""
 SURE = 0.9
 """Somebody who was inside with this probability has been inside."""
 
@@ -38,7 +40,7 @@ class InZone:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
-        return ahead.in_polygon(self.polygon).expected(within_s)
+        return ahead.in_polygon(self.polygon, least=LEAST_AHEAD).expected(within_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +86,8 @@ class JointInZone:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
-        return ahead.in_polygon(self.prism.polygon, self.prism.z_m).expected(within_s)
+        arrivals = ahead.in_polygon(self.prism.polygon, self.prism.z_m, least=LEAST_AHEAD)
+        return arrivals.expected(within_s)
 
 
 @dataclass(frozen=True, slots=True)
