@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from trecsim.export.person_colours import colour
 from trecsim.films.people_at import PersonAt
@@ -24,6 +24,7 @@ _LIMBS = [
     )
 ]  # fmt: skip
 _TRUNK = [_SHOULDERS[0], _SHOULDERS[1], _HIPS[1], _HIPS[0]]
+_STROKES = np.array([*((_TRUNK[at], _TRUNK[(at + 1) % 4]) for at in range(4)), *_LIMBS])
 _HEAD_M = 0.11
 
 
@@ -58,22 +59,15 @@ def draw_body(
     """
     tint = person_colour(one.person)
     width = float(np.clip(0.055 * px_per_m, 1.6, 14.0))
+    strokes = xy_px[_STROKES]
     if rim is not None:
-        for a, b in (*_LIMBS, *_trunk_lines()):
-            pen.line(xy_px[[a, b]], rim, width + 2.5)
+        pen.segments(strokes, rim, width + 2.5)
     if np.isfinite(xy_px[_TRUNK]).all():
         pen.area(xy_px[_TRUNK], tint if one.seen[_TRUNK].any() else pale(tint), 0.45)
-    for a, b in (*_trunk_lines(), *_LIMBS):
-        pen.line(xy_px[[a, b]], _tint(tint, one.seen, a, b), width)
+    seen = one.seen[_STROKES].any(axis=1)
+    pen.segments(strokes[~seen], pale(tint), width)
+    pen.segments(strokes[seen], tint, width)
     _draw_head(pen, one, xy_px, px_per_m, tint, rim)
-
-
-def _trunk_lines() -> list[tuple[int, int]]:
-    return [(_TRUNK[at], _TRUNK[(at + 1) % 4]) for at in range(4)]
-
-
-def _tint(tint: Colour, seen: Bool[np.ndarray, " joint"], a: int, b: int) -> Colour:
-    return tint if seen[a] or seen[b] else pale(tint)
 
 
 def _draw_head(

@@ -51,6 +51,6 @@ def _opened(place: Path, rate_hz: float, size: tuple[int, int]) -> Iterator[tupl
         stream = container.add_stream("libx264", rate=rate)
         stream.width, stream.height = size
         stream.pix_fmt = "yuv420p"
-        stream.options = {"preset": "veryfast", "crf": _QUALITY}
+        stream.options = {"preset": "superfast", "crf": _QUALITY}
         stream.thread_type = "AUTO"
         yield container, stream

@@ -237,6 +237,7 @@ class _Projector:
         stack: ExitStack,
     ) -> None:
         self.size = (settings.width // 2 * 2, settings.height // 2 * 2)
+        self._empty = blank(*self.size)
         self._lookup = lookup
         self._trail_s = settings.trail_s
         self._alerts: list[Alert] = read_alerts(shown.events) if shown.events else []
@@ -261,7 +262,7 @@ class _Projector:
                 progress(number, len(times_s))
 
     def _image(self, t_s: float) -> Image:
-        image = blank(*self.size)
+        image = self._empty.copy()
         people = self._lookup.at(t_s)
         alerts = open_at(self._alerts, t_s)
         parts = self._layout

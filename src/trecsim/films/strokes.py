@@ -16,6 +16,8 @@ _FAR = 30_000.0  # coordinates beyond are cut: OpenCV counts in 16 bits
 
 INK, FAINT, EDGE = (20, 24, 27), (91, 101, 110), (124, 135, 144)
 PAPER, FLOOR, GRID = (247, 248, 249), (235, 238, 240), (211, 216, 220)
+_WIDTHS: dict[tuple[str, int], float] = {}
+_MOST_WIDTHS = 10_000
 ALARM, WARNING = (198, 43, 31), (242, 178, 51)
 
 
@@ -58,6 +60,12 @@ class Pen:
     def line(self, points: Float64[np.ndarray, "point 2"], colour: Colour, width: float) -> None:
         """Draw a line through points; a point that is NaN interrupts it."""
         known = np.isfinite(points).all(axis=1)
+        if known.all() and len(points) > 1:
+            self._cv.polylines(
+                self.image, [_fixed(points)], False, colour, max(1, round(width)),
+                self._cv.LINE_AA, _BITS,
+            )  # fmt: skip
+            return
         for part in np.split(np.arange(len(points)), np.flatnonzero(~known)):
             which = part[known[part]]
             if len(which) > 1:
@@ -65,6 +73,17 @@ class Pen:
                     self.image, [_fixed(points[which])], False, colour, max(1, round(width)),
                     self._cv.LINE_AA, _BITS,
                 )  # fmt: skip
+
+    def segments(
+        self, ends: Float64[np.ndarray, "segment 2 2"], colour: Colour, width: float
+    ) -> None:
+        """Draw straight lines, all at once; those with an end that is NaN are left out."""
+        known = ends[np.isfinite(ends).all(axis=(1, 2))]
+        if len(known):
+            self._cv.polylines(
+                self.image, list(_fixed(known)), False, colour, max(1, round(width)),
+                self._cv.LINE_AA, _BITS,
+            )  # fmt: skip
 
     def area(
         self, points: Float64[np.ndarray, "point 2"], colour: Colour, share: float = 1.0
@@ -124,6 +143,14 @@ class Pen:
 
     def width_of(self, text: str, size: float) -> float:
         """Return the width of a text [px]."""
+        key = (text, round(size))
+        if key not in _WIDTHS:
+            if len(_WIDTHS) > _MOST_WIDTHS:
+                _WIDTHS.clear()
+            _WIDTHS[key] = self._measured(text, size)
+        return _WIDTHS[key]
+
+    def _measured(self, text: str, size: float) -> float:
         if self._face is not None:
             box = self._cv.getTextSize((0, 0), text, (0, 0), self._face, round(size), 500)
             return float(box[2])
@@ -153,6 +180,6 @@ def _face(cv: Any) -> Any:
     return cv.FontFace("sans") if hasattr(cv, "FontFace") else None  # from OpenCV 5 on
 
 
-def _fixed(points: Float64[np.ndarray, "point 2"]) -> np.ndarray:
+def _fixed(points: Float64[np.ndarray, "*point 2"]) -> np.ndarray:
     fixed = np.rint(np.clip(points, -_FAR, _FAR) * (1 << _BITS))
     return np.asarray(fixed, np.int32)
