@@ -1,11 +1,11 @@
 """The videos of the cameras, with the skeletons where the lens puts them."""
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from trecsim.films.bodies_drawn import draw_body, highest, person_colour
+from trecsim.films.bodies_drawn import Projected, draw_body, highest, person_colour
 from trecsim.films.people_at import PeopleAt, PersonAt
 from trecsim.films.strokes import FAINT, INK, Image, Pen, blank, scaled
 from trecsim.geometry import Camera
@@ -48,8 +48,7 @@ class CameraTile:
             return image
         image = scaled(frame.image, self.width, self.height)
         pen = Pen(image)
-        for one in self._far_first(lookup.at(image_s)):
-            self._draw_person(pen, one)
+        self._draw_people(pen, lookup.at(image_s))
         pen.text(self.camera.name, (11, 23), 16, INK)
         pen.text(self.camera.name, (10, 22), 16, (255, 255, 255))
         return image
@@ -76,22 +75,24 @@ class CameraTile:
             self._shown, self._next = self._next, next(self._frames, None)
         return self._shown
 
-    def _far_first(self, people: list[PersonAt]) -> Iterator[PersonAt]:
-        at_m = self.camera.position_m
-        away = [float(np.linalg.norm(np.nanmean(one.xyz_m, axis=0) - at_m)) for one in people]
-        for place in np.argsort(away)[::-1]:
-            yield people[place]
-
-    def _draw_person(self, pen: Pen, one: PersonAt) -> None:
+    def _draw_people(self, pen: Pen, people: list[PersonAt]) -> None:
+        """Draw everybody, the farthest first."""
+        if not people:
+            return
+        xyz_m = np.stack([one.xyz_m for one in people])
         size = np.array([self.width, self.height])
         scale = size / self.camera.size_px
-        xy_px = (self.camera.project(one.xyz_m) + 0.5) * scale - 0.5
-        inside = ((xy_px > -0.2 * size) & (xy_px < 1.2 * size)).all(axis=1)
-        xy_px[~inside] = np.nan
-        if not inside.any():
-            return
-        depth = float((self.camera.T_cam_world @ np.append(np.nanmean(one.xyz_m, axis=0), 1.0))[2])
-        px_per_m = float(self.camera.K[0, 0] * scale[0]) / max(depth, 0.2)
+        xy_px = (self.camera.project(xyz_m) + 0.5) * scale - 0.5
+        xy_px[~((xy_px > -0.2 * size) & (xy_px < 1.2 * size)).all(axis=-1)] = np.nan
+        forward = self.camera.T_cam_world[2]
+        depth = np.nanmean(xyz_m @ forward[:3], axis=1) + forward[3]
+        px_per_m = self.camera.K[0, 0] * scale[0] / np.maximum(depth, 0.2)
+        for at in np.argsort(depth)[::-1].tolist():
+            if np.isfinite(xy_px[at]).any():
+                self._draw_person(pen, people[at], xy_px[at], float(px_per_m[at]))
+
+    @staticmethod
+    def _draw_person(pen: Pen, one: PersonAt, xy_px: Projected, px_per_m: float) -> None:
         draw_body(pen, one, xy_px, px_per_m, _RIM)
         text_px = float(np.clip(0.15 * px_per_m, 12, 20))
         above = highest(xy_px) - [0, 0.15 * px_per_m + 0.8 * text_px]

@@ -1,6 +1,7 @@
 """Lines, discs and text on images of pixels, with OpenCV; coordinates may be fractions."""
 
 from collections.abc import Sequence
+from functools import cache
 from types import ModuleType
 from typing import Any
 
@@ -176,6 +177,7 @@ def scaled(image: Image, width: int, height: int) -> Image:
     return np.asarray(cv.resize(image, (width, height), interpolation=cv.INTER_AREA))
 
 
+@cache
 def _face(cv: Any) -> Any:
     return cv.FontFace("sans") if hasattr(cv, "FontFace") else None  # from OpenCV 5 on
 
