@@ -30,6 +30,7 @@ _IN_ORDER = (
     "noise",
     "speed",
     "forecast",
+    "rules",
     "early_warnings",
     "board_calibration",
     "rules_cost",

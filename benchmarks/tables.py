@@ -13,6 +13,7 @@ import exactness_tables as exact
 import figures as all_figures
 import forecast_tables as ahead
 import movement_tables as moving
+import rules_tables as ruling
 import settings_table
 import speed_tables as fast
 import truth
@@ -100,6 +101,9 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "forecast": ("forecast", partial(ahead.forecast, short=False)),
     "forecast-poses": ("forecast", ahead.poses),
     "forecast-short": ("forecast", partial(ahead.forecast, short=True)),
+    "rules": ("rules", ruling.rules),
+    "rules-falls": ("rules", ruling.falls),
+    "rules-traffic": ("rules", ruling.traffic),
     "machine": (ANY, machine),
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))

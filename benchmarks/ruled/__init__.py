@@ -1,0 +1,1 @@
+"""What the benchmark of rules is made of: scenes with labelled episodes, and their judging."""

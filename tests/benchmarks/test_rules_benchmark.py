@@ -1,0 +1,61 @@
+"""What the benchmark of rules is made of: nobody walks through anybody, warnings are told apart."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rules
+from ruled import busy_room, motions
+from ruled.warnings_told import Warned, brier, median_lead_s, warnings_of
+from trecsim.lab.true_events.truth_events import unknown_rules
+
+
+def event(phase: str, *, predicted: bool, lead_s: float | None = None) -> dict[str, Any]:
+    return {"data": {"event": "e", "phase": phase, "predicted": predicted, "lead_s": lead_s,
+                     "probability": 0.9}}  # fmt: skip
+
+
+def test_warnings_that_come_true_and_such_that_do_not_are_told_apart() -> None:
+    came = [event("new", predicted=True, lead_s=1.0), event("update", predicted=False, lead_s=1.4),
+            event("end", predicted=False, lead_s=1.4)]  # fmt: skip
+    did_not = [event("new", predicted=True, lead_s=1.0), event("end", predicted=True, lead_s=1.0)]
+    assert warnings_of(came) == [Warned(0.9, True, 1.4)]
+    ((probability, came_true, lead_s),) = warnings_of(did_not)
+    assert (probability, came_true, math.isnan(lead_s)) == (0.9, False, True)
+    assert warnings_of([event("new", predicted=False)]) == []
+    both = [*warnings_of(came), *warnings_of(did_not)]
+    assert brier(both) == pytest.approx((0.1**2 + 0.9**2) / 2)
+    assert median_lead_s(both) == 1.4
+
+
+@pytest.mark.parametrize("seed", [1000, 1001])
+def test_in_the_busy_room_nobody_walks_through_anybody(seed: int) -> None:
+    visits = [role.visits[0] for role in busy_room.roles(seed)]
+    assert len(visits) > 8
+    ways_m = [busy_room._way_m(visit) for visit in visits]
+    for n, way_m in enumerate(ways_m):
+        assert busy_room._apart_m([way_m], ways_m[:n]) > busy_room.APART_M
+    assert unknown_rules(busy_room.SITE) == []
+
+
+def test_every_motion_is_done_once_by_each_seed_and_falls_are_told_from_others() -> None:
+    for seed in (1000, 1001):
+        done = [name for names in rules.groups(seed) for name in names]
+        assert sorted(done) == sorted(motions.EVERYTHING)
+    assert not set(motions.FALLS) & set(motions.NO_FALLS)
+
+
+def test_made_falls_end_low_and_the_other_made_motions_begin_standing(tmp_path: Any) -> None:
+    from trecsim.lab.simulation.body_shape import body
+
+    made = [name for name in motions.EVERYTHING if "(made" in name]
+    for name in made:
+        (role,), seconds = motions.acted((name,), 1000, tmp_path)
+        hips_m = role.visits[0].motion(body(role.stature_m or 1.7), seconds, 0.0)(
+            np.array([0.5, seconds - 0.2])
+        )[:, 11, 2]
+        assert hips_m[0] > 0.7, name
+        if name in motions.FALLS:
+            assert hips_m[1] < 0.35, name
