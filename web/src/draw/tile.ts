@@ -15,6 +15,8 @@ export interface TileInput {
   snapshot: Snapshot | null;
   alarmed: ReadonlyMap<number, Severity>;
   selected: number | null;
+  /** A zone that is drawn with its height: to see whether it lies where it is meant. */
+  prism?: { polygon: readonly Point[]; z: readonly [number, number] } | null;
   /** Whether a picture lies beneath: then only people are drawn. */
   picture: boolean;
 }
@@ -82,12 +84,33 @@ export function drawTile(
     if (closed) pen.closePath();
   };
   if (!input.picture) drawSite(pen, c, width, height, input.site, trace);
+  if (input.prism) drawPrism(pen, c, input.prism, trace);
   drawPeople(pen, c, input, put, lens);
 }
 
 type Trace = (points: readonly Point3[], closed: boolean) => void;
 
 const flat = (points: readonly Point[], z = 0): Point3[] => points.map((p) => [p[0], p[1], z]);
+
+function drawPrism(
+  pen: Pen, c: Palette, { polygon, z }: NonNullable<TileInput["prism"]>, trace: Trace,
+): void {
+  pen.strokeStyle = c.accent;
+  trace(flat(polygon, z[0]), true);
+  pen.fillStyle = alpha(c.accent, 0.25);
+  pen.fill();
+  pen.lineWidth = 1.6;
+  pen.stroke();
+  pen.lineWidth = 1.2;
+  pen.setLineDash([4, 3]);
+  trace(flat(polygon, z[1]), true);
+  pen.stroke();
+  pen.setLineDash([]);
+  for (const [x, y] of polygon) {
+    trace([[x, y, z[0]], [x, y, z[1]]], false);
+    pen.stroke();
+  }
+}
 
 function drawSite(
   pen: Pen, c: Palette, width: number, height: number, site: Site, trace: Trace,

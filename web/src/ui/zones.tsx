@@ -2,17 +2,19 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { desk, useDesk } from "./desk.ts";
-import { Dialog } from "./dialog.tsx";
+import { Dialog, useAway } from "./dialog.tsx";
 import { Glyph, Icon, type IconName } from "./icons.tsx";
 import { Counts, TrialBox, TryButton } from "./trial.tsx";
 import { useStore } from "./use.ts";
 import { EverywhereForm, PlaceForm } from "./zoneform.tsx";
+import { ZoneChecks } from "./zonechecks.tsx";
 import { ZonePlan, type Tool } from "./zoneplan.tsx";
 import {
   changes, everywhere, freeName, kindOf, ONE, PLACE_KINDS, rulesOf, withCorners, type PlaceKind,
 } from "../state/draft.ts";
 import type { Point } from "../state/site.ts";
-import { count, list, named } from "../state/words.ts";
+import { getVersion, getVersions, type Version } from "../net/drafts.ts";
+import { count, day, hourMinute, list, named } from "../state/words.ts";
 import { store } from "../store.ts";
 import "../styles/zones.css";
 
@@ -38,7 +40,10 @@ export function Zones() {
         </div>
         {mayEdit && <Add />}
       </section>
-      <main class="plan" aria-label="Plan of the zones"><ZonePlan tool={tool} setTool={setTool} /></main>
+      <main class={`plan ${kind === "zones" ? "checked" : ""}`} aria-label="Plan of the zones">
+        <div class="sheet"><ZonePlan tool={tool} setTool={setTool} /></div>
+        {kind === "zones" && address.subject && <ZoneChecks name={address.subject} />}
+      </main>
       <aside class="form" aria-label="Selected">
         <div class="scroll">
           {fault && <p class="note-page" role="alert">{fault}</p>}
@@ -119,6 +124,7 @@ function Bar() {
         {mayEdit && keeping !== "conflict" && (
           <>
             {isDraft && <button type="button" class="button quiet" onClick={() => void desk.discard()}>Discard</button>}
+            {!isDraft && <Earlier />}
             <TryButton />
             <button type="button" class="button primary" disabled={!isDraft || keeping === "wrong"}
               title={isDraft ? "" : "There is no draft"} onClick={() => setAsks(true)}>Make live</button>
@@ -127,6 +133,42 @@ function Bar() {
       </div>
       {asks && <Ask changed={changed} doubts={remarks.length} done={() => setAsks(false)} />}
     </section>
+  );
+}
+
+/** Take zones and rules of an earlier version of the site file as the draft. */
+function Earlier() {
+  const [open, setOpen] = useState(false);
+  const [versions, setVersions] = useState<Version[] | null>(null);
+  const box = useAway<HTMLDivElement>(open, () => setOpen(false));
+  const zone = store.state.site?.timezone ?? "UTC";
+  useEffect(() => {
+    if (open) getVersions().then(setVersions, () => setVersions([]));
+  }, [open]);
+  const take = async (version: string) => {
+    setOpen(false);
+    try {
+      const { zones, lines, edges, rules } = await getVersion(version);
+      desk.change({ zones, lines, edges, rules });
+    } catch (error) {
+      store.toast(`Could not load it: ${error instanceof Error ? error.message : String(error)}`);
+    }
+  };
+  return (
+    <div class="try" ref={box}>
+      <button type="button" class="button quiet" aria-haspopup="true" aria-expanded={open}
+        onClick={() => setOpen(!open)}>Earlier versions</button>
+      {open && (
+        <div class="menu">
+          {versions?.length === 0 && <p>None is kept: nothing was made live from this page yet.</p>}
+          {versions?.slice(0, 12).map((one) => (
+            <button key={one.until_s} type="button" onClick={() => void take(one.version)}>
+              Live until {day(one.until_s, zone)}, {hourMinute(one.until_s, zone)}
+            </button>
+          ))}
+        </div>
+      )}
+    </div>
   );
 }
 
