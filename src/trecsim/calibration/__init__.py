@@ -11,6 +11,7 @@ from pathlib import Path
 from trecsim.calibration.floor import Floor
 from trecsim.calibration.formats.known import FORMATS, Format, format_called, open_rig
 from trecsim.calibration.formats.read_options import ReadOptions, logger
+from trecsim.calibration.formats.single_camera import cameras_in
 from trecsim.calibration.formats.trecsim_toml import write_intrinsics
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
@@ -70,7 +71,7 @@ def read_intrinsics(path: Path) -> Rig:
     ----------
     path
         The file or directory: a trecsim rig file, with ``T_cam_world`` or without, or any other
-        format in `FORMATS`.
+        format in `FORMATS`; of files of one camera each, a directory.
 
     Returns
     -------
@@ -81,8 +82,11 @@ def read_intrinsics(path: Path) -> Rig:
     CalibrationError
         There is no such file, or something in it is wrong: every fault in one message.
     """
-    found, document = open_rig(Path(path), None)
-    quiet = ReadOptions(unit_m=None, remark=lambda _: None, intrinsics_only=True)
+    path = Path(path)
+    quiet = ReadOptions(remark=lambda _: None, intrinsics_only=True)
+    if path.is_dir() and (cameras := cameras_in(path, quiet)):
+        return Rig(tuple(cameras))
+    found, document = open_rig(path, None)
     return found.read(document, quiet)
 
 

@@ -21,7 +21,7 @@ class RigOptions:
     ----------
     in_format
         Format of the rig to read: trecsim, mc-calib, pose2sim, anipose, easymocap, qualisys,
-        panoptic or json (default: recognised by the content).
+        panoptic, json, 4d-association or voxelpose (default: recognised by the content).
     unit_m
         Length unit of the rig to read, in metres: 0.01 for centimetres.
     floor_rotation_deg

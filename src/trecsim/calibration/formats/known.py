@@ -10,7 +10,9 @@ from trecsim.calibration.formats import (
     camera_toml,
     easymocap,
     mc_calib,
+    pose_tables,
     qualisys,
+    single_camera,
     trecsim_toml,
 )
 from trecsim.calibration.formats.document import Document, Syntax, read_document
@@ -108,6 +110,27 @@ FORMATS = (
         "json",
         camera_json.is_table,
         camera_json.read_table,
+    ),
+    Format(
+        "4d-association",
+        "4D Association's json with K and RT of each camera",
+        "json",
+        pose_tables.is_association,
+        pose_tables.read_association,
+    ),
+    Format(
+        "voxelpose",
+        "VoxelPose's json of Shelf or Campus",
+        "json",
+        pose_tables.is_position_table,
+        pose_tables.read_position_table,
+    ),
+    Format(
+        "opencv",
+        "the yaml of one camera as OpenCV and ROS write it (intrinsics only)",
+        "yaml",
+        single_camera.recognise,
+        single_camera.read,
     ),
 )
 
