@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.calibrating.people.adjusting import Adjusted, adjusted
 from trecsim.calibrating.people.camera_records import CameraRecord
@@ -12,14 +12,16 @@ from trecsim.calibrating.people.chains import chains
 from trecsim.calibrating.people.floor_tracks import floor_tracks
 from trecsim.calibrating.people.observations import Observations, observations
 from trecsim.calibrating.people.pairs import Relation, relate
+from trecsim.calibrating.people.pose_uncertainty import covariance_of
 from trecsim.calibrating.people.priors import Distance, Priors
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tracklets import Tracklet, tracklets
 from trecsim.calibrating.people.tree import joined
-from trecsim.calibrating.people.tuning import ANNEALING
+from trecsim.calibrating.people.tuning import ANNEALING, LENS_LEAST, LENS_SD, LENS_SURE
 from trecsim.calibrating.people.uprights import Level, level
 from trecsim.calibrating.people.variances import with_own_variances
 
+FEWEST_FOR_LENSES = 3  # two cameras explain wrong intrinsics by their poses
 COARSE = ANNEALING[:-2]
 FINE = (2.0, 1.0)
 
@@ -88,15 +90,16 @@ def find(
     records: tuple[CameraRecord, ...],
     *,
     distance: Distance | None = None,
-    lens_sd: Float64[np.ndarray, "cam 3"] | None = None,
 ) -> Found | None:
-    """Return the rig that a recording shows; None if no two cameras could be related."""
+    """Return the rig that a recording shows; None if no two cameras could be related.
+
+    Focal lengths and principal points are kept unless the people clearly contradict them; then
+    those of all cameras are refined with a prior about what was given.
+    """
     tracks, levels, relations, state = start(records)
     if state.found.sum() < 2:
         return None
-    priors = Priors(
-        _root(state, relations), (distance or _longest(state),), state.found, lens_sd=None
-    )
+    priors = Priors(_root(state, relations), (distance or _longest(state),), state.found)
     state = scaled_to(state, priors.distances[0])
     chain = chains(tracks, records, state, by_rays=False)
     seen = observations(tracks, records, chain, state, spacing_s=0.6)
@@ -108,12 +111,33 @@ def find(
     if not seen.count:
         return None
     rig = adjusted(seen, rig.state, priors, annealing=FINE)
-    if lens_sd is not None:
-        priors = replace(priors, lens_sd=lens_sd)
     again = observations(tracks, records, chain, rig.state)
-    seen = with_own_variances(seen, rig, again)
+    seen = with_own_variances(seen, rig, again, least=1.0)
     rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
-    return Found(tracks, chain, levels, relations, seen, rig, priors)
+    kept = Found(tracks, chain, levels, relations, seen, rig, priors)
+    return with_lenses(kept) or kept
+
+
+def with_lenses(found: Found) -> Found | None:
+    """Return what was found with refined intrinsics, where the people clearly ask for that."""
+    n = len(found.priors.found)
+    if found.priors.found.sum() < FEWEST_FOR_LENSES:
+        return None
+    priors = replace(found.priors, lens_sd=np.tile(LENS_SD, (n, 1)))
+    rig = adjusted(
+        found.seen, found.rig.state, priors, annealing=(1.0,),
+        start=found.rig.unknowns._replace(clock=np.zeros((n, 2))),
+    )  # fmt: skip
+    off = lenses_off(rig, priors.own)[priors.found]
+    return replace(found, rig=rig, priors=priors) if off.any() else None
+
+
+def lenses_off(rig: Adjusted, own: int) -> Bool[np.ndarray, " cam"]:
+    """Return of which cameras the intrinsics are clearly off."""
+    sd = np.sqrt(np.diag(covariance_of(rig, own)).reshape(-1, own)[:, 8:])
+    size = np.abs(rig.state.lens)
+    off: Bool[np.ndarray, " cam"] = ((size > LENS_SURE * sd) & (size > LENS_LEAST)).any(axis=1)
+    return off
 
 
 def _root(state: RigState, relations: tuple[Relation, ...]) -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibrating.people.finding import Found
+from trecsim.calibrating.people.finding import Found, lenses_off
 from trecsim.calibrating.people.holding_out import Part
 from trecsim.calibrating.people.scale import Scale
 from trecsim.calibrating.people.steadiness import Step
@@ -64,6 +64,7 @@ def findings(evidence: Evidence) -> Iterator[Finding]:
     yield from _steps(evidence)
     yield from _amount(evidence)
     yield from _clear(evidence)
+    yield from _lenses(evidence)
     yield evidence.scale.finding
 
 
@@ -173,6 +174,23 @@ def _amount(evidence: Evidence) -> Iterator[Finding]:
             "between them: people may be mistaken for each other; record with two or three people "
             "whom several cameras see at the same time",
         )
+
+
+def _lenses(evidence: Evidence) -> Iterator[Finding]:
+    found = evidence.found
+    if found.priors.lens_sd is None:
+        return
+    off = np.flatnonzero(lenses_off(found.rig, found.priors.own) & found.priors.found)
+    worst = int(off[int(np.argmax(np.abs(found.rig.state.lens[off]).max(axis=1)))])
+    focal, right, down = found.rig.state.lens[worst]
+    yield Finding(
+        "usable",
+        f"the given intrinsics do not fit what people show: those of "
+        f"{', '.join(repr(evidence.names[int(c)]) for c in off)} are clearly off, of "
+        f"{evidence.names[worst]!r} the focal length by {focal:+.1%} and the principal point by "
+        f"({right:+.1%}, {down:+.1%}) of it; all were refined: trecsim calibrate intrinsics does "
+        "better",
+    )
 
 
 def _clear(evidence: Evidence) -> Iterator[Finding]:

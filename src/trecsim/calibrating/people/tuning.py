@@ -112,6 +112,12 @@ DRIFT_LOOSE = 5e-3
 """Standard deviation of the drift in the adjustment: a frame rate that is only nominal."""
 OFFSET_LOOSE_S = 10.0
 
+LENS_SD = (0.02, 0.01, 0.01)
+"""Standard deviation of a focal length, as a share of it, and of a principal point, over it."""
+LENS_SURE = 3.5
+LENS_LEAST = 0.008
+"""Intrinsics are refined when a camera's are off by so many standard deviations, and so much."""
+
 # A rig that is checked or repaired.
 KNOCK_TURN_DEG, KNOCK_SHIFT_M = 2.0, 0.01
 """What a camera that was knocked turns and shifts by: mounts turn, they hardly move [deg, m]."""

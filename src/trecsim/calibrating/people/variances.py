@@ -13,7 +13,11 @@ MEDIAN_OF_TWO = 2.0 * np.log(2.0)  # of a squared distance in units of one axis'
 
 
 def with_own_variances(
-    seen: Observations, adjusted: Adjusted, of: Observations | None = None
+    seen: Observations,
+    adjusted: Adjusted,
+    of: Observations | None = None,
+    *,
+    least: float = LEAST_VARIANCE,
 ) -> Observations:
     """Return observations whose variances are those that an adjustment found.
 
@@ -25,6 +29,9 @@ def with_own_variances(
         The result.
     of
         The observations to return; None takes those that were adjusted.
+    least
+        Least factor on the variances. Below 1 a rig follows the people of a short recording more
+        readily, and its covariance is too small.
 
     Notes
     -----
@@ -35,16 +42,16 @@ def with_own_variances(
     sights, wanted = seen.sights, seen if of is None else of
     cameras = len(sights.cam) / max(len(sights.block), 1)
     left = 1.0 - 1.5 / cameras
-    bias = _within(_bias_ratio(seen, adjusted) / left)
-    noise = _within(_noise_ratio(seen, adjusted) / left)
+    bias = _within(_bias_ratio(seen, adjusted) / left, least)
+    noise = _within(_noise_ratio(seen, adjusted) / left, least)
     own = wanted.sights
     return replace(
         wanted, sights=own._replace(bias_m2=bias * own.bias_m2, noise_m2=noise * own.noise_m2)
     )
 
 
-def _within(ratio: float) -> float:
-    return float(np.clip(ratio, LEAST_VARIANCE, MOST_VARIANCE))
+def _within(ratio: float, least: float) -> float:
+    return float(np.clip(ratio, least, MOST_VARIANCE))
 
 
 def _bias_ratio(seen: Observations, adjusted: Adjusted) -> float:
