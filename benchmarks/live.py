@@ -21,6 +21,7 @@ from harness.options import Options
 from harness.rtsp_site import LiveSite, camera_videos, live_site
 from trecsim.estimators import image_limit_px, load
 from trecsim.estimators.pool import estimate_videos, open_videos
+from trecsim.looking.live import for_live
 from trecsim.values import Snapshot
 
 SETTLE_S, SECONDS, QUICK_SECONDS = 15.0, 60.0, 15.0
@@ -28,7 +29,7 @@ SETTLE_S, SECONDS, QUICK_SECONDS = 15.0, 60.0, 15.0
 
 def alone_hz(videos: Mapping[str, Path], seconds: float) -> float:
     """Return how many images per second the estimator reaches on the same images, all cores its."""
-    estimator = load("movenet")
+    estimator = for_live(load("movenet"), None)  # with the looks that the site takes
     opened = open_videos(videos, estimator)
     assert image_limit_px(estimator) is not None
     found = estimate_videos(opened, estimator)
