@@ -72,8 +72,8 @@ def scene(case: str) -> "tuple[Rig, Board, int, Walk]":
 
 def seen(rig: "Rig", board: "Board", T: Any, rng: np.random.Generator) -> "BoardProblem":
     """Return what the cameras see of a board."""
+    from trecsim.calibrating.corner_sights import sights_of_images
     from trecsim.calibrating.rig_fit import BoardProblem
-    from trecsim.calibrating.sights import sights_of_images
     from trecsim.lab.simulation.moved_board import views_of
 
     sights, _ = sights_of_images(rig.cameras, [views_of(rig, board, T, NOISE_PX, rng)], [board])

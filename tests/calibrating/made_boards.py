@@ -7,11 +7,11 @@ import numpy as np
 
 from made_rigs import ring
 from trecsim.calibrating.boards import Board
+from trecsim.calibrating.corner_sights import sights_of_images
 from trecsim.calibrating.rig_calibration import calibrate_rig
 from trecsim.calibrating.rig_fit import BoardProblem
 from trecsim.calibrating.rig_verdict import pose_changes
 from trecsim.calibrating.room_error import PoseCovariance
-from trecsim.calibrating.sights import sights_of_images
 from trecsim.calibrating.world_frame import moved
 from trecsim.geometry import Rig
 from trecsim.lab.simulation.board_pictures import picture, printed

@@ -8,7 +8,7 @@ import pytest
 from calibrating.made_boards import photographed, small_images
 from made_rigs import ring
 from trecsim.calibrating.boards import Board
-from trecsim.calibrating.floor import Marks, put_on_marks, scaled
+from trecsim.calibrating.floor_calibration import Marks, put_on_marks, scaled
 from trecsim.calibrating.floor_marks import marks_of_points
 from trecsim.calibrating.world_frame import moved
 from trecsim.calibration import read_rig, write_rig

@@ -115,7 +115,7 @@ def test_a_board_without_a_top_is_named_alike_by_all_cameras():
 
 
 def _half_turn(board):
-    from trecsim.calibrating.sights import symmetry_motions
+    from trecsim.calibrating.corner_sights import symmetry_motions
 
     return symmetry_motions(board)[1]
 
@@ -176,7 +176,7 @@ def test_wrong_intrinsics_are_told():
     K[:2, 2] += 25.0
     wrong = dataclasses.replace(rig.cameras[1], K=K)
     cameras = (rig.cameras[0], wrong, *rig.cameras[2:])
-    from trecsim.calibrating.sights import posed_anew
+    from trecsim.calibrating.corner_sights import posed_anew
 
     sights = tuple(posed_anew(s, cameras[s.camera], BIG) for s in problem.sights)
     made = calibrate_rig(dataclasses.replace(problem, cameras=cameras, sights=sights))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from made_paths import bodies_on, events_of, line, moments, there, through, times, told
-from trecsim.safety.conditions.bodies import waves_hz
+from trecsim.safety.conditions.body_poses import waves_hz
 from trecsim.safety.conditions.crowds import crowd_pressure
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot

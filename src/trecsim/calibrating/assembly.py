@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from trecsim.calibrating.boards import Board
-from trecsim.calibrating.sights import Sight
+from trecsim.calibrating.corner_sights import Sight
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rigid import RigidMotion, inverse
 

@@ -12,9 +12,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibrating.boards import Board
+from trecsim.calibrating.corner_sights import Sight, posed
 from trecsim.calibrating.corners import SeenBoard
 from trecsim.calibrating.linking import link_cameras
-from trecsim.calibrating.sights import Sight, posed
 from trecsim.calibrating.views import CameraViews, View
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera

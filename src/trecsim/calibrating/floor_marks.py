@@ -10,9 +10,9 @@ from jaxtyping import Int64
 from trecsim.calibrating.board_faults import why_no_board
 from trecsim.calibrating.board_images import BoardSource
 from trecsim.calibrating.boards import Board
+from trecsim.calibrating.corner_sights import posed
 from trecsim.calibrating.corners import BoardFinder, SeenBoard
-from trecsim.calibrating.floor import Marks
-from trecsim.calibrating.sights import posed
+from trecsim.calibrating.floor_calibration import Marks
 from trecsim.errors import CalibrationError, InputError
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import inverse

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibrating.boards import Board
-from trecsim.calibrating.sights import Sight, symmetry_motions
+from trecsim.calibrating.corner_sights import Sight, symmetry_motions
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rigid import RigidMotion, inverse
 

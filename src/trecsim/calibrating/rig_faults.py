@@ -5,9 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from trecsim.calibrating.corner_sights import Sight, posed_anew
 from trecsim.calibrating.linking import Links, link_cameras
 from trecsim.calibrating.rig_fit import BoardProblem
-from trecsim.calibrating.sights import Sight, posed_anew
 from trecsim.errors import CalibrationError
 from trecsim.geometry.camera import Camera
 

@@ -19,10 +19,10 @@ from trecsim.calibrating.adjustment import (
 )
 from trecsim.calibrating.board_pose import other_pose
 from trecsim.calibrating.boards import Board
+from trecsim.calibrating.corner_sights import Sight, symmetry_motions
 from trecsim.calibrating.lens_fitting import COEFFICIENT_NAMES, lens_model
 from trecsim.calibrating.linking import Links
 from trecsim.calibrating.room_error import PoseCovariance
-from trecsim.calibrating.sights import Sight, symmetry_motions
 from trecsim.geometry.camera import Camera
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import RigidMotion, inverse

@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trecsim.calibrating.corner_sights import Sight
 from trecsim.calibrating.held_out import HeldOut, held_out
 from trecsim.calibrating.linking import Link, Links
 from trecsim.calibrating.result import Finding, rms_sd
 from trecsim.calibrating.rig_faults import mirrored_hint, swapped_hint
 from trecsim.calibrating.rig_fit import BoardProblem, RigFit, fit_rig
 from trecsim.calibrating.room_error import PoseCovariance, expected_error_m
-from trecsim.calibrating.sights import Sight
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import rotation_vector

@@ -60,7 +60,7 @@ def floor(
         Print the summary as one JSON object.
     """
     from trecsim.calibrating.board_images import board_sources
-    from trecsim.calibrating.floor import put_on_marks
+    from trecsim.calibrating.floor_calibration import put_on_marks
     from trecsim.calibrating.floor_marks import marks_of_board, marks_of_points
     from trecsim.calibration import read_rig, write_rig
     from trecsim.lab.report.calibration_page import write_calibration_report

@@ -161,9 +161,9 @@ def _calibrate(
     most_offset_s: float,
 ) -> "RigCalibration":
     from trecsim.calibrating.assembly import back_to_back, fixed_together
+    from trecsim.calibrating.corner_sights import sights_of_images
     from trecsim.calibrating.rig_calibration import calibrate_rig, calibrate_timed_rig
     from trecsim.calibrating.rig_fit import BoardProblem
-    from trecsim.calibrating.sights import sights_of_images
 
     fixed = back_to_back(boards[0]) if together == "back" else None
     sights, _ = sights_of_images(cameras, views, boards)

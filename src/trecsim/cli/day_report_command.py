@@ -37,7 +37,7 @@ def day_report(
     json
         Print a summary as one JSON object.
     """
-    from trecsim.lab.day.building import day_report as build
+    from trecsim.lab.day.day_building import day_report as build
 
     day = None if date is None else _read(date)
     folder = recordings or _recordings_of(site)

@@ -6,14 +6,14 @@ from typing import Literal
 import numpy as np
 
 from trecsim.safety.conditions.base import Condition
-from trecsim.safety.conditions.bodies import Climbing, Distress, ReachingIn
+from trecsim.safety.conditions.body_poses import Climbing, Distress, ReachingIn
 from trecsim.safety.conditions.crossings import LineCrossed, ZoneLeft
 from trecsim.safety.conditions.crowds import Bottleneck, CriticalDensity, Panic, Pressure
 from trecsim.safety.conditions.density import DensityLevel, Level
 from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
-from trecsim.safety.conditions.groups import Separated
 from trecsim.safety.conditions.movement import Running, WrongWay
+from trecsim.safety.conditions.split_groups import Separated
 from trecsim.safety.conditions.vehicles import NearVolume, OnVolume
 from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy, OutOfZone
 from trecsim.safety.directed_lines import Edge, Line

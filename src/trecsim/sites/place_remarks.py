@@ -13,7 +13,7 @@ from jaxtyping import Float64
 
 from trecsim.fusion.settings import FusionSettings
 from trecsim.geometry import Rig
-from trecsim.geometry.coverage import in_view, located
+from trecsim.geometry.view_coverage import in_view, located
 from trecsim.safety.polygons import Polygon
 from trecsim.sites.places import EdgeTable, LineTable, ZoneTable
 from trecsim.sites.ruled import Ruled

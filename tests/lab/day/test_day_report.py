@@ -15,8 +15,8 @@ from trecsim.calibration import write_rig
 from trecsim.cli import main
 from trecsim.cloud_events import event_of, numbered
 from trecsim.errors import InputError
-from trecsim.lab.day.building import day_report
-from trecsim.lab.day.crowds import Crowds
+from trecsim.lab.day.day_building import day_report
+from trecsim.lab.day.day_crowds import Crowds
 from trecsim.lab.day.episodes import alerts_of, rule_days
 from trecsim.lab.day.visits import Visit, Visits, journeys
 from trecsim.safety.directed_lines import Line

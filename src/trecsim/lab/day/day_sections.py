@@ -6,7 +6,7 @@ from statistics import median
 
 import numpy as np
 
-from trecsim.lab.day.crowds import CELL_M, DENSITY_EVERY_S, Crowds
+from trecsim.lab.day.day_crowds import CELL_M, DENSITY_EVERY_S, Crowds
 from trecsim.lab.day.episodes import Alert, RuleDay
 from trecsim.lab.day.visits import Visit, journeys
 from trecsim.lab.report.page import Alignment, Block, Fact, Facts, Figure, Section, Table, Text
