@@ -1,5 +1,7 @@
 """The values that flow between the stages."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from made_tracks import snapshot
@@ -48,3 +50,17 @@ def test_a_snapshot_of_some_people_holds_all_that_is_known_of_them():
     assert some.state.tolist() == whole.state[[0, 2]].tolist()
     for name in ("xyz_m", "cov_m2", "support", "velocity_mps", "velocity_cov_m2ps2"):
         np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[[0, 2]])
+
+
+def test_how_finely_people_were_looked_at_is_not_known_of_others() -> None:
+    two = Poses2D(
+        "north",
+        0.0,
+        np.zeros((2, 17, 2)),
+        np.ones((2, 17)),
+        np.ones(2),
+        pixel_px=np.array([3, 4.0]),
+    )
+    one = replace(two, xy_px=two.xy_px[:1], score=two.score[:1], person_score=np.ones(1))
+    assert np.isnan(one.pixel_px).tolist() == [True]
+    assert replace(two, t_s=1.0).pixel_px.tolist() == [3.0, 4.0]

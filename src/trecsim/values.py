@@ -77,9 +77,10 @@ class Poses2D:
     xy_px: Float64[np.ndarray, "person joint 2"]
     score: Float64[np.ndarray, "person joint"]
     person_score: Float64[np.ndarray, " person"]
-    pixel_px: Float64[np.ndarray, " person"] = field(default_factory=_not_given, kw_only=True)
+    pixel_px: Float64[np.ndarray, " given"] = field(default_factory=_not_given, kw_only=True)
 
     def __post_init__(self) -> None:
+        # Of other people, as after `replace` with fewer or more of them, it is not known.
         if len(self.pixel_px) != len(self.person_score):
             object.__setattr__(self, "pixel_px", np.full(len(self.person_score), np.nan))
 
