@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  actor, cards, figures, handled, handling, holds, openAlerts, outages, title, where, withEvent,
+  actor, cards, figures, handled, handling, holds, measured, openAlerts, outages, title, where, withEvent,
   type Alert, type Alerts,
 } from "../src/state/alerts.ts";
 import { isBack } from "../src/state/faults.ts";
@@ -149,4 +149,10 @@ test("an early warning keeps its lead, and is detected when what was expected be
   assert.deepEqual(
     [real.predicted, real.lead, real.warned, real.start, real.detected], [false, 1.7, T, T + 1.7, T + 1.9],
   );
+});
+
+test("what an early warning expects is told in percent, within how long", () => {
+  assert.deepEqual(measured("probability_2s", 0.934), { value: "93 %", words: "within 2 s" });
+  assert.deepEqual(measured("probability_0.5s", 0.003), { value: "below 1 %", words: "within 0.5 s" });
+  assert.deepEqual(measured("duration_s", 1.25), { value: "1.3 s", words: "duration" });
 });

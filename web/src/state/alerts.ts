@@ -306,6 +306,8 @@ const UNITS: [RegExp, string, number][] = [
 
 /** Return a measure of a rule as a number with its unit, and in words. */
 export function measured(name: string, value: number): Figure {
+  const ahead = /^probability_([\d.]+)s$/.exec(name);
+  if (ahead) return { value: percent(value), words: `within ${ahead[1]} s` };
   const unit = UNITS.find(([pattern]) => pattern.test(name));
   const words = name.replace(unit?.[0] ?? /$^/, "").replaceAll("_", " ");
   return {
