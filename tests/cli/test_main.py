@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from trecsim import cli
+from trecsim import export as exporting
 from trecsim.errors import CalibrationError, ConfigError, InputError, SetupError
-from trecsim.store import tracks
 
 Command = Callable[..., tuple[int, str, str]]
 
@@ -22,7 +22,7 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
         def export(*_: object, **__: object) -> None:
             raise error
 
-        monkeypatch.setattr(tracks, "export_tracks", export)
+        monkeypatch.setattr(exporting, "export_tracks", export)
 
     return fail_with
 
@@ -31,7 +31,10 @@ def failing(monkeypatch: pytest.MonkeyPatch) -> Callable[[BaseException], None]:
     ("arguments", "message"),
     [
         (["trakc"], "there is no command 'trakc'; did you mean 'track'? See: trecsim --help"),
-        (["xyzzy"], "there is no command 'xyzzy'; there are: assess, audit, backup, demo, "),
+        (
+            ["xyzzy"],
+            "there is no command 'xyzzy'; there are: assess, audit, backup, ",
+        ),
         (["rig", "shoow"], "there is no command 'shoow'; did you mean 'show'? See: trecsim rig"),
         (["--quickly"], "there is no option '--quickly'. See: trecsim --help"),
         (["export", "a.csv"], 'Command "export" parameter OUT requires an argument.'),

@@ -166,7 +166,8 @@ def test_events_of_rules_reach_the_page_and_the_recording_gives_them_again_to_th
     path = make_site(tmp_path, moments=3000, more=PAGE + RULES)
     with running(path, "--out", str(out)) as site:
         site.until(lambda: len(site.get("api/events").json()["events"]) >= 3)
-        assert site.get("api/health").json()["rules"] == {"armed": 1, "total": 1, "fault": None}
+        rules = site.get("api/health").json()["rules"]
+        assert rules == {"armed": 1, "total": 1, "fault": None, "mode": None}
         site.process.send_signal(signal.SIGTERM)
         assert site.process.wait(WAIT_S) == 0
     with Ledger(out) as ledger:

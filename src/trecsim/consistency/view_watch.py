@@ -183,8 +183,8 @@ def _displacements(camera: Camera, view: Poses2D, snapshot: Snapshot) -> list[tu
     ahead_s = view.t_s - snapshot.t_s
     xyz_m = snapshot.xyz_m[which] + ahead_s * np.nan_to_num(snapshot.velocity_mps[which])
     there_px = camera.project(xyz_m)
-    with np.errstate(all="ignore"):
-        size_px = np.nanmax(there_px[..., 1], axis=1) - np.nanmin(there_px[..., 1], axis=1)
+    # Who is behind the camera has no size; `nanmax` would warn of that.
+    size_px = np.fmax.reduce(there_px[..., 1], axis=1) - np.fmin.reduce(there_px[..., 1], axis=1)
     seen = (np.isfinite(there_px[..., 0]).sum(axis=1) >= 8) & (size_px > 20.0)
     if not seen.any():
         return []

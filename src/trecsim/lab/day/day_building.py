@@ -15,9 +15,8 @@ from trecsim.callbacks import Progress
 from trecsim.cloud_events import UNIX_FROM_S
 from trecsim.errors import InputError
 from trecsim.geometry import Rig
-from trecsim.lab.day.crowds import Crowds
-from trecsim.lab.day.episodes import Alert, RuleDay, alerts_of, rule_days
-from trecsim.lab.day.sections import (
+from trecsim.lab.day.day_crowds import Crowds
+from trecsim.lab.day.day_sections import (
     alerts_section,
     counts_section,
     density_section,
@@ -26,6 +25,7 @@ from trecsim.lab.day.sections import (
     visit_facts,
     watched_section,
 )
+from trecsim.lab.day.episodes import Alert, RuleDay, alerts_of, rule_days
 from trecsim.lab.report.page import page
 from trecsim.lab.report.style import need_matplotlib
 from trecsim.safety.directed_lines import Line
