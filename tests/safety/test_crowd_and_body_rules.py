@@ -97,7 +97,7 @@ def test_noise_does_not_wave() -> None:
 
 
 def packed(spacing_m: float, t_s: np.ndarray, seed: int = 0) -> list[np.ndarray]:
-    """Return people on a grid over the room and around it, who push to and fro or stand."""
+    """Return people on a grid over the room and around it, who push back and forth or stand."""
     x, y = np.meshgrid(np.arange(-1.0, 5.0, spacing_m), np.arange(-2.0, 2.0, spacing_m))
     return [bodies_on(line((a, b), (0.0, 0.0)), t_s) for a, b in zip(x.flat, y.flat, strict=True)]
 

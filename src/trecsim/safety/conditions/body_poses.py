@@ -17,7 +17,7 @@ from trecsim.skeleton import COCO17
 ABOVE_M = 0.1
 """Wrists must be so far above the head to ask for help [m]."""
 WAVE_M = 0.25
-"""A hand that waves goes so far to and fro [m]."""
+"""A hand that waves goes so far back and forth [m]."""
 WAVE_S = 3.0
 """A hand must wave for so long [s]."""
 WAVE_HZ = (0.5, 3.0)
@@ -176,7 +176,7 @@ def _hand(
 
 
 def waves_hz(path: tuple[tuple[float, float], ...], t_s: float) -> float:
-    """Return how often a hand has gone to and fro per second in the last `WAVE_S`; 0 if it rests.
+    """Return how often a hand has gone back and forth per second in the last `WAVE_S`; 0 if it rests.
 
     Examples
     --------
