@@ -176,7 +176,7 @@ def _hand(
 
 
 def waves_hz(path: tuple[tuple[float, float], ...], t_s: float) -> float:
-    """Return how often a hand has gone back and forth per second in the last `WAVE_S`; 0 if it rests.
+    """Return how often a hand went back and forth per second in the last `WAVE_S`; 0 at rest.
 
     Examples
     --------
