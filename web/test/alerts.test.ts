@@ -156,3 +156,10 @@ test("what an early warning expects is told in percent, within how long", () => 
   assert.deepEqual(measured("probability_0.5s", 0.003), { value: "below 1 %", words: "within 0.5 s" });
   assert.deepEqual(measured("duration_s", 1.25), { value: "1.3 s", words: "duration" });
 });
+
+test("what happens in a moment does not last, and is not over after no time", () => {
+  const moment = only(fold(event({ event: "e", phase: "new", line: "left", t_start_s: T, t_end_s: T })));
+  assert.equal(where(moment, T + 9), "Left.");
+  const lasting = only(fold(NEW, event({ event: "e", phase: "end", t_end_s: T })));
+  assert.match(where(lasting, T + 9), /Over after 7\.0 s/);
+});

@@ -253,6 +253,9 @@ function long(alert: Alert): string {
 export const lasted = (alert: Alert, now: number): number =>
   Math.max(0, (alert.end ?? now) - alert.start);
 
+/** Return whether it is of one moment, as crossing a line is. */
+export const isMomentary = (alert: Alert): boolean => alert.end !== null && alert.end <= alert.start;
+
 /** Return who or what, and what: the title of an alert's card. */
 export function title(alert: Alert, withNumber = false): string {
   if (alert.part) return faultTitle(alert);
@@ -273,6 +276,7 @@ export function what(alert: Alert): string {
 export function where(alert: Alert, now: number): string {
   if (alert.part) return faultLine(alert, now);
   const place = alert.place ? `${named(alert.place)}. ` : "";
+  if (isMomentary(alert)) return place.trim();
   if (alert.end !== null) return `${place}Over after ${duration(lasted(alert, now))}.`;
   if (alert.predicted) {
     return `${place}${alert.probability === null ? "" : `Chance ${percent(alert.probability)}.`}`;

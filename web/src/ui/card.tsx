@@ -3,7 +3,7 @@ import { useAway } from "./dialog.tsx";
 import { Glyph, Icon } from "./icons.tsx";
 import { home, write } from "../state/address.ts";
 import {
-  actor, figures, handled, handling, lasted, REASONS, title, where, type Alert,
+  actor, figures, handled, handling, isMomentary, lasted, REASONS, title, where, type Alert,
 } from "../state/alerts.ts";
 import type { Reason } from "../state/messages.ts";
 import { clock, duration, SEVERITY, whole } from "../state/words.ts";
@@ -22,6 +22,7 @@ const isUrgent = (alert: Alert): boolean =>
   alert.severity === "alarm" || alert.severity === "critical";
 
 function age(alert: Alert, now: number, zone: string): string {
+  if (isMomentary(alert)) return clock(alert.start, zone);
   if (alert.end !== null) return `${duration(lasted(alert, now))} long`;
   if (alert.predicted) return "now";
   if (!Number.isFinite(alert.start)) return "";

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { Glyph, Icon } from "./icons.tsx";
 import { useStore } from "./use.ts";
 import type { Recording } from "../net/api.ts";
-import { handling, lasted, REASONS, title, type Alert } from "../state/alerts.ts";
+import { handling, isMomentary, lasted, REASONS, title, type Alert } from "../state/alerts.ts";
 import { dataTime } from "../state/state.ts";
 import { count, day, duration, hourMinute, named, UNIX_FROM_S } from "../state/words.ts";
 import { store } from "../store.ts";
@@ -92,7 +92,7 @@ function Item({ alert, now, current }: { alert: Alert; now: number; current: boo
       <b title={title(alert)}>{title(alert)}</b>
       <span class="end">{hourMinute(alert.start, store.state.site?.timezone ?? "UTC")}</span>
       <span class="second">
-        {[alert.place && named(alert.place), `for ${duration(lasted(alert, now))}`]
+        {[alert.place && named(alert.place), !isMomentary(alert) && `for ${duration(lasted(alert, now))}`]
           .filter(Boolean).join(", ")}
         <span class={dot ? "todo" : ""}>{left(alert, now)}</span>
       </span>

@@ -6,7 +6,7 @@ import { Glyph, Icon } from "./icons.tsx";
 import { useStore } from "./use.ts";
 import { getCurve, type Curve, type Recording } from "../net/api.ts";
 import {
-  actor, figures, handling, lasted, measured, outages, REASONS, title, where, type Alert,
+  actor, figures, handling, isMomentary, lasted, measured, outages, REASONS, title, where, type Alert,
 } from "../state/alerts.ts";
 import { faultRule, why } from "../state/faults.ts";
 import { dataTime } from "../state/state.ts";
@@ -223,7 +223,8 @@ export function Why({ alert, recording }: { alert: Alert | null; recording: Reco
           {alert.lead !== null && <div><dt>Early warning</dt><dd>{duration(alert.lead)} before</dd></div>}
           <div><dt>{alert.predicted ? "Expected" : "Began"}</dt><dd>{clock(alert.start, zone, 2)}</dd></div>
           <div><dt>Detected</dt><dd>{`${duration(Math.max(0, alert.detected - alert.start))} later`}</dd></div>
-          <div><dt>Lasted</dt><dd>{alert.end === null ? "still there" : duration(lasted(alert, now))}</dd></div>
+          {!isMomentary(alert) &&
+            <div><dt>Lasted</dt><dd>{alert.end === null ? "still there" : duration(lasted(alert, now))}</dd></div>}
           {alert.ack && <div><dt>Acknowledged</dt><dd>{clock(alert.ack.t, zone)} {actor(alert.ack.by)}</dd></div>}
           {alert.closed && <div><dt>Closed</dt><dd>{clock(alert.closed.t, zone)} {actor(alert.closed.by)}</dd></div>}
           {alert.closed?.note && <div><dt>Note</dt><dd>{alert.closed.note}</dd></div>}
