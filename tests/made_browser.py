@@ -44,9 +44,11 @@ def opened(browser, url, *, width=1024, height=768, dark=False, expected=()):
             None if r.url.removeprefix("blob:").startswith(origin) else elsewhere.append(r.url)
         ),
     )
-    page.goto(url)
-    yield page
-    context.close()
+    try:
+        page.goto(url)
+        yield page
+    finally:
+        context.close()  # else the page of a test that fails draws on, and slows down all others
     assert [
         text for text in complaints if not any(one in text for one in (*HARMLESS, *expected))
     ] == []
