@@ -1,4 +1,4 @@
-"""Whether P(somebody will be in a zone soon) holds on real pedestrians, and how early it warns.
+"""Calibration of the probability that a person soon enters a zone, on real pedestrians; lead time.
 
 The recorded floor paths of ETH/UCY (true time), each scene forecast with a table fitted on the
 others. Nine zones of 2 m x 2 m lie in a grid over each scene. Everybody who is outside a zone, at
@@ -28,7 +28,7 @@ from trecsim.values import Snapshot
 
 WITHIN_S, ON, OFF = 2.0, 0.9, 0.5
 SIDE_M, GRID = 2.0, 3
-LEAST_SEEN = 3  # samples before somebody is a case
+LEAST_SEEN = 3  # samples before a person counts
 BINS = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
 
 Path = np.ndarray  # (sample, 3): t_s, x_m, y_m

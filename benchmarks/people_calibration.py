@@ -265,7 +265,7 @@ def association(
 
 
 def person_of(track: Any, made: "Simulation", clock: Any) -> int:
-    """Return whom a tracklet shows most of the time, -1 for nobody."""
+    """Return the person that a tracklet shows most of the time; -1 for a false positive."""
     camera = made.rig.cameras[track.camera]
     images = sorted(
         (one for one in made.poses if one.camera == camera.name), key=lambda one: one.t_s

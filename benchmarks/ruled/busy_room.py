@@ -112,7 +112,7 @@ def _visit(start_m: Point, actions: list[Any], enter_s: float, leaves: bool = Tr
 
 
 def through_the_lobby(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who crosses the room through the lobby, perhaps after a stop, and back."""
+    """Return a person who crosses the room through the lobby, with or without a stop, and back."""
     from trecsim.lab.simulation.actions import Stand, Walk
 
     west = -1.0 if rng.random() < 0.5 else 1.0
@@ -124,7 +124,7 @@ def through_the_lobby(rng: np.random.Generator, at_s: float) -> "Visit":
 
 
 def along_the_lane(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who goes along the lane, as allowed or against."""
+    """Return a person who walks along the lane, in the allowed direction or against it."""
     from trecsim.lab.simulation.actions import Walk
 
     way = 1.0 if rng.random() < 0.4 else -1.0
@@ -133,7 +133,7 @@ def along_the_lane(rng: np.random.Generator, at_s: float) -> "Visit":
 
 
 def runner(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who runs through the room."""
+    """Return a person who runs through the room."""
     from trecsim.lab.simulation.actions import Run
 
     way = 1.0 if rng.random() < 0.5 else -1.0
@@ -142,7 +142,7 @@ def runner(rng: np.random.Generator, at_s: float) -> "Visit":
 
 
 def faller(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who falls, and gets up after a while."""
+    """Return a person who falls and gets up after a while."""
     from trecsim.lab.simulation.actions import Fall, Stand, Walk
 
     spot = (_u(rng, -2.6, 2.6), _u(rng, -0.4, 0.2))
@@ -154,7 +154,7 @@ def faller(rng: np.random.Generator, at_s: float) -> "Visit":
 
 
 def lies_down(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who lies down with care and stays."""
+    """Return a person who lies down slowly and stays."""
     from trecsim.lab.simulation.actions import Lie, Walk
 
     spot = (_u(rng, -3.6, -2.6), _u(rng, -0.4, 0.4))
@@ -179,7 +179,7 @@ def waits(rng: np.random.Generator, at_s: float) -> list["Visit"]:
 
 
 def at_the_edge(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who steps up to the edge and stays, steps over it, or stays away from it."""
+    """Return a person who walks up to the edge and stops, crosses it, or keeps away from it."""
     from trecsim.lab.simulation.actions import Stand, Walk
 
     x_m = _u(rng, -3.0, 3.0)
@@ -191,7 +191,7 @@ def at_the_edge(rng: np.random.Generator, at_s: float) -> "Visit":
 
 
 def at_the_machine(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return somebody who goes up to the machine, or only past it."""
+    """Return a person who walks up to the machine, or past it."""
     from trecsim.lab.simulation.actions import Stand, Walk
 
     if rng.random() < 0.7:

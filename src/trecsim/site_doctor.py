@@ -10,7 +10,7 @@ from threading import Thread
 
 from trecsim.doctor import Finding
 from trecsim.errors import Error, InputError
-from trecsim.outputs.looking import look_at
+from trecsim.outputs.output_checks import look_at
 from trecsim.page.address import PageAddress
 from trecsim.page.site_address import page_address
 from trecsim.sites.check import CheckedSite
