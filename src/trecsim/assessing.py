@@ -20,10 +20,12 @@ from trecsim.safety.engine import Clock, RuleEngine
 from trecsim.safety.modes import Mode, Overrides, rules_off
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
+from trecsim.safety.signals import Feed, SignalSource, recorded
+from trecsim.sites.feed_files import signals_of
 from trecsim.sites.mode_tables import modes_of
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
-from trecsim.sites.rules import rule_remarks, rules_of, zone_of
+from trecsim.sites.rules import feeds_of, rule_remarks, rules_of, zone_of
 from trecsim.store.atomic import atomic_write
 from trecsim.store.tracks import every_moment
 from trecsim.values import Snapshot
@@ -45,8 +47,8 @@ class RuleSet:
         What the times of snapshots are.
     rig
         Its cameras, if they are known.
-    modes
-        Its modes.
+    modes, feeds
+        Its modes, and the feeds that its rules rely on.
     """
 
     site: str
@@ -54,6 +56,7 @@ class RuleSet:
     clock: Clock
     rig: Rig | None = None
     modes: tuple[Mode, ...] = ()
+    feeds: tuple[Feed, ...] = ()
 
 
 def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> RuleSet:
@@ -71,7 +74,8 @@ def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> R
         Is added to the times of snapshots to get Unix times [s].
     """
     clock = Clock(zone_of(site.timezone), start_s)
-    return RuleSet(name, rules_of(site.rules, site.places), clock, rig, modes_of(site.modes))
+    rules, feeds = rules_of(site.rules, site.places), feeds_of(site.feeds)
+    return RuleSet(name, rules, clock, rig, modes_of(site.modes), feeds)
 
 
 def armed_rules(site: Ruled, now_s: float, overrides: Overrides = Overrides()) -> int:  # noqa: B008
@@ -117,27 +121,37 @@ class RuleEvents:
         The rules.
     forecaster
         Tells where people will be, for rules that warn early; None takes the usual one.
+    signals
+        The messages of feeds.
     """
 
-    def __init__(self, rules: RuleSet, forecaster: Forecaster | None = None) -> None:
+    def __init__(
+        self,
+        rules: RuleSet,
+        forecaster: Forecaster | None = None,
+        *,
+        signals: SignalSource = lambda t_s: (),
+    ) -> None:
+        self._signals = signals
         self._site = rules.site
         forecaster = forecaster or _Looking(rules.rules)
         self._engine = RuleEngine(
             rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster,
-            modes=rules.modes,
+            modes=rules.modes, feeds=rules.feeds,
         )  # fmt: skip
         self._looking = forecaster
         self._next_seq: dict[str, int] = {}
 
     def step(self, snapshot: Snapshot) -> list[dict[str, Any]]:
         """Return the events that follow from the next moment."""
-        return [self._event(data, snapshot.t_s) for data in self._engine.step(snapshot)]
+        told = self._engine.step(snapshot, self._signals(snapshot.t_s))
+        return [self._event(data, snapshot.t_s) for data in told]
 
     def change(self, rules: RuleSet, t_s: float) -> list[dict[str, Any]]:
         """Take other rules from now on; return the ends of what has changed."""
         if isinstance(self._looking, _Looking):
             self._looking.change(rules.rules)
-        ends = self._engine.change(rules.rules, rules.clock, t_s, rules.modes)
+        ends = self._engine.change(rules.rules, rules.clock, t_s, rules.modes, rules.feeds)
         return [self._event(data, t_s) for data in ends]
 
     def override(self, overrides: Overrides) -> None:
@@ -146,7 +160,7 @@ class RuleEvents:
 
     @property
     def faults(self) -> Mapping[str, str]:
-        """What went wrong in rules at the last moment, by their `id`."""
+        """Why rules could not judge the last moment, by their `id`."""
         return self._engine.faults
 
     def mode(self, t_s: float) -> str | None:
@@ -214,7 +228,8 @@ def assess(
     moments = every_moment(tracks)
     first = list(islice(moments, 1))
     start_s = _start_s(start, read.timezone, first)
-    events = RuleEvents(rule_set(read.name, read, rig, start_s))
+    signals = recorded(signals_of(read.feeds, tracks))
+    events = RuleEvents(rule_set(read.name, read, rig, start_s), signals=signals)
     remarks = [*rule_remarks(read.rules), *_schedule_remarks(read, first, start_s)]
     if not read.rules:
         remarks.append(f"{site}: there are no [[rules]], so there are no events")
@@ -223,7 +238,8 @@ def assess(
         for event in tally.watch(chain(first, moments), events):
             file.write(f"{event_text(event)}\n")
     remarks += [
-        f"rule {rule} failed at {count} moments and told nothing of them: {tally.faults[rule]}"
+        f"rule {rule} could not judge {count} moments and told nothing of them: "
+        f"{tally.faults[rule]}"
         for rule, count in sorted(tally.failed.items())
     ]
     return AssessSummary(

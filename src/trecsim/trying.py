@@ -13,6 +13,8 @@ from typing import Any
 
 from trecsim.assessing import RuleEvents, RuleSet, rule_set
 from trecsim.errors import Error
+from trecsim.safety.signals import recorded
+from trecsim.sites.feed_files import kept_signals
 from trecsim.sites.recorded_site import RecordedSite
 from trecsim.store.playback import snapshots
 from trecsim.toml_models import examined, file_faults, parsed
@@ -43,7 +45,8 @@ def try_rules(request: Mapping[str, Any]) -> dict[str, Any]:
     """
     path = Path(request["site_file"])
     rules = {name: _rules(path, text) for name, text in request["texts"].items()}
-    engines = {name: RuleEvents(one) for name, one in rules.items()}
+    kept = kept_signals(Path(request["recording"]))
+    engines = {name: RuleEvents(one, signals=recorded(kept)) for name, one in rules.items()}
     found: dict[str, dict[str, dict[str, Any]]] = {name: {} for name in engines}
     people: set[int] = set()
     moments, first_s, last_s = 0, None, None

@@ -17,7 +17,7 @@ from trecsim.service.rule_watch import RuleWatch
 from trecsim.values import Snapshot
 
 T = times(4.0)
-NEEDED = {"limit": 2, "heading_deg": 90.0}
+NEEDED = {"limit": 2, "heading_deg": 90.0, "feed": "made"}
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def test_a_rule_that_raises_is_told_and_the_others_go_on(caplog: pytest.LogCaptu
     assert told(events, "rule")[0][0]["id"] == "good"
     assert watch.health(0.0).fault == "bad: RuntimeError: on purpose"
     assert [line for line in caplog.messages if "bad" in line] == [
-        "rule bad fails, the others go on: RuntimeError: on purpose"
+        "rule bad cannot judge, the others go on: RuntimeError: on purpose"
     ]
     watch.change(rule_set("made", site_with(ROOM.format("good")), None))
     watch.write(replace_time(people()[-1], 9.0))
@@ -146,7 +146,7 @@ def test_assess_remarks_on_a_rule_that_raises(
     monkeypatch.setattr("trecsim.assessing.rule_set", lambda *given: with_a_broken_rule())
     summary = assess(tmp_path / "r", tmp_path / "site.toml", tmp_path / "events.jsonl")
     assert any(
-        one.startswith("rule bad failed at 50 moments") and "on purpose" in one
+        one.startswith("rule bad could not judge 50 moments") and "on purpose" in one
         for one in summary["remarks"]
     )
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from made_paths import bodies_on, events_of, line, moments, site_with, times, told
+from trecsim.assessing import RuleEvents, rule_set
+from trecsim.safety.signals import Signal, recorded
 from trecsim.safety.volumes import Volume
 from trecsim.sites.recorded_site import RecordedSite
 from trecsim.toml_models import parsed
@@ -118,3 +120,74 @@ def test_a_volume_is_part_of_the_digest_of_its_rule() -> None:
         for places in (PLACES, PLACES.replace("[0.0, 10.0]\n", "[0.0, 11.0]\n"))
     }
     assert len(configs) == 2
+
+
+def told_cart(*places: tuple[float, float], gone_s: float | None = None) -> list[Signal]:
+    """Return the messages of a cart that goes along the x axis, each with its time and x."""
+    signals = [
+        Signal("carts", t_s, "volume", "told", vehicle="7", xy_m=(x_m, 0.0)) for t_s, x_m in places
+    ]
+    if gone_s is not None:
+        signals.append(Signal("carts", gone_s, "gone", "told", vehicle="7"))
+    return signals
+
+
+FED = (
+    '[feeds.carts]\nfile = "carts.jsonl"\n'
+    '[volumes.told]\nsize_m = [2.0, 1.0, 1.5]\nfeed = "carts"\n'
+)
+ON_TOLD = '[[rules]]\nid = "r"\nkind = "{}"\nvolume = "told"\n{}\n'
+EVERY = [(0.1 * n, -5.0 + 0.1 * n) for n in range(90)]  # 1 m/s along x: at 0 at 5 s
+
+
+def judged(rules: str, snapshots: list[Any], signals: list[Signal]) -> tuple[list[Any], set[str]]:
+    site = site_with(FED + rules)
+    engine = RuleEvents(rule_set(site.name, site, None), signals=recorded(signals))
+    events, faults = [], set()
+    for snapshot in snapshots:
+        events += engine.step(snapshot)
+        faults |= set(engine.faults.values())
+    return events, faults
+
+
+def test_a_volume_of_a_feed_hits_and_warns_as_one_of_a_timetable_does() -> None:
+    rule = ON_TOLD.format("ttc.vehicle", "")
+    stands = walking(line((0.0, 0.0), (0.0, 0.0)))
+    events, faults = judged(rule, stands, told_cart(*EVERY))
+    assert faults == set()
+    assert told(events, "phase", "predicted")[:2] == [("new", True), ("update", False)]
+    # the front, 1 m ahead of the middle, is 0.3 m from the back of the body, at x = 0, at 3.7 s
+    assert events[1]["data"]["t_start_s"] == pytest.approx(3.7, abs=0.05)
+    assert events[1]["data"]["lead_s"] > 2.0
+    away = walking(line((0.0, 3.0), (0.0, 0.0)))
+    assert judged(rule, away, told_cart(*EVERY)) == ([], set())
+
+
+def test_a_vehicle_that_is_told_as_gone_hits_nobody_and_one_that_becomes_silent_is_said() -> None:
+    rule = ON_TOLD.format("volume.enter", "")
+    stands = walking(line((0.0, 0.0), (0.0, 0.0)))
+    early = [one for one in EVERY if one[0] < 2.0]
+    assert judged(rule, stands, told_cart(*early, gone_s=2.0)) == ([], set())
+    events, faults = judged(rule, stands, told_cart(*early))
+    assert told(events, "phase") == []  # it would have been here at 4 s, had it gone straight on
+    assert faults == {
+        "feed carts: no position of vehicle 7 of volume told for more than 2 s, and it is not told "
+        "as gone"
+    }
+
+
+def test_a_volume_counts_once_it_has_been_told_for_so_long() -> None:
+    stands = walking(line((0.0, 0.0), (0.0, 0.0)))
+    soon, _ = judged(ON_TOLD.format("volume.enter", "after_s = 1.0"), stands, told_cart(*EVERY))
+    late, _ = judged(ON_TOLD.format("volume.enter", "after_s = 8.0"), stands, told_cart(*EVERY))
+    assert told(soon, "phase")[:1] == [("new",)]
+    assert told(late, "phase") == []
+
+
+def test_a_volume_has_either_a_timetable_or_a_feed_that_exists() -> None:
+    with pytest.raises(AssertionError, match="expected either feed or a timetable"):
+        site_with(FED + "path_m = [[0.0, 0.0]]\n")
+    with pytest.raises(AssertionError, match="where it goes, or feed, found neither"):
+        site_with("[volumes.told]\nsize_m = [2.0, 1.0, 1.5]\n")
+    with pytest.raises(AssertionError, match="there is no feed 'cats'; did you mean 'carts'"):
+        site_with(FED.replace('feed = "carts"', 'feed = "cats"'))

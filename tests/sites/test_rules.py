@@ -23,6 +23,8 @@ points_m = [[0.0, 0.0], [20.0, 0.0]]
 size_m = [2.0, 1.0, 1.5]
 path_m = [[0.0, 0.0], [20.0, 0.0]]
 path_s = [0.0, 10.0]
+[feeds.tickets]
+file = "tickets.jsonl"
 """
 NEEDED = {
     "zone": 'zone = "exit-strip"',
@@ -31,6 +33,7 @@ NEEDED = {
     "volume": 'volume = "cart"',
     "limit": "limit = 3",
     "heading_deg": "heading_deg = 90",
+    "feed": 'feed = "tickets"',
 }
 
 

@@ -101,6 +101,7 @@ def _simulate(
 
     scene = read_scene(source)
     site_text = _site_text(source, site)
+    feeds = _feeds(source, site)
     if seconds is not None:
         scene = replace(scene, seconds=seconds)
     if detector is not None:
@@ -110,7 +111,10 @@ def _simulate(
         progress_bar("cameras", quiet=json) as cameras,
         progress_bar("images", quiet=json) as images,
     ):
-        staged = stage(scene, folder, seed=seed, site=site_text, simulating=cameras, writing=images)
+        staged = stage(
+            scene, folder, seed=seed, site=site_text, feeds=feeds,
+            simulating=cameras, writing=images,
+        )  # fmt: skip
     events = "" if staged.events is None else f", {counted(staged.events, 'true event')}"
     text = (
         f"{staged.folder}: {staged.images} images of {staged.cameras} cameras, "
@@ -134,6 +138,19 @@ def _site_text(source: str, site: Path | None) -> str | None:
     if unknown := unknown_rules(text):
         note(f"{site}: there is no truth for the rules {', '.join(unknown)}: they are left out")
     return text
+
+
+def _feeds(source: str, site: Path | None) -> dict[str, str]:
+    """Return the messages of the feeds of the site, by the names of their files."""
+    from trecsim.lab.simulation.scene_file import BUILT_IN
+    from trecsim.lab.true_events.scene_sites import feeds_of
+    from trecsim.sites.recorded_site import read_without_rig
+    from trecsim.toml_models import read_text
+
+    if site is None:
+        return feeds_of(source) if source in BUILT_IN else {}
+    files = [feed.file for feed in read_without_rig(site).feeds.values()]
+    return {path.name: read_text(path, "file of a feed") for path in files}
 
 
 def _show(name: str, json: bool) -> None:

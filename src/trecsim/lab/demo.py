@@ -6,8 +6,9 @@ from pathlib import Path
 
 from trecsim.callbacks import Progress
 from trecsim.errors import SetupError
+from trecsim.lab.demo_feeds import PlayedSignals
 from trecsim.lab.demo_folder import RUN, make_room
-from trecsim.lab.demo_poses import CHAPTER_S, demo_scene, with_outage, without_end
+from trecsim.lab.demo_poses import CHAPTER_S, PAUSE_S, demo_scene, with_outage, without_end
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
 from trecsim.lab.evaluation.moments import Recorded, read_moments, with_empty_moments
 from trecsim.lab.packs.pack_files import PACKS, pack_scene
@@ -19,6 +20,7 @@ from trecsim.run_summary import RunSummary
 from trecsim.service.live_inputs import LiveInputs
 from trecsim.service.site_service import SiteService
 from trecsim.sites.check import check_site
+from trecsim.sites.feed_files import signals_of
 from trecsim.sources.streams.as_live import Pace, PosesStream
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth
@@ -134,10 +136,14 @@ def demo(
     poses = made.poses if seconds is not None else without_end(made, scene, shown.seed)
     pace = Pace(0.0)
     stream = PosesStream(poses, made.rig.names, pace)
+    checked = check_site(folder / "site.toml")
+    messages = signals_of(checked.file.site.feeds)
+    every_s = None if seconds is not None else scene.seconds + PAUSE_S
+    played = PlayedSignals(messages, lambda: pace.live_s(0.0), every_s)
     summary = SiteService(page).run(
-        check_site(folder / "site.toml"),
+        checked,
         folder / RUN,
-        inputs=LiveInputs([stream], stream.readings, close=stream.close),
+        inputs=LiveInputs([stream], stream.readings, close=stream.close, signals=played),
         stop=stop,
         progress=lambda done, _: progress(done, total) if progress is not None else None,
     )

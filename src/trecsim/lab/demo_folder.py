@@ -4,7 +4,7 @@ from pathlib import Path
 
 from trecsim.errors import InputError
 from trecsim.extras import has_extra
-from trecsim.lab.packs.pack_files import pack_site
+from trecsim.lab.packs.pack_files import pack_feeds, pack_site
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.ledger_file import discard_ledger
 from trecsim.store.names import POSES, RIG
@@ -80,6 +80,9 @@ def make_room(folder: Path, pack: str | None = None) -> None:
             path.unlink(missing_ok=True)
         discard_recording(folder / RUN)
         discard_ledger(folder / RUN)
+    for name, text in ({} if pack is None else pack_feeds(pack)).items():
+        with atomic_write(folder / name) as file:
+            file.write(text)
     with atomic_write(folder / "site.toml") as file:
         site = SITE if pack is None else f"{HEAD}{pack_site(pack)}"
         file.write(site + (PAGE if has_extra("page") else ""))

@@ -17,7 +17,8 @@ SIDE_M = (8.0, 6.0)
 FLOOR_PER_PERSON_M2 = 4.0
 
 _OUTAGE_AT, _OUTAGE_SHARE, _OUTAGE_S = 0.4, 0.2, 15.0
-_PAUSE_S = 0.04  # between two pieces
+PAUSE_S = 0.04
+"""Between two pieces of a demo without an end [s]."""
 
 
 def demo_scene(seconds: float, people: int, cameras: int, seed: int) -> Scene:
@@ -86,4 +87,4 @@ def without_end(first: Simulation, scene: Scene, seed: int) -> Iterator[Poses2D]
             for poses in made.poses:
                 yield replace(poses, t_s=poses.t_s + start_s)
             made = later.result()
-            start_s += scene.seconds + _PAUSE_S
+            start_s += scene.seconds + PAUSE_S

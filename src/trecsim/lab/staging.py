@@ -1,9 +1,10 @@
 """Write synthetic scenes to files: rig, 2D poses, ground truth, and what rules should tell."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
@@ -37,6 +38,7 @@ def stage(
     *,
     seed: int | None = None,
     site: str | None = None,
+    feeds: Mapping[str, str] = MappingProxyType({}),
     simulating: Progress | None = None,
     writing: Progress | None = None,
 ) -> Staged:
@@ -55,6 +57,8 @@ def stage(
         The same one gives the same files; None takes that of the scene.
     site
         Text of a site file without faults.
+    feeds
+        The messages of its feeds by the names of their files, which are written, too.
     simulating
         Called with the number of finished cameras, and of all.
     writing
@@ -80,9 +84,9 @@ def stage(
     seed = scene.seed if seed is None else seed
     _check_empty(folder)
     made = simulate(scene, seed, progress=simulating)
-    with _emptied_after_an_error(folder):
+    with _emptied_after_an_error(folder, feeds):
         write_simulation(made, folder, writing)
-        events = None if site is None else write_truth_events(made, site, folder)
+        events = None if site is None else write_truth_events(made, site, folder, feeds)
     return Staged(
         folder=folder,
         scene=scene.name,
@@ -124,18 +128,21 @@ def write_simulation(made: Simulation, folder: Path, writing: Progress | None = 
                 writing(number, len(made.poses))
 
 
-def write_truth_events(made: Simulation, site: str, folder: Path) -> int:
-    """Write a site file, and what its rules should tell; return the number of true events."""
-    with atomic_write(folder / SITE) as file:
-        file.write(site)
-    events = truth_events(site, made.truth_t_s, made.truth_xyz_m)
+def write_truth_events(
+    made: Simulation, site: str, folder: Path, feeds: Mapping[str, str] = MappingProxyType({})
+) -> int:
+    """Write a site file, its feeds, and what its rules should tell; return how many events."""
+    for name, text in {SITE: site, **feeds}.items():
+        with atomic_write(folder / name) as file:
+            file.write(text)
+    events = truth_events(site, made.truth_t_s, made.truth_xyz_m, feeds)
     with atomic_write(folder / TRUTH_EVENTS) as file:
         file.writelines(f"{event_text(event)}\n" for event in events)
     return len(events)
 
 
 @contextmanager
-def _emptied_after_an_error(folder: Path) -> Iterator[None]:
+def _emptied_after_an_error(folder: Path, feeds: Iterable[str]) -> Iterator[None]:
     """Create the folder, and remove what the block wrote if it fails."""
     with disk_faults(folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -145,6 +152,6 @@ def _emptied_after_an_error(folder: Path) -> Iterator[None]:
         done = True
     finally:
         if not done:
-            for name in (RIG, POSES, TRUTH, SITE, TRUTH_EVENTS):
+            for name in (RIG, POSES, TRUTH, SITE, TRUTH_EVENTS, *feeds):
                 (folder / name).unlink(missing_ok=True)
                 partial_path(folder / name).unlink(missing_ok=True)

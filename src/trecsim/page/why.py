@@ -55,20 +55,20 @@ class Reasons:
         if not holding:
             raise InputError("no recording holds the time of this alert")
         folder = holding[0].folder
-        rule = self._rule(event["rule"], folder)
+        rule, feeds = self._rule(event["rule"], folder)
         ended_s = event.get("t_end_s")
         end_s = start_s + LONGEST_S if ended_s is None else min(ended_s, start_s + LONGEST_S)
-        return _curve(rule, event, folder, (start_s - BEFORE_S, end_s + AFTER_S))
+        return _curve(rule, feeds, event, folder, (start_s - BEFORE_S, end_s + AFTER_S))
 
-    def _rule(self, told: Mapping[str, Any], recording: Path) -> Any:
-        """Return the rule as it was: the one with the same digest."""
-        from trecsim.sites.rules import rules_of
+    def _rule(self, told: Mapping[str, Any], recording: Path) -> tuple[Any, Sequence[Any]]:
+        """Return the rule as it was, the one with the same digest, and the feeds of its site."""
+        from trecsim.sites.rules import feeds_of, rules_of
 
         for site in self._sites(recording):
             with suppress(Error, ValueError):
                 for rule in rules_of(site.rules, site.places):
                     if rule.id == told.get("id") and rule.config == told.get("config"):
-                        return rule
+                        return rule, feeds_of(site.feeds)
         raise InputError(
             f"rule {told.get('id')} has changed since, and no kept version of the site file has it"
         )
@@ -108,30 +108,39 @@ def _texts(desk: DraftDesk) -> Iterator[str]:
 def _configuration(recording: Path) -> dict[str, Any] | None:
     """Return the site file as it was when a recording was made; None where it is not known."""
     path = recording / "summary.json"
+    from trecsim.sites.ruled import RULED
+
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         if path.stat().st_size <= _LARGEST_SUMMARY:
             kept = dict(json.loads(path.read_bytes())["configuration"])
-            wanted = ("format", "name", "timezone", "zones", "lines", "edges", "rules")
-            return {key: kept[key] for key in wanted if key in kept}
+            return {key: kept[key] for key in RULED if key in kept}
     return None
 
 
 def _curve(
-    rule: Any, event: Mapping[str, Any], folder: Path, span_s: tuple[float, float]
+    rule: Any,
+    feeds: Sequence[Any],
+    event: Mapping[str, Any],
+    folder: Path,
+    span_s: tuple[float, float],
 ) -> dict[str, Any]:
     from trecsim.safety.conditions.base import HERE
     from trecsim.safety.rule_scene import Memory
+    from trecsim.safety.signals import Signals, recorded
+    from trecsim.sites.feed_files import kept_signals
     from trecsim.store.playback import snapshots
 
     people: Sequence[Mapping[str, Any]] = event.get("people") or ()
     key = HERE if rule.kind.is_about_place or not people else int(people[0]["person"])
-    condition, scenes, memory = rule.kind.condition(rule), Memory(), None
+    signals, source = Signals(feeds), recorded(kept_signals(folder))
+    condition, scenes, memory = rule.kind.condition(rule), Memory(signals), None
     times: list[float] = []
     probability: list[float | None] = []
     measures: dict[str, list[float | None]] = {}
     for snapshot in snapshots(folder, span_s[0] - WARM_UP_S, span_s[1]):
+        signals.take(source(snapshot.t_s))
         scene = scenes.take(snapshot)
-        found, memory = condition.judge(scene, memory)
+        found, memory, _ = condition.judge(scene, memory)
         if snapshot.t_s < span_s[0]:
             continue
         seen = key == HERE or key in scene.people.id[scene.is_seen].tolist()

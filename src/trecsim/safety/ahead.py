@@ -13,7 +13,7 @@ its border.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +23,7 @@ from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.gaussian import normal_cdf
 from trecsim.safety.polygons import LEAST_SIGMA_M, Polygon
+from trecsim.safety.signals import Signals
 from trecsim.values import Snapshot
 
 STEP_S = 0.2
@@ -72,6 +73,8 @@ class Ahead:
         Floor points of the modes [m], and their covariances [m^2].
     joint_m
         Joints that a camera supports now, seen from the floor point [m]; NaN for others.
+    signals
+        What feeds have told so far.
     """
 
     t_s: float
@@ -81,12 +84,13 @@ class Ahead:
     xy_m: Float64[np.ndarray, "person mode step 2"]
     cov_m2: Float64[np.ndarray, "person mode step 2 2"]
     joint_m: Float64[np.ndarray, "person joint 3"]
+    signals: Signals = field(default_factory=Signals)
 
     def of(self, rows: Int64[np.ndarray, " row"]) -> "Ahead":
         """Return some of the people."""
         return Ahead(
             self.t_s, self.person[rows], self.ahead_s, self.weight[rows], self.xy_m[rows],
-            self.cov_m2[rows], self.joint_m[rows],
+            self.cov_m2[rows], self.joint_m[rows], self.signals,
         )  # fmt: skip
 
     def in_polygon(
@@ -161,7 +165,7 @@ class Ahead:
         one = slice(step, step + 1)
         return Ahead(
             self.t_s, self.person, self.ahead_s[one], self.weight, self.xy_m[:, :, one],
-            self.cov_m2[:, :, one], self.joint_m,
+            self.cov_m2[:, :, one], self.joint_m, self.signals,
         )  # fmt: skip
 
     def beyond(self, edge: Edge, depth_m: float) -> "Arrivals":
@@ -256,6 +260,7 @@ def ahead_of(
     is_seen: Bool[np.ndarray, " person"],
     floor_m: Float64[np.ndarray, "person 2"],
     forecasts: Forecasts,
+    signals: Signals,
 ) -> Ahead:
     """Return where people will be.
 
@@ -269,6 +274,8 @@ def ahead_of(
         Floor points [m].
     forecasts
         Made of this moment and of what was before.
+    signals
+        What feeds have told so far.
     """
     known = {person: row for row, person in enumerate(forecasts.person.tolist())}
     rows = [row for row in np.flatnonzero(is_seen) if int(people.id[row]) in known]
@@ -281,8 +288,9 @@ def ahead_of(
     joint_m[..., :2] -= floor_m[rows][:, None]
     joint_m[~counts] = np.nan
     return Ahead(
-        forecasts.t_s, people.id[rows], ahead_s, forecasts.weight[at], xy_m, cov_m2, joint_m
-    )
+        forecasts.t_s, people.id[rows], ahead_s, forecasts.weight[at], xy_m, cov_m2, joint_m,
+        signals,
+    )  # fmt: skip
 
 
 def _finer(

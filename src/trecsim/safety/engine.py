@@ -31,6 +31,7 @@ from trecsim.safety.modes import Mode, Overrides, in_force, rules_off
 from trecsim.safety.rule import Rule
 from trecsim.safety.rule_scene import Memory, Scene
 from trecsim.safety.schedules import LocalTime, armed, local_time
+from trecsim.safety.signals import Feed, Signal, Signals
 from trecsim.safety.warned import Warned, foreseen, unforeseen
 from trecsim.values import Snapshot
 
@@ -116,7 +117,7 @@ class RuleEngine:
         The cameras, to tell which of them have somebody in view.
     forecaster
         Tells where people will be, for rules that warn early.
-    modes
+    modes, feeds
         Of the site.
 
     Attributes
@@ -124,7 +125,7 @@ class RuleEngine:
     overrides
         What people have put in place of the modes.
     faults
-        What went wrong in rules at the last moment, by their `id`.
+        Why rules could not judge the last moment, by their `id`.
     """
 
     def __init__(
@@ -136,22 +137,27 @@ class RuleEngine:
         rig: Rig | None = None,
         forecaster: Forecaster | None = None,
         modes: Sequence[Mode] = (),
+        feeds: Sequence[Feed] = (),
     ) -> None:
+        self._signals = Signals(feeds)
         self._site, self._clock, self._forecaster = site, clock, forecaster
         self._modes, self.overrides = tuple(modes), Overrides()
         self.faults: dict[str, str] = {}
         self._kept = [_Kept(rule, rule.kind.condition(rule)) for rule in rules]
-        self._memory, self._cameras = Memory(), cameras_in_view(rig)
+        self._memory, self._cameras = Memory(self._signals), cameras_in_view(rig)
         self._last_s = float("-inf")
 
-    def step(self, snapshot: Snapshot) -> list[EventData]:
+    def step(self, snapshot: Snapshot, signals: Sequence[Signal] = ()) -> list[EventData]:
         """Return the `data` of the events that follow from the next moment.
 
         Parameters
         ----------
         snapshot
             The moment; one that is not later than the last is left out.
+        signals
+            Messages of feeds that have come since the last moment.
         """
+        self._signals.take(signals)
         if not snapshot.t_s > self._last_s:
             return []
         self._last_s = snapshot.t_s
@@ -162,7 +168,12 @@ class RuleEngine:
         return [data for kept in self._kept for data in self._judged(kept, scene, now, off)]
 
     def change(
-        self, rules: Sequence[Rule], clock: Clock, t_s: float, modes: Sequence[Mode] = ()
+        self,
+        rules: Sequence[Rule],
+        clock: Clock,
+        t_s: float,
+        modes: Sequence[Mode] = (),
+        feeds: Sequence[Feed] = (),
     ) -> list[EventData]:
         """Take other rules from now on; return the ends of episodes whose rule has changed.
 
@@ -174,10 +185,11 @@ class RuleEngine:
             What the times of snapshots are.
         t_s
             Time of the last snapshot [s].
-        modes
+        modes, feeds
             Of the site.
         """
         self._modes = tuple(modes)
+        self._signals.change(feeds)
         self.faults.clear()
         before = {kept.rule.id: kept for kept in self._kept}
         self._clock, self._kept = clock, []
@@ -207,21 +219,23 @@ class RuleEngine:
         self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]
     ) -> list[EventData]:
         """Judge one rule; one that raises begins anew, and all others go on."""
+        self.faults.pop(kept.rule.id, None)
         try:
-            events = list(self._judge(kept, scene, now, off))
+            return list(self._judge(kept, scene, now, off))
         except Exception as error:  # the boundary: one rule must not take the others with it
             kept.memory = None
             self.faults[kept.rule.id] = f"{type(error).__name__}: {error}"
             return []
-        self.faults.pop(kept.rule.id, None)
-        return events
 
     def _judge(
         self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]
     ) -> Iterator[EventData]:
-        found, kept.memory = kept.condition.judge(scene, kept.memory)
+        found, kept.memory, fault = kept.condition.judge(scene, kept.memory)
         if not _is_armed(kept.rule, now, off):
             yield from self._disarm(kept, scene.t_s)
+            return
+        if fault is not None:
+            self.faults[kept.rule.id] = fault
             return
         timing, t_s = kept.rule.timing, scene.t_s
         seen = {HERE, *scene.people.id[scene.is_seen].tolist()}

@@ -12,6 +12,7 @@ from trecsim.safety.conditions.crowds import Bottleneck, CriticalDensity, Panic,
 from trecsim.safety.conditions.density import DensityLevel, Level
 from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
+from trecsim.safety.conditions.gates import GatePassed
 from trecsim.safety.conditions.movement import Running, WrongWay
 from trecsim.safety.conditions.split_groups import Separated
 from trecsim.safety.conditions.vehicles import NearVolume, OnVolume
@@ -20,7 +21,8 @@ from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.own_kinds import own_kinds
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule import Key, Kind, Rule
-from trecsim.safety.volumes import Volume
+from trecsim.safety.signals import LONGEST_S
+from trecsim.safety.volumes import FedVolume, Moving, Volume
 
 
 def _prism(rule: Rule) -> Prism:
@@ -124,9 +126,9 @@ def _separated(rule: Rule) -> Condition:
     return Separated(rule.keys["distance_m"], rule.keys["together_s"])
 
 
-def _volume(rule: Rule) -> Volume:
+def _volume(rule: Rule) -> Moving:
     assert rule.place is not None
-    assert isinstance(rule.place.shape, Volume)
+    assert isinstance(rule.place.shape, Volume | FedVolume)
     return rule.place.shape
 
 
@@ -138,7 +140,35 @@ def _on_volume(rule: Rule) -> Condition:
     return OnVolume(_volume(rule), rule.keys["after_s"])
 
 
+def _tailgated(rule: Rule) -> Condition:
+    return _gate(rule, "tailgate", "free")
+
+
+def _unauthorised(rule: Rule) -> Condition:
+    return _gate(rule, "unauthorised", rule.keys["way_back"])
+
+
+def _gate(
+    rule: Rule, tells: Literal["tailgate", "unauthorised"], way_back: Literal["closed", "free"]
+) -> Condition:
+    assert rule.place is not None
+    assert isinstance(rule.place.shape, Line)
+    keys, timing = rule.keys, rule.timing
+    return GatePassed(
+        rule.place.shape, rule.place.name, keys["feed"], keys["window_s"], keys["direction"],
+        tells, way_back, timing.on_delay_s, timing.p_on,
+    )  # fmt: skip
+
+
 _SECONDS = {"gt": 0.0, "le": 86400.0}
+
+_GATE = (
+    Key("feed", str, "The feed that says who may pass.", names="feed"),
+    Key("window_s", float, "How long a grant holds if the door is not shut before [s].", 5.0,
+        {"gt": 0.0, "le": LONGEST_S}),
+    Key("direction", Literal["in", "out"],
+        'The authorised direction; "in" is from the right of the line to its left.', "in"),
+)  # fmt: skip
 
 _DENSITY = {"gt": 0.0, "le": 20.0}
 
@@ -258,6 +288,24 @@ _ALL = (
         _on_volume, place="volume", on_delay_s=0.3,
         keys=(Key("after_s", float, "For how long the volume must have been on its way [s].", 0.0,
                   {"ge": 0.0, "le": 86400.0}),),
+    ),
+    Kind(
+        "access.tailgate",
+        "Somebody crosses the line in the authorised direction while a grant holds that others "
+        "have used up.",
+        "one credential, two bodies; 5 s: ours",
+        _tailgated, place="line", at_once=True, keys=_GATE,
+    ),
+    Kind(
+        "access.unauthorised",
+        "Somebody crosses the line while no grant holds, or against the authorised direction.",
+        "5 s: ours",
+        _unauthorised, place="line", at_once=True,
+        keys=(
+            *_GATE,
+            Key("way_back", Literal["closed", "free"],
+                'Whether everybody may pass in the other direction ("free").', "closed"),
+        ),
     ),
     Kind(
         "zone.confined",

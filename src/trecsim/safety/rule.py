@@ -9,7 +9,7 @@ from trecsim.safety.directed_lines import Edge, Line
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Prism
 from trecsim.safety.schedules import Schedule
-from trecsim.safety.volumes import Volume
+from trecsim.safety.volumes import FedVolume, Volume
 
 Severity = Literal["info", "warning", "alarm", "critical"]
 SEVERITIES: tuple[Severity, ...] = ("info", "warning", "alarm", "critical")
@@ -29,7 +29,7 @@ class Place(NamedTuple):
 
     kind: PlaceKind
     name: str
-    shape: Prism | Line | Edge | Volume
+    shape: Prism | Line | Edge | Volume | FedVolume
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +48,8 @@ class Key:
         Its value where it is not given; ... where it has to be.
     limits
         Constraints, as pydantic calls them: {"gt": 0}.
+    names
+        What its value is the name of: another place, or a feed; None where it is no name.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Key:
     about: str
     default: Any = ...
     limits: Mapping[str, Any] = field(default_factory=dict)
+    names: PlaceKind | Literal["feed"] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +135,9 @@ class Rule:
     keys
         Values of the keys of its kind.
     config
-        SHA-256 of the rule and its place.
+        SHA-256 of the rule and its places.
+    others
+        Places that its own keys name, by key.
     """
 
     id: str
@@ -144,3 +149,4 @@ class Rule:
     early_s: float
     keys: Mapping[str, Any]
     config: str
+    others: Mapping[str, Place] = field(default_factory=dict)

@@ -11,6 +11,7 @@ from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.body_states import Bodies, bodies
 from trecsim.safety.polygons import Polygon
+from trecsim.safety.signals import Signals
 from trecsim.safety.traces import KEEP_S, Sample, Trace
 from trecsim.values import COASTING, Snapshot
 
@@ -39,6 +40,8 @@ class Scene:
         Their last seconds, by identity.
     ahead
         Where they will be, for rules that warn early; None when nobody looks ahead now.
+    signals
+        What feeds have told so far.
     """
 
     people: Snapshot
@@ -47,6 +50,7 @@ class Scene:
     body: Bodies
     traces: Mapping[int, Trace]
     ahead: Ahead | None = None
+    signals: Signals = field(default_factory=Signals)
     _inside: dict[int, Float64[np.ndarray, " person"]] = field(default_factory=dict)
 
     @property
@@ -89,9 +93,16 @@ class Scene:
 
 
 class Memory:
-    """Remembers people from moment to moment; the only state beside that of the rules."""
+    """Remembers people from moment to moment; the only state beside that of rules and feeds.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    signals
+        What feeds have told; None where there are no feeds.
+    """
+
+    def __init__(self, signals: Signals | None = None) -> None:
+        self._signals = Signals() if signals is None else signals
         self._traces: dict[int, Trace] = {}
         self._last: dict[int, Scene] = {}
 
@@ -131,8 +142,12 @@ class Memory:
                     float(body.standing_m[row]), bool(postures[row] == "lying"),
                 )
             )  # fmt: skip
-        ahead = None if forecasts is None else ahead_of(people, seen, floor.xy_m, forecasts)
-        scene = Scene(people, seen, floor, body, self._traces, ahead)
+        ahead = (
+            None
+            if forecasts is None
+            else ahead_of(people, seen, floor.xy_m, forecasts, self._signals)
+        )
+        scene = Scene(people, seen, floor, body, self._traces, ahead, self._signals)
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
         return scene
 

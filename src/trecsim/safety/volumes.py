@@ -1,15 +1,59 @@
-"""Boxes that move over the floor by a timetable: vehicles, chairs of a lift, arms of a machine."""
+"""Boxes that move over the floor, by a timetable or as a feed tells: vehicles, chairs of a lift."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float64
 
 from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.signals import Signals
+from trecsim.safety.vehicle import LOST_S, Vehicle
 
 _MOST = 100  # that are on their way at the same time
+
+
+@runtime_checkable
+class Boxes(Protocol):
+    """Boxes whose places are known at each time."""
+
+    @property
+    def z_m(self) -> tuple[float, float]:
+        """Bottom and top of each [m]."""
+        ...
+
+    def boxes(self, t_s: float, margin_m: float = 0.0, *, after_s: float = 0.0) -> list[Prism]:
+        """Return the boxes that are there at a time.
+
+        Parameters
+        ----------
+        t_s
+            The time [s].
+        margin_m
+            Each is wider by so much on all sides [m].
+        after_s
+            Only those that have been on their way for so long [s].
+        """
+        ...
+
+    def middles_m(self, t_s: float) -> Float64[np.ndarray, "box 2"]:
+        """Return the middle of each box that is there at a time [m]."""
+        ...
+
+
+@runtime_checkable
+class Moving(Protocol):
+    """A place that moves."""
+
+    def told(self, signals: Signals) -> Boxes:
+        """Return its boxes, given what feeds have told so far."""
+        ...
+
+    def fault(self, signals: Signals, t_s: float) -> str | None:
+        """Return why it is not known where it is at a time [s]; None where it is."""
+        ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,23 +91,25 @@ class Volume:
         """Its bottom and top [m]."""
         return self.bottom_m, self.bottom_m + self.size_m[2]
 
-    def boxes(self, t_s: float, margin_m: float = 0.0, *, after_s: float = 0.0) -> list[Prism]:
-        """Return the boxes that are there at a time.
+    def told(self, signals: Signals) -> Boxes:
+        """Return itself: no feed changes a timetable; see `Moving`."""
+        return self
 
-        Parameters
-        ----------
-        t_s
-            The time [s].
-        margin_m
-            Each is wider by so much on all sides [m].
-        after_s
-            Only those that have been on their way for so long [s].
-        """
+    def fault(self, signals: Signals, t_s: float) -> str | None:
+        """Return None: a timetable is always known; see `Moving`."""
+        return None
+
+    def boxes(self, t_s: float, margin_m: float = 0.0, *, after_s: float = 0.0) -> list[Prism]:
+        """Return the boxes that are there at a time; see `Boxes`."""
         return [
-            Prism(Polygon(self._corners_m(since_s, margin_m)), self.z_m)
+            _box(self._at_m(since_s), self._heading_rad(since_s), self.size_m, self.z_m, margin_m)
             for since_s in self._under_way(t_s)
             if since_s >= after_s
         ]
+
+    def middles_m(self, t_s: float) -> Float64[np.ndarray, "box 2"]:
+        """Return the middle of each box that is there at a time [m]."""
+        return _together([self._at_m(since_s) for since_s in self._under_way(t_s)])
 
     def _under_way(self, t_s: float) -> Iterator[float]:
         """Yield for how long each box has been on its way [s]."""
@@ -78,15 +124,8 @@ class Volume:
             count = min(int((min(since_s, took_s) - newest_s) // self.period_s) + 1, _MOST)
             yield from (newest_s + n * self.period_s for n in range(max(count, 0)))
 
-    def _corners_m(self, since_s: float, margin_m: float) -> Float64[np.ndarray, "4 2"]:
-        at_m = np.array([np.interp(since_s, self.path_s, self.path_m[:, axis]) for axis in (0, 1)])
-        heading_rad = self._heading_rad(since_s)
-        along = np.array([math.cos(heading_rad), math.sin(heading_rad)])
-        across = np.array([-along[1], along[0]])
-        half = 0.5 * np.array(self.size_m[:2]) + margin_m
-        signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-        corners_m: Float64[np.ndarray, "4 2"] = at_m + (signs * half) @ np.stack([along, across])
-        return corners_m
+    def _at_m(self, since_s: float) -> Float64[np.ndarray, " 2"]:
+        return np.array([np.interp(since_s, self.path_s, self.path_m[:, axis]) for axis in (0, 1)])
 
     def _heading_rad(self, since_s: float) -> float:
         if self.heading_rad is not None or len(self.path_s) == 1:
@@ -94,3 +133,81 @@ class Volume:
         after = int(np.clip(np.searchsorted(self.path_s, since_s), 1, len(self.path_s) - 1))
         way_m = self.path_m[after] - self.path_m[after - 1]
         return float(np.arctan2(way_m[1], way_m[0]))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FedVolume:
+    """Boxes whose places a feed tells: vehicles of the same size.
+
+    Attributes
+    ----------
+    name, feed
+        Names of the volume and of its feed.
+    size_m, bottom_m
+        See `Volume`.
+    """
+
+    name: str
+    feed: str
+    size_m: tuple[float, float, float]
+    bottom_m: float
+
+    def told(self, signals: Signals) -> Boxes:
+        """Return the boxes of the vehicles that the feed has told of; see `Moving`."""
+        z_m = (self.bottom_m, self.bottom_m + self.size_m[2])
+        return _ToldBoxes(dict(signals.vehicles(self.feed, self.name)), self.size_m, z_m)
+
+    def fault(self, signals: Signals, t_s: float) -> str | None:
+        """Return what is wrong with the feed, or which vehicle has become silent; see `Moving`."""
+        wrong = signals.fault(self.feed, t_s)
+        if wrong is not None:
+            return wrong
+        vehicles = signals.vehicles(self.feed, self.name)
+        lost = sorted(name for name, one in vehicles.items() if t_s - one.t_s > LOST_S)
+        if not lost:
+            return None
+        named = f"vehicle {lost[0]}" if lost[0] else "the vehicle"
+        return (
+            f"feed {self.feed}: no position of {named} of volume {self.name} for more than "
+            f"{LOST_S:g} s, and it is not told as gone"
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ToldBoxes:
+    """Boxes of vehicles that go straight on from where they were last."""
+
+    vehicles: Mapping[str, Vehicle]
+    size_m: tuple[float, float, float]
+    z_m: tuple[float, float]
+
+    def boxes(self, t_s: float, margin_m: float = 0.0, *, after_s: float = 0.0) -> list[Prism]:
+        """Return the boxes that are there at a time; see `Boxes`."""
+        return [
+            _box(np.array(one.at(t_s)), one.heading_rad, self.size_m, self.z_m, margin_m)
+            for one in self.vehicles.values()
+            if t_s - one.first_s >= after_s
+        ]
+
+    def middles_m(self, t_s: float) -> Float64[np.ndarray, "box 2"]:
+        """Return the middle of each box that is there at a time [m]."""
+        return _together([np.array(one.at(t_s)) for one in self.vehicles.values()])
+
+
+def _box(
+    at_m: Float64[np.ndarray, " 2"],
+    heading_rad: float,
+    size_m: tuple[float, float, float],
+    z_m: tuple[float, float],
+    margin_m: float,
+) -> Prism:
+    """Return a box around a point, wider by a margin on all sides [m]."""
+    along = np.array([math.cos(heading_rad), math.sin(heading_rad)])
+    across = np.array([-along[1], along[0]])
+    half = 0.5 * np.array(size_m[:2]) + margin_m
+    signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return Prism(Polygon(at_m + (signs * half) @ np.stack([along, across])), z_m)
+
+
+def _together(points: list[Float64[np.ndarray, " 2"]]) -> Float64[np.ndarray, "box 2"]:
+    return np.array(points, dtype=np.float64).reshape(-1, 2)

@@ -108,7 +108,7 @@ class Counting:
             for name, polygon in self._polygons.items()
         }
         for name, seam in self._seams.items():
-            found, self._memories[name] = seam.judge(scene, self._memories[name])
+            found, self._memories[name], _ = seam.judge(scene, self._memories[name])
             for finding in found.values():
                 self._lines[name] = _crossed(self._lines[name], finding.direction)
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from trecsim.estimators import Estimator2D
 from trecsim.looking.live import for_live
+from trecsim.safety.signals import SignalSource
 from trecsim.service.monitor import StreamReadings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sources.base import Source
@@ -25,12 +26,15 @@ class LiveInputs:
         Finds the 2D poses if the sources deliver images.
     close
         Ends the sources.
+    signals
+        The messages of feeds; None follows the files that the site names.
     """
 
     sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]]
     readings: Sequence[StreamReadings] = ()
     estimator: Estimator2D | None = None
     close: Callable[[], None] = lambda: None
+    signals: SignalSource | None = None
 
 
 def live_inputs(checked: CheckedSite, *, as_live: bool = False) -> LiveInputs | None:

@@ -16,8 +16,11 @@ from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView, cameras_of, floor_of
 from trecsim.run_summary import SUMMARY
 from trecsim.safety.engine import Clock
+from trecsim.safety.signals import recorded
 from trecsim.service.counting import Counting
+from trecsim.sites.feed_files import kept_signals
 from trecsim.sites.recorded_site import RecordedSite
+from trecsim.sites.ruled import RULED
 from trecsim.store.names import RIG
 from trecsim.store.playback import Recording, recordings, snapshots
 from trecsim.store.precision import rounded
@@ -74,8 +77,7 @@ def recording_view(recording: Recording) -> SiteView:
 def recorded_site(recording: Recording) -> RecordedSite | None:
     """Return zones, lines and rules that a site had when a recording was made, if known."""
     site = _configuration(recording.folder)
-    wanted = ("format", "name", "timezone", "zones", "lines", "edges", "rules")
-    kept = {key: site[key] for key in wanted if key in site}
+    kept = {key: site[key] for key in RULED if key in site}
     with suppress(Error):
         return examined(RecordedSite, kept, {"folder": recording.folder})[0]
     return None
@@ -121,7 +123,8 @@ def replay(
     site = recorded_site(recording)
     counting = None if site is None else Counting(site)
     rules = _rules(recording, site, rig)
-    events, total = RuleEvents(rules), len(rules.rules)
+    signals = recorded(kept_signals(recording.folder))
+    events, total = RuleEvents(rules, signals=signals), len(rules.rules)
 
     def tell(state: FusionState, people: int = 0) -> None:
         fusion = FusionHealth(state, people=people)

@@ -11,6 +11,7 @@ from trecsim.cloud_events import event_of
 from trecsim.health import RulesHealth
 from trecsim.safety.kinds import KINDS
 from trecsim.safety.modes import Overrides
+from trecsim.safety.signals import SignalSource
 from trecsim.store.ledger_events import without_act
 from trecsim.values import Snapshot
 
@@ -34,11 +35,18 @@ class RuleWatch:
         The rules.
     put
         Takes each event.
+    signals
+        The messages of feeds.
     """
 
-    def __init__(self, rules: RuleSet, put: Callable[[Event], None]) -> None:
+    def __init__(
+        self,
+        rules: RuleSet,
+        put: Callable[[Event], None],
+        signals: SignalSource = lambda t_s: (),
+    ) -> None:
         self._rules, self._put = rules, put
-        self._events = RuleEvents(rules)
+        self._events = RuleEvents(rules, signals=signals)
         self._lock = Lock()
         self._next: RuleSet | None = None
         self._overrides: Overrides | None = None
@@ -58,12 +66,12 @@ class RuleWatch:
             self._note(self._events.faults)
 
     def _note(self, faults: Mapping[str, str]) -> None:
-        """Take note of rules that fail by themselves; the others are judged all the same."""
+        """Take note of rules that cannot judge; the others are judged all the same."""
         for rule, fault in faults.items():
             if rule not in self._failing:
-                logger.error("rule %s fails, the others go on: %s", rule, fault)
+                logger.error("rule %s cannot judge, the others go on: %s", rule, fault)
         for rule in self._failing - set(faults):
-            logger.warning("rule %s works again", rule)
+            logger.warning("rule %s judges again", rule)
         self._failing = set(faults)
         said = [f"{rule}: {fault}" for rule, fault in sorted(faults.items())]
         self._fault = "; ".join(said) or None

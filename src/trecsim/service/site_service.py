@@ -25,11 +25,13 @@ from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
 from trecsim.run_summary import RunSummary
 from trecsim.safety.modes import Overrides
+from trecsim.safety.signals import SignalSource, recorded
 from trecsim.service.counting import Counting
 from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
 from trecsim.service.live_inputs import LiveInputs
+from trecsim.service.live_signals import Followed, Heard
 from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
@@ -41,9 +43,12 @@ from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.service.viewing import shows_pictures, site_view
 from trecsim.site_run import recordings_folder, run
 from trecsim.sites.check import CheckedSite
+from trecsim.sites.feed_files import signals_of
+from trecsim.sites.site_file import Site
 from trecsim.sites.site_reading import SiteFile
 from trecsim.sources.base import Source
 from trecsim.store.names import OVERRIDES
+from trecsim.store.recorder import Recorder
 from trecsim.store.site_store import SiteStore
 from trecsim.values import Frame
 
@@ -102,7 +107,10 @@ class SiteService:
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        rules = self._rules = RuleWatch(_rules_of(checked.file, checked.rig), self._put_event)
+        heard = Heard(_signals(checked.file.site, inputs))
+        rules = self._rules = RuleWatch(
+            _rules_of(checked.file, checked.rig), self._put_event, heard
+        )
         counting = Counting(checked.file.site)
         self._reloading = Reloading(
             checked.file, partial(self._apply, rules, counting, checked.rig)
@@ -125,6 +133,10 @@ class SiteService:
             self._heartbeat.beat()
             return stop()
 
+        def recording(recorder: Recorder) -> None:
+            monitor.take_recorder(recorder)
+            heard.keep_in(recorder.folder)
+
         def drawn(summary: RunSummary) -> None:
             monitor.ended = True
             picture(summary)
@@ -139,13 +151,14 @@ class SiteService:
             ending.enter_context(Pulse(judged, tuple(told)))
             if inputs is not None:
                 ending.callback(inputs.close)
+            ending.enter_context(heard)
             summary = run(
                 checked,
                 out,
                 feed=feed,
                 watchers=watchers,
                 store=store,
-                recording=monitor.take_recorder,
+                recording=recording,
                 stop=asked,
                 picture=drawn,
                 **options,
@@ -265,6 +278,13 @@ def _left_open(checked: CheckedSite, store: SiteStore) -> list[dict[str, Any]]:
     """Return the ends of episodes of rules that were open when the site ran last."""
     open_events = [one.event for one in store.ledger.open_events(RULE_TYPES)]
     return ends_of(checked.file.site.name, open_events)
+
+
+def _signals(site: Site, inputs: LiveInputs | None) -> SignalSource | Followed:
+    """Return the messages of feeds: of recordings those of the whole files, live the new ones."""
+    if inputs is None:
+        return recorded(signals_of(site.feeds))
+    return inputs.signals or Followed({name: one.file for name, one in site.feeds.items()})
 
 
 def _feed(inputs: LiveInputs, monitor: Monitor, pictures: PictureMaker | None) -> Feed:

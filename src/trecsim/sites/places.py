@@ -1,4 +1,4 @@
-"""Tables of a site file that say where something is: zones, lines and edges on the floor."""
+"""Tables of a site file that say where something is, and which feeds tell what moves."""
 
 from itertools import combinations, pairwise
 from typing import Annotated, Self
@@ -6,7 +6,7 @@ from zoneinfo import ZoneInfo
 
 from pydantic import AfterValidator, Field, model_validator
 
-from trecsim.toml_models import Table
+from trecsim.toml_models import FilePath, Table
 
 _FURTHEST_M = 1e4
 _Coordinate = Annotated[float, Field(ge=-_FURTHEST_M, le=_FURTHEST_M)]
@@ -63,8 +63,19 @@ class EdgeTable(Table):
         return self
 
 
+class FeedTable(Table):
+    """A feed: messages of another system, as of access control or of vehicles."""
+
+    file: FilePath
+    """Its messages, one line of JSON each; live, what is appended while the site runs."""
+    silent_s: Annotated[float, Field(ge=0.0, le=86400.0)] = 30.0
+    """Without a message for so long the feed is silent, and no rule relies on it [s]; 0: never."""
+    most_per_s: Annotated[float, Field(gt=0.0, le=10_000.0)] = 100.0
+    """More messages in a second are a flood, and rules do not rely on the feed for 10 s."""
+
+
 class VolumeTable(Table):
-    """A box that moves over the floor by a timetable: a vehicle, the chairs of a lift."""
+    """A box that moves over the floor, by a timetable or a feed: a vehicle, a chair of a lift."""
 
     size_m: Annotated[
         tuple[
@@ -77,7 +88,7 @@ class VolumeTable(Table):
     """Its length along its way, width, and height [m]."""
     bottom_m: _Coordinate = 0.0
     """How high it is above the floor [m]."""
-    path_m: Annotated[list[Point], Field(min_length=1, max_length=_MOST_POINTS)]
+    path_m: Annotated[list[Point], Field(max_length=_MOST_POINTS)] = Field(default_factory=list)
     """Where its middle goes, x and y each [m]; a single point for a box that stands."""
     path_s: Annotated[
         list[Annotated[float, Field(ge=0.0, le=86400.0)]], Field(max_length=_MOST_POINTS)
@@ -89,9 +100,21 @@ class VolumeTable(Table):
     """After so long the next one starts [s]; there is only one, if not given."""
     heading_deg: Annotated[float, Field(ge=-360.0, le=360.0)] | None = None
     """Its heading [degrees]: 0 is +x, 90 is +y; that of its way, if not given."""
+    feed: str | None = None
+    """The feed that tells where it is, in place of a timetable."""
 
     @model_validator(mode="after")
     def _has_a_timetable(self) -> Self:
+        if self.feed is not None:
+            keys = ("path_m", "period_s", "heading_deg")
+            timetable = [key for key in keys if getattr(self, key)]
+            if timetable:
+                raise ValueError(
+                    f"expected either feed or a timetable, found feed and {', '.join(timetable)}"
+                )
+            return self
+        if not self.path_m:
+            raise ValueError("expected path_m, where it goes, or feed, found neither")
         if len(self.path_s) != len(self.path_m):
             raise ValueError(
                 f"path_s: expected a time for each of the {len(self.path_m)} points of path_m, "

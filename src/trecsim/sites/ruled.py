@@ -5,13 +5,19 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from trecsim.sites.mode_tables import ModeTable, mode_faults
-from trecsim.sites.places import EdgeTable, LineTable, TimeZone, VolumeTable, ZoneTable
+from trecsim.sites.places import EdgeTable, FeedTable, LineTable, TimeZone, VolumeTable, ZoneTable
 from trecsim.sites.rule_tables import MOST_RULES, AnyRule
-from trecsim.sites.rules import Places, refuse, rule_faults
+from trecsim.sites.rules import Places, feed_faults, refuse, rule_faults
 from trecsim.toml_models import Table
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 """A name that may become a directory or part of an address."""
+
+
+RULED = (
+    "format", "name", "timezone", "zones", "lines", "edges", "volumes", "feeds", "rules", "modes",
+)  # fmt: skip
+"""Keys of a site file that rules on recordings need."""
 
 
 class Ruled(Table):
@@ -26,7 +32,9 @@ class Ruled(Table):
     edges: dict[Name, EdgeTable] = Field(default_factory=dict)
     """Edges of drops, by name; the page draws them."""
     volumes: dict[Name, VolumeTable] = Field(default_factory=dict)
-    """Boxes that move by a timetable, by name."""
+    """Boxes that move by a timetable or by a feed, by name."""
+    feeds: Annotated[dict[Name, FeedTable], Field(max_length=50)] = Field(default_factory=dict)
+    """Messages of other systems, by name: of access control, of vehicles."""
     rules: Annotated[list[AnyRule], Field(max_length=MOST_RULES)] = Field(default_factory=list)
     """What to tell of the people: see the kinds of rules."""
 
@@ -42,7 +50,11 @@ class Ruled(Table):
 
     @model_validator(mode="after")
     def _rules_fit(self) -> Self:
-        faults = [*rule_faults(self.rules, self.places), *mode_faults(self.modes, self.rules)]
+        faults = [
+            *rule_faults(self.rules, self.places, self.feeds),
+            *feed_faults(self.volumes, self.feeds),
+            *mode_faults(self.modes, self.rules),
+        ]
         if faults:
             refuse("Site", faults)
         return self

@@ -20,20 +20,23 @@ from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Polygon, Prism, area_m2
 from trecsim.safety.rule import Place, Rule
 from trecsim.safety.schedules import read_hours
-from trecsim.safety.volumes import Volume
-from trecsim.sites.places import EdgeTable, LineTable, VolumeTable, ZoneTable
+from trecsim.safety.signals import Feed
+from trecsim.safety.volumes import FedVolume, Volume
+from trecsim.sites.places import EdgeTable, FeedTable, LineTable, VolumeTable, ZoneTable
 from trecsim.sites.rule_tables import RuleTable
 from trecsim.toml_models.toml_reading import Fault, nearest
 
 PlaceTable = ZoneTable | LineTable | EdgeTable | VolumeTable
-Shape = Prism | Line | Edge | Volume
+Shape = Prism | Line | Edge | Volume | FedVolume
 
 Places = Mapping[str, Mapping[str, PlaceTable]]
 """Zones, lines, edges and volumes, by kind ("zone") and name."""
 
 
-def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
-    """Yield what is wrong with rules together, and with the places that they name."""
+def rule_faults(
+    rules: Sequence[RuleTable], places: Places, feeds: Mapping[str, FeedTable]
+) -> Iterator[Fault]:
+    """Yield what is wrong with rules together, and with the places and feeds that they name."""
     counted = Counter(rule.id for rule in rules)
     for number, rule in enumerate(rules):
         first = next(n for n, one in enumerate(rules) if one.id == rule.id)
@@ -42,15 +45,40 @@ def rule_faults(rules: Sequence[RuleTable], places: Places) -> Iterator[Fault]:
                 ("rules", number, "id"),
                 (f"expected a name of its own, found {rule.id!r} as in rule {first + 1}"),
             )
+        yield from _unknown_names(number, rule, places, feeds)
         kind, name = rule.of_kind.place, rule.place
-        if kind is None or name is None:
-            continue
-        if name in places[kind]:
+        if kind is not None and name is not None and name in places[kind]:
             yield from _too_small(number, rule, places[kind][name])
-            continue
-        known = places[kind]
-        hint = nearest(name, known) if known else f"the site file has no [{kind}s.NAME]"
-        yield ("rules", number, kind), f"there is no {kind} {name!r}; {hint}"
+
+
+def _unknown_names(
+    number: int, rule: RuleTable, places: Places, feeds: Mapping[str, FeedTable]
+) -> Iterator[Fault]:
+    asked: list[tuple[str, str, str | None]] = [
+        (key.name, key.names, getattr(rule, key.name))
+        for key in rule.of_kind.keys
+        if key.names is not None
+    ]
+    if rule.of_kind.place is not None:
+        asked.insert(0, (rule.of_kind.place, rule.of_kind.place, rule.place))
+    for key, kind, name in asked:
+        known: Mapping[str, Any] = feeds if kind == "feed" else places[kind]
+        if name is not None and name not in known:
+            yield ("rules", number, key), _no_such(kind, name, known)
+
+
+def feed_faults(
+    volumes: Mapping[str, VolumeTable], feeds: Mapping[str, FeedTable]
+) -> Iterator[Fault]:
+    """Yield the volumes whose feed does not exist."""
+    for name, volume in volumes.items():
+        if volume.feed is not None and volume.feed not in feeds:
+            yield ("volumes", name, "feed"), _no_such("feed", volume.feed, feeds)
+
+
+def _no_such(kind: str, name: str, known: Mapping[str, Any]) -> str:
+    hint = nearest(name, known) if known else f"the site file has no [{kind}s.NAME]"
+    return f"there is no {kind} {name!r}; {hint}"
 
 
 def _too_small(number: int, rule: RuleTable, place: PlaceTable) -> Iterator[Fault]:
@@ -89,7 +117,7 @@ def refuse(title: str, faults: Sequence[Fault]) -> NoReturn:
 def rules_of(tables: Sequence[RuleTable], places: Places) -> tuple[Rule, ...]:
     """Return rules as they are judged."""
     shapes = {
-        (kind, name): _shape(place)
+        (kind, name): _shape(place, name)
         for kind, named in places.items()
         for name, place in named.items()
     }
@@ -107,6 +135,11 @@ def _rule(table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Sha
     if kind.place is not None and name is not None:
         place = Place(kind.place, name, shapes[kind.place, name])
     keys = table.keys()
+    others = {
+        key.name: Place(key.names, keys[key.name], shapes[key.names, keys[key.name]])
+        for key in kind.keys
+        if key.names is not None and key.names != "feed" and keys[key.name] is not None
+    }
     hold_s = keys[kind.hold_key] if kind.hold_key is not None else 0.0
     escalate_s = math.inf if kind.escalate_s is None else kind.escalate_s * (hold_s or 1.0)
     timing = Timing(
@@ -121,20 +154,25 @@ def _rule(table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Sha
         kind.at_once,
     )
     hours = None if table.schedule is None else tuple(map(read_hours, table.schedule))
-    config = _digest(table, None if place is None else places[place.kind][place.name])
-    return Rule(table.id, kind, table.severity, place, hours, timing, table.early_s, keys, config)
+    named = {key: places[one.kind][one.name] for key, one in others.items()}
+    config = _digest(table, None if place is None else places[place.kind][place.name], named)
+    return Rule(
+        table.id, kind, table.severity, place, hours, timing, table.early_s, keys, config, others
+    )
 
 
-def _shape(table: PlaceTable) -> Shape:
+def _shape(table: PlaceTable, name: str) -> Shape:
     if isinstance(table, ZoneTable):
         return Prism(Polygon(np.array(table.polygon_m)), table.z_m)
     if isinstance(table, VolumeTable):
-        return _volume(table)
+        return _volume(table, name)
     points_m = np.array(table.points_m)
     return Line(points_m) if isinstance(table, LineTable) else Edge(points_m)
 
 
-def _volume(table: VolumeTable) -> Volume:
+def _volume(table: VolumeTable, name: str) -> Volume | FedVolume:
+    if table.feed is not None:
+        return FedVolume(name, table.feed, table.size_m, table.bottom_m)
     heading = table.heading_deg
     return Volume(
         table.size_m, table.bottom_m, np.array(table.path_m), np.array(table.path_s),
@@ -142,10 +180,16 @@ def _volume(table: VolumeTable) -> Volume:
     )  # fmt: skip
 
 
-def _digest(rule: RuleTable, place: PlaceTable | None) -> str:
-    """Return the SHA-256 of a rule and its place, with all that is left out at its default."""
+def feeds_of(tables: Mapping[str, FeedTable]) -> tuple[Feed, ...]:
+    """Return feeds as rules take them."""
+    return tuple(Feed(name, one.silent_s, one.most_per_s) for name, one in tables.items())
+
+
+def _digest(rule: RuleTable, place: PlaceTable | None, others: Mapping[str, PlaceTable]) -> str:
+    """Return the SHA-256 of a rule and its places, with all that is left out at its default."""
     facts: dict[str, Any] = {
         "rule": rule.model_dump(mode="json"),
         "place": None if place is None else place.model_dump(mode="json"),
+        **{key: one.model_dump(mode="json") for key, one in others.items()},
     }
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()

@@ -147,6 +147,11 @@ class Recorder(KeepsPartial):
             thread.start()
 
     @property
+    def folder(self) -> Path:
+        """The folder in which the recording is."""
+        return self._path.parent
+
+    @property
     def stored_s(self) -> float:
         """The time up to which everything that was not lost is on the disk [s]; -inf at first."""
         return self._stored_s

@@ -18,7 +18,7 @@ from trecsim.store.atomic import partial_path
 from trecsim.store.claiming import FolderClaim
 from trecsim.store.gaps import NAME as GAPS
 from trecsim.store.ledger_file import NAME as LEDGER
-from trecsim.store.names import LIVE, POSES, RIG, TRACKS
+from trecsim.store.names import LIVE, POSES, RIG, SIGNALS, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.poses_writer import PosesWriter
@@ -154,7 +154,8 @@ def discard_recording(folder: Path) -> None:
     OSError
         When one of them cannot be removed.
     """
-    for name in (TRACKS, TIMING, POSES, RIG, GAPS, LIVE):
+    signals = [path.name for path in folder.glob(SIGNALS.format("*"))]
+    for name in (TRACKS, TIMING, POSES, RIG, GAPS, LIVE, *signals):
         for path in (folder / name, partial_path(folder / name), parts_of(folder / name)):
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)

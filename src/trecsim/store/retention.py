@@ -21,7 +21,7 @@ from trecsim.store.claiming import is_claimed
 from trecsim.store.erasing import catalogue_anew, changing_tracks, keep_rows
 from trecsim.store.ledger import Ledger
 from trecsim.store.ledger_file import NAME as LEDGER
-from trecsim.store.names import LIVE, TRACKS
+from trecsim.store.names import LIVE, SIGNALS, TRACKS
 from trecsim.store.parquet_reading import parts_of, recording_segments
 from trecsim.store.playback import has_tracks
 from trecsim.store.recordings import discard_recording
@@ -180,7 +180,10 @@ def _reduce(live: Iterable[Path], evidence: Spans, limit_bytes: float) -> int:
 
 
 def _remove_what_is_empty(recording: Path, before_s: float) -> None:
-    """Remove a recording that has ended and has no tracks left, and old timings of others."""
+    """Remove a recording that has ended and has no tracks left, and old small files of others."""
+    for path in recording.glob(SIGNALS.format("*")):
+        if path.stat().st_mtime < before_s:
+            path.unlink()
     if is_claimed(recording) or is_claimed(parts_of(recording / TRACKS)):
         for path in (recording / f"{TIMING}.parts").glob("[0-9]*.csv"):
             if path.stat().st_mtime < before_s:

@@ -9,10 +9,12 @@ import pytest
 import trecsim
 from trecsim.assessing import RuleEvents, rule_set
 from trecsim.lab.evaluation.event_episodes import episodes_of
-from trecsim.lab.packs.pack_files import PACKS, pack_scene, pack_site
+from trecsim.lab.packs.pack_files import PACKS, pack_feeds, pack_scene, pack_site
 from trecsim.lab.simulation.scene import Simulation, simulate
 from trecsim.lab.simulation.walkers import poses
 from trecsim.lab.true_events.truth_events import truth_events, unknown_rules
+from trecsim.safety.signals import recorded
+from trecsim.sites.feed_files import signals_of
 from trecsim.sites.recorded_site import read_without_rig
 
 WITHIN_S = 20.0  # so long a demo without a terminal lasts
@@ -20,16 +22,24 @@ ALERTS = {
     "lift": {"fall-in-strip", "still-in-strip"},
     "platform": {"edge", "over-the-yellow-line", "running"},
     "machine-cell": {"light-curtain", "cell"},
-    "gate": {"tailgating-left", "wrong-way"},
+    "gate": {"tailgating-left", "no-ticket-right", "wrong-way"},
     "care-room": {"fall", "somebody-comes"},
 }
-SILENT = {"care-room": {"on-the-floor"}, "gate": {"tailgating-right", "queue"}, "lift": {"down"}}
+SILENT = {
+    "care-room": {"on-the-floor"},
+    "gate": {"tailgating-right", "no-ticket-left", "queue"},
+    "lift": {"down"},
+}
 STEP_S = 0.25
 
 
 def events_of(name: str, tmp_path: Path, made: Simulation) -> list[dict]:
     (tmp_path / "site.toml").write_text(pack_site(name), encoding="utf-8")
-    engine = RuleEvents(rule_set(name, read_without_rig(tmp_path / "site.toml"), made.rig))
+    for file, text in pack_feeds(name).items():
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    site = read_without_rig(tmp_path / "site.toml")
+    signals = recorded(signals_of(site.feeds))
+    engine = RuleEvents(rule_set(name, site, made.rig), signals=signals)
     return [event for one in trecsim.follow(made.poses, made.rig) for event in engine.step(one)]
 
 
@@ -56,7 +66,9 @@ def test_what_happens_is_told_within_the_time_of_a_demo_and_nothing_else(
     assert unknown_rules(pack_site(name)) == []
     made = simulate(replace(pack_scene(name), seconds=WITHIN_S))
     told = [one for one in episodes_of(events_of(name, tmp_path, made)) if not one.is_warning]
-    true = episodes_of(truth_events(pack_site(name), made.truth_t_s, made.truth_xyz_m))
+    true = episodes_of(
+        truth_events(pack_site(name), made.truth_t_s, made.truth_xyz_m, pack_feeds(name))
+    )
     assert sorted(one.rule for one in told) == sorted(one.rule for one in true)
     assert {one.rule for one in told} >= ALERTS[name]
     assert not {one.rule for one in told} & SILENT.get(name, set())

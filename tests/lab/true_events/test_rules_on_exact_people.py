@@ -17,8 +17,10 @@ from trecsim.lab.simulation import BUILT_IN, read_scene
 from trecsim.lab.simulation.walkers import poses
 from trecsim.lab.staging import stage
 from trecsim.lab.true_events.naive_kinds import NAIVE_KINDS
-from trecsim.lab.true_events.scene_sites import site_of
+from trecsim.lab.true_events.scene_sites import feeds_of, site_of
 from trecsim.lab.true_events.truth_events import truth_events, unknown_rules
+from trecsim.safety.signals import recorded
+from trecsim.sites.feed_files import signals_of
 from trecsim.sites.recorded_site import read_without_rig
 from trecsim.store.truth import Truth, read_truth
 
@@ -45,7 +47,8 @@ def written(path: Path, lines: Sequence[str]) -> Path:
 
 
 def rule_events(site_file: Path, truth: Truth) -> list[str]:
-    engine = RuleEvents(rule_set("made", read_without_rig(site_file), None))
+    site = read_without_rig(site_file)
+    engine = RuleEvents(rule_set("made", site, None), signals=recorded(signals_of(site.feeds)))
     snapshots = moments(list(truth.xyz_m), truth.t_s)
     return [event_text(event) for one in snapshots for event in engine.step(one)]
 
@@ -56,7 +59,10 @@ def test_every_rule_tells_every_true_episode_and_no_other_within_one_frame(
 ) -> None:
     text, truth = str(site_of(name)), exact(name)
     site = written(tmp_path / "site.toml", text.splitlines())
-    true_lines = [event_text(one) for one in truth_events(text, truth.t_s, truth.xyz_m)]
+    for file, messages in feeds_of(name).items():
+        written(tmp_path / file, messages.splitlines())
+    true_events = truth_events(text, truth.t_s, truth.xyz_m, feeds_of(name))
+    true_lines = [event_text(one) for one in true_events]
     everything = read_episodes(written(tmp_path / "told.jsonl", rule_events(site, truth)))
     told = [one for one in everything if not one.is_warning]  # what was only expected is no episode
     true = read_episodes(written(tmp_path / "true.jsonl", true_lines))
@@ -78,8 +84,10 @@ def test_together_the_scenes_have_rules_of_every_kind_that_the_truth_knows() -> 
     kinds = {
         one["data"]["rule"]["kind"]
         for name in ("crossing-50cm", "hugging", "platform-edge", "ski-lift", "lying-down",
-                     "falling", "rotating", "crowded-room")
-        for one in truth_events(str(site_of(name)), exact(name).t_s, exact(name).xyz_m)
+                     "falling", "rotating", "crowded-room", "gate")
+        for one in truth_events(
+            str(site_of(name)), exact(name).t_s, exact(name).xyz_m, feeds_of(name)
+        )
     }  # fmt: skip
     assert kinds == set(NAIVE_KINDS)
 

@@ -86,7 +86,7 @@ class Crowds:
             for name, visits in inside.items():
                 self._take_zone(scene, name, visits, passed_s)
             for name, seam in seams.items():
-                found, kept[name] = seam.judge(scene, kept[name])
+                found, kept[name], _ = seam.judge(scene, kept[name])
                 for person, finding in found.items():
                     self._take_crossing(name, person, finding, scene.t_s)
             if scene.t_s - density_s >= DENSITY_EVERY_S - 1e-6:

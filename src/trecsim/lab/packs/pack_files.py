@@ -32,5 +32,20 @@ def pack_site(name: str) -> str:
     return _text(name, "site")
 
 
+def pack_feeds(name: str) -> dict[str, str]:
+    """Return the messages of the feeds of a pack, by the names of their files.
+
+    Examples
+    --------
+    >>> list(pack_feeds("gate")), pack_feeds("care-room")
+    (['gate.tickets.jsonl'], {})
+    """
+    return {
+        one.name: one.read_text("utf-8")
+        for one in files("trecsim.lab.packs").iterdir()
+        if one.name.startswith(f"{name}.") and one.name.endswith(".jsonl")
+    }
+
+
 def _text(name: str, kind: str) -> str:
     return (files("trecsim.lab.packs") / f"{name}.{kind}.toml").read_text("utf-8")

@@ -41,15 +41,18 @@ DELAYS_S: Mapping[str, tuple[float, float]] = {
     "edge.platform": (2.0, 0.5),
     "body.fall": (1.0, 0.5),
     "body.down": (10.0, 0.5),
+    "access.tailgate": (0.0, 0.0),
+    "access.unauthorised": (0.0, 0.0),
 }
 """Delays of each kind where a rule gives none: before it counts, and before it is over [s]."""
 
 
 class Place(NamedTuple):
-    """A rule and the place that it is about, as the site file says them."""
+    """A rule, the place that it is about, and the messages of its feed, as the files say them."""
 
     rule: Mapping[str, Any]
     place: Mapping[str, Any]
+    messages: Sequence[Mapping[str, Any]] = ()
 
     @property
     def delays(self) -> Delays:
@@ -162,6 +165,49 @@ def _cross(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
                 yield Happening((person.number,), Span(crossed_s, told_s, crossed_s), direction)
 
 
+def _gate(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
+    """Yield who passes a gate without a permission of their own, by each of both kinds."""
+    passed = [
+        (told_s, crossed_s, person.number, "in" if side < 0 else "out")
+        for person in people
+        for crossed_s, told_s, side, xy_m in _passages(
+            person, left_of_m(at.points_m, person.floor_m), at.delays.on_s
+        )
+        if 0.0 <= float(along(at.points_m, xy_m)) <= 1.0
+    ]
+    permits = _permits(at)
+    left = [number for _, _, number in permits]
+    for told_s, crossed_s, number, direction in sorted(passed):
+        if direction == at.rule.get("direction", "in"):
+            held = [n for n, (from_s, to_s, _) in enumerate(permits) if from_s <= crossed_s <= to_s]
+            free = [n for n in held if left[n] > 0]
+            if free:
+                left[free[0]] -= 1
+                continue
+            kind = "access.tailgate" if held else "access.unauthorised"
+        elif at.rule.get("way_back", "closed") == "closed":
+            kind = "access.unauthorised"
+        else:
+            continue
+        if kind == at.rule["kind"]:
+            yield Happening((number,), Span(crossed_s, told_s, crossed_s), direction)
+
+
+def _permits(at: Place) -> list[tuple[float, float, int]]:
+    """Return the permissions of a line: from when to when, and for how many [s]."""
+    name, window_s = at.rule["line"], at.rule.get("window_s", 5.0)
+    shut_s = [float(one["t_s"]) for one in at.messages if one.get("closed") == name]
+    return [
+        (
+            float(one["t_s"]),
+            min([one["t_s"] + window_s, *(t_s for t_s in shut_s if t_s >= one["t_s"])]),
+            int(one.get("people", 1)),
+        )
+        for one in at.messages
+        if one.get("grant") == name
+    ]
+
+
 def _passages(
     person: TruePerson, away_m: np.ndarray, delay_s: float
 ) -> Iterator[tuple[float, float, int, np.ndarray]]:
@@ -251,5 +297,7 @@ NAIVE_KINDS: Mapping[str, Callable[[Place, Sequence[TruePerson]], Iterator[Happe
     "edge.platform": _each(_edge),
     "body.fall": _each(_fall),
     "body.down": _each(_down),
+    "access.tailgate": _gate,
+    "access.unauthorised": _gate,
 }
 """All kinds of which the truth is known, by name."""

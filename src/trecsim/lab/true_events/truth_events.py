@@ -4,6 +4,8 @@ import hashlib
 import json
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,7 @@ from trecsim.lab.true_events.true_people import TruePerson
 
 EVIDENCE_S = 5.0
 _DECIMALS = 3
+_MOMENTARY = ("zone.exit", "line.cross", "access.tailgate", "access.unauthorised")
 _PLACES = ("zone", "line", "edge")
 
 
@@ -39,6 +42,7 @@ def truth_events(
     site_text: str,
     t_s: Float64[np.ndarray, " time"],
     xyz_m: Float64[np.ndarray, "person time 17 3"],
+    feeds: Mapping[str, str] = MappingProxyType({}),
 ) -> list[dict[str, Any]]:
     """Return what the rules of a site should tell, in the order in which it can be told.
 
@@ -51,6 +55,8 @@ def truth_events(
         Times of the truth [s].
     xyz_m
         True joints, NaN while a person is not there [m].
+    feeds
+        The messages of feeds, lines of JSON by the name of the file; the feeds count as working.
     """
     site = tomllib.loads(site_text)
     unknown = unknown_rules(site_text)
@@ -59,7 +65,7 @@ def truth_events(
     for number, rule in enumerate(site.get("rules", [])):
         if rule["id"] in unknown or not people:
             continue
-        at = Place(rule, _place(site, rule))
+        at = Place(rule, _place(site, rule), _messages(site, rule, feeds))
         for happening in NAIVE_KINDS[rule["kind"]](at, people):
             told += [
                 (moment_s, number, event)
@@ -76,12 +82,21 @@ def _place(site: Mapping[str, Any], rule: Mapping[str, Any]) -> Mapping[str, Any
     return {}
 
 
+def _messages(
+    site: Mapping[str, Any], rule: Mapping[str, Any], feeds: Mapping[str, str]
+) -> list[Mapping[str, Any]]:
+    if "feed" not in rule:
+        return []
+    text = feeds.get(Path(site["feeds"][rule["feed"]]["file"]).name, "")
+    return [json.loads(line) for line in text.splitlines() if line.strip()]
+
+
 def _events(
     site: str, at: Place, happening: Happening, people: Sequence[TruePerson]
 ) -> Iterator[tuple[float, dict[str, Any]]]:
     """Yield the one or two events of what happens, each with the time at which it is told [s]."""
     start_s, told_s, end_s = happening.span
-    is_momentary = end_s == start_s and at.rule["kind"] in ("zone.exit", "line.cross")
+    is_momentary = end_s == start_s and at.rule["kind"] in _MOMENTARY
     data = _data(site, at, happening, people)
     first = {**data, "t_end_s": _rounded(end_s) if is_momentary else None}
     yield told_s, numbered(event_of(site, first, told_s), 0)

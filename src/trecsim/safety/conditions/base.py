@@ -22,10 +22,13 @@ class Judged(NamedTuple):
         the condition.
     memory
         What the condition wants to be given at the next moment.
+    fault
+        Why it could not judge this moment, as a feed is silent; all episodes stay as they are.
     """
 
     findings: Mapping[int, Finding]
     memory: Any = None
+    fault: str | None = None
 
 
 @runtime_checkable

@@ -1,6 +1,6 @@
 """Crossings of lines and borders, each counted once."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
@@ -133,19 +133,29 @@ class LineCrossed:
             memory or Crossed(), scene, distances_m, normals, self.delay_s, self.p_on
         )
         findings, counts = {}, dict(passed.counts)
-        for person, (sure, passage) in crossings.items():
-            crossed = passage.crossed
-            assert crossed is not None
-            direction: Direction = "in" if passage.side < 0 else "out"
-            if not 0.0 <= self.line.share(np.array([crossed.xy_m]))[0] <= 1.0:
-                continue  # around its end
+        for person, sure, at, direction in between_ends(self.line, crossings):
             if self.direction not in (direction, "both"):
                 continue
             counts[direction] = counts.get(direction, 0) + 1
             findings[person] = Finding(
-                sure, since_s=crossed.t_s, direction=direction, count=counts[direction]
+                sure, since_s=at.t_s, direction=direction, count=counts[direction]
             )
         return Judged(findings, replace(passed, counts=counts))
+
+
+def between_ends(
+    line: Line, crossings: Mapping[int, tuple[float, Passage]]
+) -> Iterator[tuple[int, float, Place, Direction]]:
+    """Yield the crossings of a line between its two points, without those around its ends.
+
+    Yields
+    ------
+    Who crossed, how surely, where and when, and in which direction.
+    """
+    for person, (sure, passage) in crossings.items():
+        assert passage.crossed is not None
+        if 0.0 <= line.share(np.array([passage.crossed.xy_m]))[0] <= 1.0:
+            yield person, sure, passage.crossed, "in" if passage.side < 0 else "out"
 
 
 @dataclass(frozen=True, slots=True)

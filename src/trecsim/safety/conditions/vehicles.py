@@ -12,7 +12,7 @@ from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Prism
 from trecsim.safety.rule_scene import Scene
-from trecsim.safety.volumes import Volume
+from trecsim.safety.volumes import Moving
 from trecsim.skeleton import COCO17
 
 
@@ -44,13 +44,17 @@ class NearVolume:
         So near is near [m].
     """
 
-    volume: Volume
+    volume: Moving
     distance_m: float
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        near = _inside(scene, self.volume.boxes(scene.t_s, self.distance_m))
-        hit = _inside(scene, self.volume.boxes(scene.t_s))
+        fault = self.volume.fault(scene.signals, scene.t_s)
+        if fault is not None:
+            return Judged({}, fault=fault)
+        volume = self.volume.told(scene.signals)
+        near = _inside(scene, volume.boxes(scene.t_s, self.distance_m))
+        hit = _inside(scene, volume.boxes(scene.t_s))
         findings = {}
         for n in np.flatnonzero((near > LEAST).any(axis=1)):
             grave = float(hit[n].max())
@@ -61,9 +65,10 @@ class NearVolume:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead for where people and volumes will meet; see `Foreseeing`."""
-        boxes = [self.volume.boxes(ahead.t_s + s, self.distance_m) for s in ahead.ahead_s.tolist()]
+        volume = self.volume.told(ahead.signals)
+        boxes = [volume.boxes(ahead.t_s + s, self.distance_m) for s in ahead.ahead_s.tolist()]
         polygons = [[box.polygon for box in these] for these in boxes]
-        return ahead.in_moving(polygons, self.volume.z_m).expected(within_s)
+        return ahead.in_moving(polygons, volume.z_m).expected(within_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +83,16 @@ class OnVolume:
         It counts once the volume has been under way for so long [s].
     """
 
-    volume: Volume
+    volume: Moving
     after_s: float
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = _inside(scene, self.volume.boxes(scene.t_s, after_s=self.after_s))
+        fault = self.volume.fault(scene.signals, scene.t_s)
+        if fault is not None:
+            return Judged({}, fault=fault)
+        volume = self.volume.told(scene.signals)
+        inside = _inside(scene, volume.boxes(scene.t_s, after_s=self.after_s))
         findings = {}
         for n in np.flatnonzero((inside > LEAST).any(axis=1)):
             found = Finding(float(inside[n].max()), {}, joints=_joints(inside[n]))

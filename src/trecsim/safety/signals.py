@@ -1,0 +1,265 @@
+"""What other systems say about a site: who may pass, which door is shut, where vehicles are.
+
+A feed is a series of messages of one system. The rules get each message once, with the first frame
+set at or after its arrival. What they conclude depends on the messages and on these times alone, so
+a recording that keeps both gives the same events as the live site.
+
+A feed that does not work has a fault: no message for `silent_s`, too many messages, or a message
+that cannot be read. Rules that need the feed then judge nothing and say so.
+"""
+
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
+
+from trecsim.safety.vehicle import Vehicle
+
+LONGEST_S = 600.0
+"""Grants are kept for so long [s]; no rule lets one hold longer."""
+MOST_GRANTS = 10_000
+"""Of one line; the oldest are dropped."""
+MOST_VEHICLES = 1000
+WITHIN_S = 1.0
+"""Messages are counted over so long, to find a flood [s]."""
+DISTRUST_S = 10.0
+"""For so long after a flood or an unreadable message a feed counts as faulty [s]."""
+
+What = Literal["alive", "grant", "closed", "volume", "gone", "unreadable"]
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """One message of a feed.
+
+    Attributes
+    ----------
+    feed
+        Name of the feed.
+    t_s
+        The time of what it tells, on the clock of the frame sets [s].
+    what
+        "alive" says nothing but that the feed works; "grant" lets people cross a line; "closed"
+        ends all grants of a line; "volume" tells where a vehicle is, "gone" that it has left;
+        "unreadable" stands for a message that cannot be read.
+    about
+        Name of the line or the volume.
+    taken_s
+        The time of the frame set with which the rules got it [s]; NaN before that.
+    people
+        So many people may cross.
+    vehicle
+        Which of the vehicles that share the name of the volume.
+    xy_m, heading_rad
+        Where its middle is [m], and where it points to, if that is told [rad].
+    note
+        What is wrong with an unreadable message.
+    """
+
+    feed: str
+    t_s: float
+    what: What = "alive"
+    about: str = ""
+    taken_s: float = math.nan
+    people: int = 1
+    vehicle: str = ""
+    xy_m: tuple[float, float] | None = None
+    heading_rad: float | None = None
+    note: str = ""
+
+
+SignalSource = Callable[[float], Sequence[Signal]]
+"""Returns the messages that have come since it was last asked, given the time of a frame set [s].
+
+Each of them has that time as `taken_s`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Feed:
+    """A feed of a site.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    silent_s
+        Without a message for so long it is silent [s]; 0 never.
+    most_per_s
+        More messages in a second are a flood.
+    """
+
+    name: str
+    silent_s: float = 30.0
+    most_per_s: float = 100.0
+
+
+class Grant(NamedTuple):
+    """A permission to cross a line.
+
+    Attributes
+    ----------
+    number
+        Counts the grants of a line.
+    t_s
+        From when on it holds [s].
+    closed_s
+        When the door was shut [s]; infinity while it is open.
+    people
+        So many people may cross.
+    """
+
+    number: int
+    t_s: float
+    closed_s: float
+    people: int
+
+    def holds(self, t_s: float, window_s: float) -> bool:
+        """Tell whether it lets people cross at a time, if it holds for so long [s]."""
+        return self.t_s <= t_s <= min(self.t_s + window_s, self.closed_s)
+
+
+@dataclass(slots=True, eq=False)
+class _Heard:
+    """What has come of one feed."""
+
+    feed: Feed
+    last_s: float = -math.inf
+    recent: deque[float] = field(default_factory=deque)
+    distrusted_s: float = -math.inf
+    note: str = ""
+    grants: dict[str, deque[Grant]] = field(default_factory=dict)
+    vehicles: dict[str, dict[str, Vehicle]] = field(default_factory=dict)
+    numbers: dict[str, int] = field(default_factory=dict)
+
+    def take(self, one: Signal) -> None:
+        self.last_s = one.taken_s
+        while self.recent and one.taken_s - self.recent[0] >= WITHIN_S:
+            self.recent.popleft()
+        self.recent.append(one.taken_s)
+        if len(self.recent) > self.feed.most_per_s * WITHIN_S:
+            self.recent.popleft()
+            self._distrust(one, f"more than {self.feed.most_per_s:g} messages in a second")
+            if one.what == "grant":
+                return
+        if one.what == "unreadable":
+            self._distrust(one, one.note)
+        elif one.what == "grant":
+            self._grant(one)
+        elif one.what == "closed":
+            grants = self.grants.get(one.about, deque())
+            self.grants[one.about] = deque(
+                (_closed(grant, one.t_s) for grant in grants), MOST_GRANTS
+            )
+        elif one.what in ("volume", "gone"):
+            self._move(one)
+
+    def _distrust(self, one: Signal, note: str) -> None:
+        self.distrusted_s, self.note = one.taken_s, note
+
+    def _grant(self, one: Signal) -> None:
+        grants = self.grants.setdefault(one.about, deque(maxlen=MOST_GRANTS))
+        while grants and one.taken_s - grants[0].t_s > LONGEST_S:
+            grants.popleft()
+        number = self.numbers[one.about] = self.numbers.get(one.about, 0) + 1
+        grants.append(Grant(number, one.t_s, math.inf, one.people))
+
+    def _move(self, one: Signal) -> None:
+        there = self.vehicles.setdefault(one.about, {})
+        if one.what == "gone" or one.xy_m is None:
+            there.pop(one.vehicle, None)
+        elif one.vehicle in there or len(there) < MOST_VEHICLES:
+            before = there.get(one.vehicle)
+            there[one.vehicle] = Vehicle.moved(before, one.t_s, one.xy_m, one.heading_rad)
+
+    def fault(self, t_s: float) -> str | None:
+        name, silent_s = self.feed.name, self.feed.silent_s
+        if silent_s > 0.0 and self.last_s == -math.inf:
+            return f"feed {name} has sent nothing yet"
+        if silent_s > 0.0 and t_s - self.last_s > silent_s:
+            return f"feed {name} is silent: no message for more than {silent_s:g} s"
+        if t_s - self.distrusted_s < DISTRUST_S:
+            return f"feed {name}: {self.note}"
+        return None
+
+
+def _closed(grant: Grant, t_s: float) -> Grant:
+    if grant.t_s > t_s or grant.closed_s < t_s:
+        return grant
+    return grant._replace(closed_s=t_s)
+
+
+class Signals:
+    """What the feeds of a site have told so far.
+
+    Parameters
+    ----------
+    feeds
+        The feeds. What comes of others is not kept.
+    """
+
+    def __init__(self, feeds: Sequence[Feed] = ()) -> None:
+        self._heard: dict[str, _Heard] = {}
+        self.change(feeds)
+
+    def change(self, feeds: Sequence[Feed]) -> None:
+        """Take other feeds from now on; those with a known name keep what they have told."""
+        before, self._heard = self._heard, {}
+        for feed in feeds:
+            heard = before.get(feed.name) or _Heard(feed)
+            heard.feed = feed
+            self._heard[feed.name] = heard
+
+    def take(self, signals: Iterable[Signal]) -> None:
+        """Take messages, each with the time at which the rules got it."""
+        for one in signals:
+            heard = self._heard.get(one.feed)
+            if heard is not None:
+                heard.take(one)
+
+    def fault(self, feed: str, t_s: float) -> str | None:
+        """Return why nothing can be concluded from a feed at a time [s]; None if it works."""
+        heard = self._heard.get(feed)
+        return f"there is no feed {feed}" if heard is None else heard.fault(t_s)
+
+    def grants(self, feed: str, line: str) -> Sequence[Grant]:
+        """Return the grants of a line of the last `LONGEST_S`, in the order of the messages."""
+        heard = self._heard.get(feed)
+        return () if heard is None else tuple(heard.grants.get(line, ()))
+
+    def vehicles(self, feed: str, volume: str) -> Mapping[str, Vehicle]:
+        """Return the vehicles that a feed has told of and that are not gone, by their names."""
+        heard = self._heard.get(feed)
+        return {} if heard is None else heard.vehicles.get(volume, {})
+
+
+def recorded(signals: Iterable[Signal]) -> SignalSource:
+    """Return the messages of a recording as rules take them.
+
+    Parameters
+    ----------
+    signals
+        Those without `taken_s` come with the first frame set at or after the time that they tell.
+
+    Examples
+    --------
+    >>> source = recorded([Signal("door", 2.0, "grant", "gate"), Signal("door", 9.0)])
+    >>> [one.what for one in source(1.9)], [(one.what, one.taken_s) for one in source(2.1)]
+    ([], [('grant', 2.1)])
+    """
+    waiting = deque(sorted(signals, key=_due_s))
+
+    def taken(t_s: float) -> Iterator[Signal]:
+        while waiting and _due_s(waiting[0]) <= t_s:
+            yield with_taken(waiting.popleft(), t_s)
+
+    return lambda t_s: list(taken(t_s))
+
+
+def _due_s(one: Signal) -> float:
+    return one.t_s if math.isnan(one.taken_s) else one.taken_s
+
+
+def with_taken(one: Signal, t_s: float) -> Signal:
+    """Return a message as the rules got it with the frame set of a time [s]."""
+    return replace(one, taken_s=t_s)

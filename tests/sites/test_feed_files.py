@@ -1,0 +1,112 @@
+"""Messages of feeds: lines of JSON, files, and what a recording keeps of them."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from trecsim.errors import InputError
+from trecsim.safety.signals import Signal
+from trecsim.sites.feed_files import (
+    kept_signals,
+    line_of,
+    read_feed,
+    recorded_signal,
+    signal_of,
+    signals_of,
+)
+from trecsim.sites.places import FeedTable
+
+GOOD = {
+    '{"t_s": 1}': Signal("f", 1.0),
+    '{"t_s": 1.5, "grant": "left"}': Signal("f", 1.5, "grant", "left"),
+    '{"t_s": 1.5, "grant": "left", "people": 3}': Signal("f", 1.5, "grant", "left", people=3),
+    '{"t_s": 1.5, "closed": "left"}': Signal("f", 1.5, "closed", "left"),
+    '{"t_s": 1.5, "volume": "cart", "xy_m": [1, 2.5]}': Signal(
+        "f", 1.5, "volume", "cart", xy_m=(1.0, 2.5)
+    ),
+    '{"t_s": 1.5, "volume": "cart", "id": "7", "xy_m": [1, 2], "heading_deg": 90}': Signal(
+        "f", 1.5, "volume", "cart", vehicle="7", xy_m=(1.0, 2.0), heading_rad=math.pi / 2
+    ),
+    '{"t_s": 1.5, "volume": "cart", "id": "7", "gone": true}': Signal(
+        "f", 1.5, "gone", "cart", vehicle="7"
+    ),
+}
+
+
+def same(one: Signal, other: Signal) -> bool:
+    def known(signal: Signal) -> Signal:
+        return signal if signal.taken_s == signal.taken_s else replace(signal, taken_s=-1.0)
+
+    return known(one) == known(other)
+
+
+@pytest.mark.parametrize("line", GOOD)
+def test_a_message_is_read_and_comes_back_from_a_recording(line: str) -> None:
+    signal = signal_of("f", line)
+    assert same(signal, GOOD[line])
+    taken = replace(signal, taken_s=9.25)
+    assert recorded_signal(line_of(taken).encode()) == taken
+
+
+@pytest.mark.parametrize(
+    ("line", "note"),
+    [
+        ("{", "a message is no JSON"),
+        ("[" * 4000, "a message is no JSON"),
+        ("[1]", "a message is no object"),
+        ("{}", "expected t_s as a number of at most 1e+11, found None"),
+        ('{"t_s": true}', "expected t_s as a number of at most 1e+11, found True"),
+        ('{"t_s": NaN}', "expected t_s as a number of at most 1e+11, found nan"),
+        ('{"t_s": 1, "grant": 5}', "expected grant as the name of a place, found 5"),
+        ('{"t_s": 1, "grnat": "a"}', "unknown key 'grnat' in a message"),
+        ('{"t_s": 1, "grant": "a", "people": 0}', "expected people from 1 to 1000, found 0"),
+        (
+            '{"t_s": 1, "grant": "a", "closed": "a"}',
+            "expected one of grant, closed and volume, found grant and closed",
+        ),
+        ('{"t_s": 1, "volume": "a", "xy_m": [1]}', "expected xy_m = [x, y] of a volume"),
+        (
+            '{"t_s": 1, "volume": "a", "xy_m": [1, "b"]}',
+            "expected xy_m as a number of at most 10000, found 'b'",
+        ),
+        ('{"t_s": 1, "grant": "' + "a" * 5000 + '"}', "a message is longer than 4096 bytes"),
+    ],
+)
+def test_a_message_that_is_wrong_says_what_is_wrong_and_is_kept_as_such(
+    line: str, note: str
+) -> None:
+    signal = signal_of("f", line, known_s=7.0)
+    assert (signal.what, signal.t_s, signal.note) == ("unreadable", 7.0, note)
+    taken = replace(signal, taken_s=8.0)
+    assert recorded_signal(line_of(taken).encode()) == taken
+
+
+def test_a_file_is_read_line_by_line_and_a_wrong_line_stands_at_the_time_before_it(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "f.jsonl"
+    path.write_text('{"t_s": 3}\n\noops\n{"t_s": 4, "grant": "a"}\n', encoding="utf-8")
+    assert [(one.t_s, one.what) for one in read_feed("f", path)] == [
+        (3.0, "alive"), (3.0, "unreadable"), (4.0, "grant"),
+    ]  # fmt: skip
+    with pytest.raises(InputError, match=r"none\.jsonl: the messages of a feed cannot be read"):
+        read_feed("f", tmp_path / "none.jsonl")
+
+
+def test_what_a_recording_has_kept_counts_in_place_of_the_file(tmp_path: Path) -> None:
+    (tmp_path / "f.jsonl").write_text('{"t_s": 3}\n', encoding="utf-8")
+    feeds = {"f": FeedTable(file=tmp_path / "f.jsonl")}
+    folder = tmp_path / "recording"
+    folder.mkdir()
+    assert [one.t_s for one in signals_of(feeds, folder)] == [3.0]
+    for hour in (2, 1):
+        kept = Signal("f", 3600.0 * hour, "grant", "a", taken_s=3600.0 * hour + 0.1)
+        (folder / f"signals-{hour:010d}.jsonl").write_text(line_of(kept) + "\n", encoding="utf-8")
+    assert [one.taken_s for one in kept_signals(folder)] == [3600.1, 7200.1]
+    assert signals_of(feeds, folder) == signals_of(feeds, folder / "tracks.parquet")
+    assert [one.t_s for one in signals_of(feeds, folder)] == [3600.0, 7200.0]
+    (folder / "signals-0000000003.jsonl").write_text("{}\n", encoding="utf-8")
+    with pytest.raises(InputError, match="a kept message of a feed is damaged"):
+        kept_signals(folder)
