@@ -74,7 +74,8 @@ def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> R
         Is added to the times of snapshots to get Unix times [s].
     """
     clock = Clock(zone_of(site.timezone), start_s)
-    rules, feeds = rules_of(site.rules, site.places), feeds_of(site.feeds)
+    rules = rules_of(site.rules, site.places, site.exclusions)
+    feeds = feeds_of(site.feeds)
     return RuleSet(name, rules, clock, rig, modes_of(site.modes), feeds)
 
 

@@ -127,7 +127,12 @@ def _rule(kind: Kind, keys: Mapping[str, Any]) -> Rule:
         raise Error(f"{kind.name}: give values of {', '.join(missing)} to check it")
     place = None if kind.place is None else Place(kind.place, "made", _SHAPES[kind.place])
     timing = Timing(kind.on_delay_s, kind.off_delay_s)
-    return Rule("made", kind, "warning", place, None, timing, kind.early_s, given, "")
+    others = {
+        key.name: Place(key.names, "made", _SHAPES[key.names])
+        for key in kind.keys
+        if key.names is not None and key.names != "feed"
+    }
+    return Rule("made", kind, "warning", place, None, timing, kind.early_s, given, "", others)
 
 
 def _made_people() -> list[Snapshot]:

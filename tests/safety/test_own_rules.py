@@ -17,7 +17,7 @@ from trecsim.service.rule_watch import RuleWatch
 from trecsim.values import Snapshot
 
 T = times(4.0)
-NEEDED = {"limit": 2, "heading_deg": 90.0, "feed": "made"}
+NEEDED = {"limit": 2, "heading_deg": 90.0, "feed": "made", "line": "made", "strip": "made"}
 
 
 @dataclass(frozen=True)

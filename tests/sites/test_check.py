@@ -114,7 +114,7 @@ def test_videos_are_looked_at_though_the_rig_cannot_be_read(site: Path) -> None:
     assert "line 7: sources.cam1.video: cannot read video" in told
 
 
-@pytest.mark.parametrize("key", ["portals", "alerts"])
+@pytest.mark.parametrize("key", ["notify", "alerts"])
 def test_what_is_to_come_is_not_taken_for_a_slip(site: Path, key: str) -> None:
     told = faults_of(site, "[sources.cam1]", f"[{key}.x]\n[sources.cam1]")
     assert "not in this version of trecsim" in told

@@ -34,6 +34,7 @@ NEEDED = {
     "limit": "limit = 3",
     "heading_deg": "heading_deg = 90",
     "feed": 'feed = "tickets"',
+    "strip": 'strip = "exit-strip"',
 }
 
 

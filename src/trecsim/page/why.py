@@ -66,7 +66,7 @@ class Reasons:
 
         for site in self._sites(recording):
             with suppress(Error, ValueError):
-                for rule in rules_of(site.rules, site.places):
+                for rule in rules_of(site.rules, site.places, site.exclusions):
                     if rule.id == told.get("id") and rule.config == told.get("config"):
                         return rule, feeds_of(site.feeds)
         raise InputError(

@@ -15,6 +15,7 @@ from trecsim.safety.conditions.falls import Down, Fallen
 from trecsim.safety.conditions.gates import GatePassed
 from trecsim.safety.conditions.movement import Running, WrongWay
 from trecsim.safety.conditions.split_groups import Separated
+from trecsim.safety.conditions.unloading import Unloading
 from trecsim.safety.conditions.vehicles import NearVolume, OnVolume
 from trecsim.safety.conditions.zones import InZone, JointInZone, Occupancy, OutOfZone
 from trecsim.safety.directed_lines import Edge, Line
@@ -82,11 +83,11 @@ def _at_edge(rule: Rule) -> Condition:
 
 
 def _fallen(rule: Rule) -> Condition:
-    return Fallen(_polygon_or_none(rule))
+    return Fallen(_polygon_or_none(rule), rule.exclusions)
 
 
 def _down(rule: Rule) -> Condition:
-    return Down(_polygon_or_none(rule))
+    return Down(_polygon_or_none(rule), rule.exclusions)
 
 
 def _out_of_zone(rule: Rule) -> Condition:
@@ -138,6 +139,13 @@ def _near_volume(rule: Rule) -> Condition:
 
 def _on_volume(rule: Rule) -> Condition:
     return OnVolume(_volume(rule), rule.keys["after_s"])
+
+
+def _unloading(rule: Rule) -> Condition:
+    line, strip = (rule.others[key].shape for key in ("line", "strip"))
+    assert isinstance(line, Line)
+    assert isinstance(strip, Prism)
+    return Unloading(_volume(rule), line, strip.polygon, rule.keys["next_s"])
 
 
 def _tailgated(rule: Rule) -> Condition:
@@ -264,13 +272,14 @@ _ALL = (
         "body.fall",
         "Somebody lies who came down with the movement of a fall.",
         "posture and height rate: Yao 2017, Bourke 2008; heights and speeds: ours",
-        _fallen, place="zone", place_is_optional=True, on_delay_s=1.0,
+        _fallen, place="zone", place_is_optional=True, on_delay_s=1.0, spares_exclusions=True,
     ),
     Kind(
         "body.down",
         "Somebody is on the floor, hips below 0.35 m, and no fall was seen.",
         "ours; 30 s on the floor raises the severity",
         _down, place="zone", place_is_optional=True, on_delay_s=10.0, escalate_s=30.0,
+        spares_exclusions=True,
     ),
     Kind(
         "ttc.vehicle",
@@ -288,6 +297,22 @@ _ALL = (
         _on_volume, place="volume", on_delay_s=0.3,
         keys=(Key("after_s", float, "For how long the volume must have been on its way [s].", 0.0,
                   {"ge": 0.0, "le": 86400.0}),),
+    ),
+    Kind(
+        "lift.unload",
+        "A joint that a camera supports is inside a chair that has passed the line, or somebody is "
+        "still in the strip for whom the next chair is less than `next_s` from the line; who lies "
+        "there counts at once, with a higher severity.",
+        "functions of chairlift monitors that are sold; 3 s and delay: ours",
+        _unloading, place="volume", on_delay_s=0.3,
+        keys=(
+            Key("line", str, "Where riders have to be off the chair; its left is behind it.",
+                names="line"),
+            Key("strip", str, "The zone that has to be free when the next chair comes.",
+                names="zone"),
+            Key("next_s", float, "So near is the next chair [s].", 3.0,
+                {"gt": 0.0, "le": 60.0}),
+        ),
     ),
     Kind(
         "access.tailgate",

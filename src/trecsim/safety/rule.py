@@ -96,6 +96,8 @@ class Kind:
         Whether there is one episode for the place in place of one for each person.
     can_warn
         Whether its condition looks ahead, so that it can warn early.
+    spares_exclusions
+        Whether it does not count in exclusion volumes.
     """
 
     name: str
@@ -114,6 +116,7 @@ class Kind:
     at_once: bool = False
     is_about_place: bool = False
     can_warn: bool = False
+    spares_exclusions: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,6 +141,8 @@ class Rule:
         SHA-256 of the rule and its places.
     others
         Places that its own keys name, by key.
+    exclusions
+        Volumes in which it does not count, as beds.
     """
 
     id: str
@@ -150,3 +155,4 @@ class Rule:
     keys: Mapping[str, Any]
     config: str
     others: Mapping[str, Place] = field(default_factory=dict)
+    exclusions: tuple[Prism, ...] = ()

@@ -38,8 +38,11 @@ class Boxes(Protocol):
         """
         ...
 
-    def middles_m(self, t_s: float) -> Float64[np.ndarray, "box 2"]:
-        """Return the middle of each box that is there at a time [m]."""
+    def middles_m(self, t_s: float) -> dict[str, Float64[np.ndarray, " 2"]]:
+        """Return the middle of each box that is there at a time [m], in the order of `boxes`.
+
+        Each has a key, the same at all times.
+        """
         ...
 
 
@@ -107,9 +110,17 @@ class Volume:
             if since_s >= after_s
         ]
 
-    def middles_m(self, t_s: float) -> Float64[np.ndarray, "box 2"]:
-        """Return the middle of each box that is there at a time [m]."""
-        return _together([self._at_m(since_s) for since_s in self._under_way(t_s)])
+    def middles_m(self, t_s: float) -> dict[str, Float64[np.ndarray, " 2"]]:
+        """Return the middle of each box that is there at a time [m]; see `Boxes`."""
+        return {
+            self._launch(t_s - since_s): self._at_m(since_s) for since_s in self._under_way(t_s)
+        }
+
+    def _launch(self, started_s: float) -> str:
+        """Return which of the boxes one is that started at a time [s]."""
+        if self.period_s is None or len(self.path_s) == 1:
+            return "0"
+        return str(round((started_s - self.start_s) / self.period_s))
 
     def _under_way(self, t_s: float) -> Iterator[float]:
         """Yield for how long each box has been on its way [s]."""
@@ -189,9 +200,9 @@ class _ToldBoxes:
             if t_s - one.first_s >= after_s
         ]
 
-    def middles_m(self, t_s: float) -> Float64[np.ndarray, "box 2"]:
-        """Return the middle of each box that is there at a time [m]."""
-        return _together([np.array(one.at(t_s)) for one in self.vehicles.values()])
+    def middles_m(self, t_s: float) -> dict[str, Float64[np.ndarray, " 2"]]:
+        """Return the middle of each box that is there at a time [m]; see `Boxes`."""
+        return {name: np.array(one.at(t_s)) for name, one in self.vehicles.items()}
 
 
 def _box(
@@ -207,7 +218,3 @@ def _box(
     half = 0.5 * np.array(size_m[:2]) + margin_m
     signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     return Prism(Polygon(at_m + (signs * half) @ np.stack([along, across])), z_m)
-
-
-def _together(points: list[Float64[np.ndarray, " 2"]]) -> Float64[np.ndarray, "box 2"]:
-    return np.array(points, dtype=np.float64).reshape(-1, 2)

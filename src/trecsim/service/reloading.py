@@ -12,7 +12,9 @@ from trecsim.sites.site_reading import SiteFile, read_site
 
 logger = logging.getLogger(__name__)
 
-WHILE_RUNNING = frozenset({"timezone", "zones", "lines", "edges", "volumes", "rules", "modes"})
+WHILE_RUNNING = frozenset(
+    {"timezone", "zones", "lines", "edges", "volumes", "exclusions", "portals", "rules", "modes"}
+)
 """Tables of a site file that may change while the site runs."""
 
 

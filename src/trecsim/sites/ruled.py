@@ -15,7 +15,8 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 
 
 RULED = (
-    "format", "name", "timezone", "zones", "lines", "edges", "volumes", "feeds", "rules", "modes",
+    "format", "name", "timezone", "zones", "lines", "edges", "volumes", "exclusions", "portals",
+    "feeds", "rules", "modes",
 )  # fmt: skip
 """Keys of a site file that rules on recordings need."""
 
@@ -29,6 +30,11 @@ class Ruled(Table):
     """Parts of the floor, by name; the page draws them."""
     lines: dict[Name, LineTable] = Field(default_factory=dict)
     """Directed lines on the floor, by name; the page draws them."""
+    exclusions: dict[Name, ZoneTable] = Field(default_factory=dict)
+    """Beds, benches, sofas, by name: nobody is told as fallen or down whose hips are in there."""
+    portals: dict[Name, LineTable] = Field(default_factory=dict)
+    """Ways in and out of the site, by name; "in" is into it. The report of a day counts who came
+    by which and left by which."""
     edges: dict[Name, EdgeTable] = Field(default_factory=dict)
     """Edges of drops, by name; the page draws them."""
     volumes: dict[Name, VolumeTable] = Field(default_factory=dict)

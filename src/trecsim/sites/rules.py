@@ -6,6 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import tzinfo
+from types import MappingProxyType
 from typing import Any, NoReturn
 from zoneinfo import ZoneInfo
 
@@ -114,14 +115,28 @@ def refuse(title: str, faults: Sequence[Fault]) -> NoReturn:
     raise ValidationError.from_exception_data(title, details)
 
 
-def rules_of(tables: Sequence[RuleTable], places: Places) -> tuple[Rule, ...]:
-    """Return rules as they are judged."""
+def rules_of(
+    tables: Sequence[RuleTable],
+    places: Places,
+    exclusions: Mapping[str, ZoneTable] = MappingProxyType({}),
+) -> tuple[Rule, ...]:
+    """Return rules as they are judged.
+
+    Parameters
+    ----------
+    tables
+        The rules of a site file.
+    places
+        Its places.
+    exclusions
+        Its exclusion volumes.
+    """
     shapes = {
         (kind, name): _shape(place, name)
         for kind, named in places.items()
         for name, place in named.items()
     }
-    return tuple(_rule(table, places, shapes) for table in tables)
+    return tuple(_rule(table, places, shapes, exclusions) for table in tables)
 
 
 def zone_of(name: str) -> tzinfo:
@@ -129,7 +144,12 @@ def zone_of(name: str) -> tzinfo:
     return ZoneInfo(name)
 
 
-def _rule(table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Shape]) -> Rule:
+def _rule(
+    table: RuleTable,
+    places: Places,
+    shapes: Mapping[tuple[str, str], Shape],
+    exclusions: Mapping[str, ZoneTable],
+) -> Rule:
     kind, name = table.of_kind, table.place
     place = None
     if kind.place is not None and name is not None:
@@ -155,19 +175,26 @@ def _rule(table: RuleTable, places: Places, shapes: Mapping[tuple[str, str], Sha
     )
     hours = None if table.schedule is None else tuple(map(read_hours, table.schedule))
     named = {key: places[one.kind][one.name] for key, one in others.items()}
+    spared = exclusions if kind.spares_exclusions else {}
+    named |= {f"exclusion {name}": one for name, one in spared.items()}
     config = _digest(table, None if place is None else places[place.kind][place.name], named)
     return Rule(
-        table.id, kind, table.severity, place, hours, timing, table.early_s, keys, config, others
-    )
+        table.id, kind, table.severity, place, hours, timing, table.early_s, keys, config, others,
+        tuple(_prism(one) for one in spared.values()),
+    )  # fmt: skip
 
 
 def _shape(table: PlaceTable, name: str) -> Shape:
     if isinstance(table, ZoneTable):
-        return Prism(Polygon(np.array(table.polygon_m)), table.z_m)
+        return _prism(table)
     if isinstance(table, VolumeTable):
         return _volume(table, name)
     points_m = np.array(table.points_m)
     return Line(points_m) if isinstance(table, LineTable) else Edge(points_m)
+
+
+def _prism(table: ZoneTable) -> Prism:
+    return Prism(Polygon(np.array(table.polygon_m)), table.z_m)
 
 
 def _volume(table: VolumeTable, name: str) -> Volume | FedVolume:

@@ -194,13 +194,11 @@ PosesPlace = Annotated[
 ]
 
 LATER = "not in this version of trecsim"
-LISTED = ("portals",)
 NOT_YET = {
     **dict.fromkeys(
         ("reconnect_s", "reconnect"),
         "a lost camera is tried again by itself, after 0.5 s and then at longer intervals",
     ),
-    **{key: f"{key} are {LATER}" for key in LISTED},
     **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
 }
 

@@ -18,6 +18,7 @@ from trecsim.errors import InputError
 from trecsim.lab.day.day_building import day_report
 from trecsim.lab.day.day_crowds import Crowds
 from trecsim.lab.day.episodes import alerts_of, rule_days
+from trecsim.lab.day.trips import NOT_SEEN, Passage, nested, trips
 from trecsim.lab.day.visits import Visit, Visits, journeys
 from trecsim.safety.directed_lines import Line
 from trecsim.safety.polygons import Polygon
@@ -42,6 +43,12 @@ polygon_m = [[2.0, -2.0], [6.0, -2.0], [6.0, 2.0], [2.0, 2.0]]
 
 [lines.gate]
 points_m = [[1.0, 2.0], [1.0, -2.0]]
+
+[portals.west-door]
+points_m = [[-1.0, 2.0], [-1.0, -2.0]]
+
+[portals.east-door]
+points_m = [[3.0, -2.0], [3.0, 2.0]]
 
 [[rules]]
 id = "east"
@@ -99,6 +106,22 @@ def test_people_go_from_their_first_place_to_their_last_one() -> None:
         Visit(2, "hall", 3, 5),
     ]  # fmt: skip
     assert journeys(visits) == {("door", "exit"): 1, ("hall", "hall"): 1}
+
+
+def test_trips_lead_from_the_portal_by_which_somebody_came_to_that_by_which_they_left() -> None:
+    passages = [
+        Passage(1, "north", "in", 1.0), Passage(1, "south", "out", 9.0),
+        Passage(1, "south", "in", 20.0), Passage(1, "south", "out", 30.0),
+        Passage(2, "north", "out", 5.0),  # was inside at the beginning
+        Passage(3, "north", "in", 5.0),  # still there at the end
+        Passage(4, "north", "in", 6.0), Passage(4, "north", "in", 7.0),
+    ]  # fmt: skip
+    counted = trips(reversed(passages))
+    assert counted == {
+        ("north", "south"): 1, ("south", "south"): 1, (NOT_SEEN, "north"): 1,
+        ("north", NOT_SEEN): 3,
+    }  # fmt: skip
+    assert nested(counted)["north"] == {NOT_SEEN: 3, "south": 1}
 
 
 def test_crossings_visits_and_time_are_counted_in_one_reading() -> None:
@@ -170,6 +193,8 @@ def test_a_report_has_the_reasons_rates_and_times_of_the_ledger(folder: Path) ->
     }  # fmt: skip
     assert made.rules["running"]["alerts"] == 0
     assert made.lines == {"gate": {"in": 1, "out": 0}}
+    assert made.portals == {"west-door": {"east-door": 1}}
+    assert "came by \\ left by" in made.out.read_text()
     assert made.zones["west"]["visits"] == 2
     text = made.out.read_text()
     assert "a &lt;trolley&gt;" in text

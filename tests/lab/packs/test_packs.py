@@ -19,7 +19,7 @@ from trecsim.sites.recorded_site import read_without_rig
 
 WITHIN_S = 20.0  # so long a demo without a terminal lasts
 ALERTS = {
-    "lift": {"fall-in-strip", "still-in-strip"},
+    "lift": {"fall-in-strip", "still-in-strip", "unload"},
     "platform": {"edge", "over-the-yellow-line", "running"},
     "machine-cell": {"light-curtain", "cell"},
     "gate": {"tailgating-left", "no-ticket-right", "wrong-way"},

@@ -26,10 +26,13 @@ from trecsim.lab.day.day_sections import (
     watched_section,
 )
 from trecsim.lab.day.episodes import Alert, RuleDay, alerts_of, rule_days
+from trecsim.lab.day.trips import nested, trips
 from trecsim.lab.report.page import page
 from trecsim.lab.report.style import need_matplotlib
 from trecsim.safety.directed_lines import Line
 from trecsim.safety.polygons import Polygon
+from trecsim.safety.signals import recorded as recorded_signals
+from trecsim.sites.feed_files import kept_signals
 from trecsim.sites.recorded_site import RecordedSite, read_recorded_site
 from trecsim.sites.rules import zone_of
 from trecsim.store.atomic import atomic_write
@@ -62,6 +65,8 @@ class DaySummary:
         For each zone its visits and the median dwell [s].
     lines
         For each line the crossings in and out.
+    portals
+        For each portal by which people came, how many left by which.
     remarks
         What the page says of its limits.
     """
@@ -75,6 +80,7 @@ class DaySummary:
     rules: Mapping[str, Mapping[str, float | None]]
     zones: Mapping[str, Mapping[str, float]]
     lines: Mapping[str, Mapping[str, int]]
+    portals: Mapping[str, Mapping[str, int]]
     remarks: tuple[str, ...]
 
 
@@ -171,7 +177,8 @@ def _alerts(
         )
     told: list[Mapping[str, Any]] = []
     for recording in held:
-        engine = RuleEvents(rule_set(site.name, site, rig))
+        signals = recorded_signals(kept_signals(recording.folder))
+        engine = RuleEvents(rule_set(site.name, site, rig), signals=signals)
         for moment in snapshots(recording.folder, *span_s):
             told += engine.step(moment)
     return alerts_of(told)
@@ -199,7 +206,8 @@ def _crowds(
 ) -> Crowds:
     zones = {name: Polygon(np.array(zone.polygon_m)) for name, zone in site.zones.items()}
     lines = {name: Line(np.array(line.points_m)) for name, line in site.lines.items()}
-    crowds = Crowds(zones, lines)
+    portals = {name: Line(np.array(line.points_m)) for name, line in site.portals.items()}
+    crowds = Crowds(zones, lines, portals=portals)
     for recording in held:
         moments = snapshots(recording.folder, max(span_s[0], -1e12), min(span_s[1], 1e12) - 1e-6)
         crowds.read(moments, lambda done: progress(done, None) if progress is not None else None)
@@ -274,6 +282,7 @@ def _summary(
         },
         zones=visits,
         lines=lines,
+        portals=nested(trips(crowds.passages)),
         remarks=tuple(remarks),
     )
 

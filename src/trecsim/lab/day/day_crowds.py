@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.lab.day.trips import Passage
 from trecsim.lab.day.visits import Visit, Visits
 from trecsim.safety.conditions.crossings import LineCrossed
 from trecsim.safety.conditions.density import LEAST_M2, voronoi_density
@@ -33,7 +34,7 @@ class Crowds:
 
     Attributes
     ----------
-    zones, lines
+    zones, lines, portals
         The places of the site.
     watched_s
         How long there were snapshots [s].
@@ -47,6 +48,8 @@ class Crowds:
         By line and direction, the times of all crossings [s].
     occupancy
         By zone and number of people inside, for how long [s].
+    passages
+        Crossings of portals.
     """
 
     zones: Mapping[str, Polygon]
@@ -63,6 +66,8 @@ class Crowds:
     occupancy: dict[str, dict[int, float]] = field(
         default_factory=lambda: defaultdict(lambda: defaultdict(float))
     )
+    portals: Mapping[str, Line] = field(default_factory=dict)
+    passages: list[Passage] = field(default_factory=list)
     visits: list[Visit] = field(default_factory=list)
     crossers: list[Visit] = field(default_factory=list)
 
@@ -72,7 +77,9 @@ class Crowds:
         """Count what is in one recording; identities of two recordings have to differ."""
         memory, inside = Memory(), {name: Visits(name) for name in self.zones}
         seams = {name: LineCrossed(line, "both", 0.0, P_ON) for name, line in self.lines.items()}
+        doors = {name: LineCrossed(line, "both", 0.0, P_ON) for name, line in self.portals.items()}
         kept: dict[str, Any] = dict.fromkeys(seams)
+        doors_kept: dict[str, Any] = dict.fromkeys(doors)
         last_s = density_s = -np.inf
         for number, snapshot in enumerate(moments):
             if snapshot.t_s - last_s < STEP_S - 1e-6:
@@ -89,6 +96,10 @@ class Crowds:
                 found, kept[name], _ = seam.judge(scene, kept[name])
                 for person, finding in found.items():
                     self._take_crossing(name, person, finding, scene.t_s)
+            for name, door in doors.items():
+                found, doors_kept[name], _ = door.judge(scene, doors_kept[name])
+                for person, finding in found.items():
+                    self._take_passage(name, person, finding, scene.t_s)
             if scene.t_s - density_s >= DENSITY_EVERY_S - 1e-6:
                 density_s = scene.t_s
                 self._take_density(scene)
@@ -112,6 +123,10 @@ class Crowds:
         at_s = t_s if finding.since_s is None else finding.since_s
         self.crossings[name][finding.direction].append(at_s)
         self.crossers.append(Visit(person, name, at_s, at_s))
+
+    def _take_passage(self, name: str, person: int, finding: Any, t_s: float) -> None:
+        at_s = t_s if finding.since_s is None else finding.since_s
+        self.passages.append(Passage(person, name, finding.direction, at_s))
 
     def _take_density(self, scene: Scene) -> None:
         for name, polygon in self.zones.items():

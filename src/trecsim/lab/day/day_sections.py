@@ -8,6 +8,7 @@ import numpy as np
 
 from trecsim.lab.day.day_crowds import CELL_M, DENSITY_EVERY_S, Crowds
 from trecsim.lab.day.episodes import Alert, RuleDay
+from trecsim.lab.day.trips import NOT_SEEN, trips
 from trecsim.lab.day.visits import Visit, journeys
 from trecsim.lab.report.page import Alignment, Block, Fact, Facts, Figure, Section, Table, Text
 from trecsim.lab.report.plan_section import heat_map, smoothed
@@ -109,6 +110,8 @@ def counts_section(crowds: Crowds) -> Section:
     ways = journeys([*crowds.visits, *crowds.crossers])
     if ways:
         blocks.append(_ways(ways))
+    if crowds.portals:
+        blocks.append(_trips(trips(crowds.passages), list(crowds.portals)))
     if not blocks:
         blocks.append(Text("The site has no zones and no lines.", "missing"))
     return Section("Counts and dwell", blocks)
@@ -157,6 +160,16 @@ def _ways(ways: Mapping[tuple[str, str], int]) -> Table:
     rows = [[one, *(str(ways.get((one, end), 0)) for end in ends)] for one in origins]
     caption = "People by the first place they were at (rows) and the last one (columns)."
     return Table(("from \\ to", *ends), rows, caption)
+
+
+def _trips(counts: Mapping[tuple[str, str], int], portals: Sequence[str]) -> Table:
+    names = [*portals, NOT_SEEN]
+    rows = [[one, *(str(counts.get((one, end), 0)) for end in names)] for one in names]
+    caption = (
+        "People by the portal by which they came (rows) and left (columns). Who was inside at the "
+        "beginning or the end, or whose track broke, was not seen to come or to leave."
+    )
+    return Table(("came by \\ left by", *names), rows, caption)
 
 
 def density_section(crowds: Crowds, clock: Clock) -> Section:

@@ -6,11 +6,13 @@ of the documentation of the rules, written down a second time.
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool
 
+from trecsim.lab.true_events.naive_chairs import coming_since_s, is_on_a_chair_past
 from trecsim.lab.true_events.naive_falls import fallen_since_s
 from trecsim.lab.true_events.naive_movement import running, wrong_way
 from trecsim.lab.true_events.naive_places import (
@@ -41,6 +43,7 @@ DELAYS_S: Mapping[str, tuple[float, float]] = {
     "edge.platform": (2.0, 0.5),
     "body.fall": (1.0, 0.5),
     "body.down": (10.0, 0.5),
+    "lift.unload": (0.3, 0.5),
     "access.tailgate": (0.0, 0.0),
     "access.unauthorised": (0.0, 0.0),
 }
@@ -53,6 +56,7 @@ class Place(NamedTuple):
     rule: Mapping[str, Any]
     place: Mapping[str, Any]
     messages: Sequence[Mapping[str, Any]] = ()
+    site: Mapping[str, Any] = MappingProxyType({})
 
     @property
     def delays(self) -> Delays:
@@ -69,6 +73,16 @@ class Place(NamedTuple):
     def points_m(self) -> np.ndarray:
         """Points of the line or edge [m]."""
         return np.array(self.place["points_m"], float)
+
+    def is_spared(self, person: TruePerson) -> Bool[np.ndarray, " time"]:
+        """Tell when the hips of a person are in an exclusion volume, as on a bed."""
+        spared = np.zeros(len(person.t_s), bool)
+        for one in self.site.get("exclusions", {}).values():
+            low_m, high_m = one.get("z_m", (0.0, 2.5))
+            hips_m = person.hips_m
+            over = is_inside(np.array(one["polygon_m"], float), hips_m[:, :2])
+            spared |= over & (hips_m[:, 2] >= low_m) & (hips_m[:, 2] <= high_m)
+        return spared
 
     def holds(self, person: TruePerson) -> Bool[np.ndarray, " time"]:
         """Tell when a person stands in the zone; always where the rule has none."""
@@ -123,13 +137,37 @@ def _edge(at: Place, person: TruePerson) -> list[Span]:
 
 def _fall(at: Place, person: TruePerson) -> list[Span]:
     since_s = fallen_since_s(person)
-    holds = np.isfinite(since_s) & person.lies & at.holds(person)
-    return spans(person.t_s, holds, person.there, at.delays, since_s=since_s)
+    counts = at.holds(person) & ~at.is_spared(person)
+    holds = np.isfinite(since_s) & person.lies & counts
+    came_s = np.full(len(counts), -math.inf)  # of who has come here while lying: since when
+    for n in range(1, len(counts)):
+        came = bool(counts[n] and person.there[n - 1] and not counts[n - 1])
+        came_s[n] = person.t_s[n] if came else came_s[n - 1]
+    return spans(person.t_s, holds, person.there, at.delays, since_s=np.maximum(since_s, came_s))
 
 
 def _down(at: Place, person: TruePerson) -> list[Span]:
     holds = person.hips_down & ~np.isfinite(fallen_since_s(person)) & at.holds(person)
+    holds &= ~at.is_spared(person)
     return spans(person.t_s, holds, person.there, at.delays)
+
+
+def _unload(at: Place, person: TruePerson) -> list[Span]:
+    line_m = np.array(at.site["lines"][at.rule["line"]]["points_m"], float)
+    strip_m = np.array(at.site["zones"][at.rule["strip"]]["polygon_m"], float)
+    in_strip = person.there & is_inside(strip_m, person.floor_m)
+    holds, entered_s = np.zeros(len(person.t_s), bool), math.nan
+    for n, now in enumerate(person.t_s.tolist()):
+        if not in_strip[n]:
+            entered_s = math.nan
+        elif math.isnan(entered_s):
+            entered_s = now
+        near_s = coming_since_s(at.place, line_m, at.rule.get("next_s", 3.0), person.t_s[: n + 1])
+        waits = in_strip[n] and any(since_s >= entered_s for since_s in near_s)
+        rides = person.there[n] and is_on_a_chair_past(at.place, line_m, now, person.xyz_m[n])
+        holds[n] = waits or rides
+    grave = holds & in_strip & person.lies
+    return spans(person.t_s, holds, person.there, at.delays, at_once=grave)
 
 
 def _running(at: Place, person: TruePerson) -> list[Span]:
@@ -297,6 +335,7 @@ NAIVE_KINDS: Mapping[str, Callable[[Place, Sequence[TruePerson]], Iterator[Happe
     "edge.platform": _each(_edge),
     "body.fall": _each(_fall),
     "body.down": _each(_down),
+    "lift.unload": _each(_unload),
     "access.tailgate": _gate,
     "access.unauthorised": _gate,
 }

@@ -18,7 +18,7 @@ from trecsim.lab.true_events.true_people import TruePerson
 EVIDENCE_S = 5.0
 _DECIMALS = 3
 _MOMENTARY = ("zone.exit", "line.cross", "access.tailgate", "access.unauthorised")
-_PLACES = ("zone", "line", "edge")
+_PLACES = ("volume", "zone", "line", "edge")
 
 
 def known_kinds() -> tuple[str, ...]:
@@ -65,7 +65,7 @@ def truth_events(
     for number, rule in enumerate(site.get("rules", [])):
         if rule["id"] in unknown or not people:
             continue
-        at = Place(rule, _place(site, rule), _messages(site, rule, feeds))
+        at = Place(rule, _place(site, rule), _messages(site, rule, feeds), site)
         for happening in NAIVE_KINDS[rule["kind"]](at, people):
             told += [
                 (moment_s, number, event)

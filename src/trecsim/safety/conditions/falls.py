@@ -9,7 +9,7 @@ from trecsim.safety.body_states import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
 from trecsim.safety.machine import Finding
-from trecsim.safety.polygons import Polygon
+from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule_scene import Scene
 
 
@@ -23,9 +23,12 @@ class Fallen:
     ----------
     polygon
         Where it counts; None for everywhere.
+    exclusions
+        Where it does not: the hips of somebody who lies on a bed are in one of these.
     """
 
     polygon: Polygon | None
+    exclusions: tuple[Prism, ...] = ()
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
@@ -35,7 +38,7 @@ class Fallen:
             if trace.fall is None or not inside[row] > LEAST:
                 continue
             measures = {**_measures(scene, row), **trace.fall._asdict()}
-            sure = min(_hips_down(scene, row), _flat(scene, row)) * float(inside[row])
+            sure = lies(scene, row) * float(inside[row]) * _outside(scene, row, self.exclusions)
             findings[person] = Finding(sure, measures)
         return Judged(findings)
 
@@ -46,11 +49,12 @@ class Down:
 
     Attributes
     ----------
-    polygon
-        Where it counts; None for everywhere.
+    polygon, exclusions
+        See `Fallen`.
     """
 
     polygon: Polygon | None
+    exclusions: tuple[Prism, ...] = ()
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
@@ -61,8 +65,26 @@ class Down:
                 continue
             sure = _hips_down(scene, row) * float(inside[row])
             if sure > LEAST:
+                sure *= _outside(scene, row, self.exclusions)
+            if sure > LEAST:
                 findings[person] = Finding(sure, _measures(scene, row))
         return Judged(findings)
+
+
+def lies(scene: Scene, row: int) -> float:
+    """Return the probability that a person lies: the hips are down, and head or trunk, too."""
+    return min(_hips_down(scene, row), _flat(scene, row))
+
+
+def _outside(scene: Scene, row: int, exclusions: tuple[Prism, ...]) -> float:
+    """Return the probability that the middle of the hips is in no exclusion volume."""
+    outside = 1.0
+    if exclusions:
+        hip_m = scene.body.hip_m[row][None]
+        cov_m2 = np.diag(np.square(scene.body.hip_sigma_m[row]))[None]
+        for prism in exclusions:
+            outside *= 1.0 - float(np.nan_to_num(prism.probability(hip_m, cov_m2)[0]))
+    return outside
 
 
 def _hips_down(scene: Scene, row: int) -> float:

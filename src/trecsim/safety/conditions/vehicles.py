@@ -16,7 +16,7 @@ from trecsim.safety.volumes import Moving
 from trecsim.skeleton import COCO17
 
 
-def _inside(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen joint"]:
+def inside_boxes(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen joint"]:
     """Return the probability that each supported joint of seen people is in one of the boxes."""
     rows = scene.seen
     xyz_m = scene.people.xyz_m[rows]
@@ -28,7 +28,8 @@ def _inside(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen joint
     return inside
 
 
-def _joints(inside: Float64[np.ndarray, " joint"]) -> tuple[str, ...]:
+def joints_inside(inside: Float64[np.ndarray, " joint"]) -> tuple[str, ...]:
+    """Return the names of the joints that are more likely inside than not."""
     return tuple(COCO17.joints[j] for j in np.flatnonzero(inside >= LIKELY))
 
 
@@ -53,12 +54,12 @@ class NearVolume:
         if fault is not None:
             return Judged({}, fault=fault)
         volume = self.volume.told(scene.signals)
-        near = _inside(scene, volume.boxes(scene.t_s, self.distance_m))
-        hit = _inside(scene, volume.boxes(scene.t_s))
+        near = inside_boxes(scene, volume.boxes(scene.t_s, self.distance_m))
+        hit = inside_boxes(scene, volume.boxes(scene.t_s))
         findings = {}
         for n in np.flatnonzero((near > LEAST).any(axis=1)):
             grave = float(hit[n].max())
-            joints = _joints(hit[n] if grave >= LIKELY else near[n])
+            joints = joints_inside(hit[n] if grave >= LIKELY else near[n])
             found = Finding(float(near[n].max()), {}, graver=grave, joints=joints)
             findings[int(scene.people.id[scene.seen[n]])] = found
         return Judged(findings)
@@ -92,9 +93,9 @@ class OnVolume:
         if fault is not None:
             return Judged({}, fault=fault)
         volume = self.volume.told(scene.signals)
-        inside = _inside(scene, volume.boxes(scene.t_s, after_s=self.after_s))
+        inside = inside_boxes(scene, volume.boxes(scene.t_s, after_s=self.after_s))
         findings = {}
         for n in np.flatnonzero((inside > LEAST).any(axis=1)):
-            found = Finding(float(inside[n].max()), {}, joints=_joints(inside[n]))
+            found = Finding(float(inside[n].max()), {}, joints=joints_inside(inside[n]))
             findings[int(scene.people.id[scene.seen[n]])] = found
         return Judged(findings)
