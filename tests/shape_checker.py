@@ -26,14 +26,22 @@ def check(thing: Any) -> Any:
     """
     if getattr(thing, "__annotations__", {}).get("return") is Self:
         return thing
-    checked = _checked(thing)
-    return checked if isinstance(thing, type) else _counted(checked)
+    return _checked(thing) if isinstance(thing, type) else _counted(thing)
 
 
-def _counted(checked: Callable[..., Any]) -> Callable[..., Any]:
-    @functools.wraps(checked)
+def _counted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that counts its calls and is made to check at the first of them.
+
+    Beartype writes code for each function: for all of them that would take seconds per process.
+    """
+    checked: Callable[..., Any] | None = None
+
+    @functools.wraps(function)
     def counted(*args: Any, **kwargs: Any) -> Any:
+        nonlocal checked
         global _left
+        if checked is None:
+            checked = _checked(function)
         _left -= 1
         if _left <= 0:
             jaxtyping.config.update("jaxtyping_disable", True)

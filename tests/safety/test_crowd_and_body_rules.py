@@ -103,7 +103,7 @@ def packed(spacing_m: float, t_s: np.ndarray, seed: int = 0) -> list[np.ndarray]
 
 
 def test_people_who_stand_as_dense_as_dangerous_are_told_with_their_density() -> None:
-    t_s = times(12.0, 5.0)
+    t_s = times(8.0, 2.0)
     events = events_of(rule("density.critical", ROOM), moments(packed(0.4, t_s), t_s))
     density = events[0]["data"]["measures"]["density_pm2"]
     assert density == pytest.approx(1.0 / 0.4**2, rel=0.05)

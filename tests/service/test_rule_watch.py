@@ -64,6 +64,16 @@ def a_busy_room(seed: int = 3) -> list[Snapshot]:
     return made
 
 
+@pytest.fixture(scope="module")
+def judged() -> list[Any]:
+    """Return what all rules tell of the busy room."""
+    events: list[Any] = []
+    watch = RuleWatch(rules_of(RULES), events.append)
+    for one in a_busy_room():
+        watch.write(one)
+    return events
+
+
 def test_the_recording_of_a_site_gives_the_bytes_that_its_ledger_holds(tmp_path: Path) -> None:
     (tmp_path / "site.toml").write_text(PLACES + RULES)
     shown: list[Any] = []
@@ -97,6 +107,8 @@ def test_a_rule_that_fails_is_a_fault_of_the_site_until_it_works_again(
     assert len([line for line in caplog.messages if "the rules fail" in line]) == 1
     for one in snapshots[2:]:
         watch.write(one)
+        if events:
+            break
     assert watch.health(1.7e9).fault is None
     assert events
 
@@ -111,13 +123,11 @@ def test_it_tells_how_many_rules_are_armed_and_takes_others_while_it_runs() -> N
     assert watch.health(noon).total == watch.health(noon).armed == len(KINDS)
 
 
-def test_what_was_open_when_a_site_ended_is_ended_at_its_next_start(tmp_path: Path) -> None:
-    events: list[Any] = []
-    watch = RuleWatch(rules_of(RULES), events.append)
-    for one in a_busy_room():
-        watch.write(one)
+def test_what_was_open_when_a_site_ended_is_ended_at_its_next_start(
+    tmp_path: Path, judged: list[Any]
+) -> None:
     with Ledger(tmp_path) as ledger:
-        for event in events:
+        for event in judged:
             ledger.append_next(event)
         before = [one.event for one in ledger.open_events(TYPES)]
         ends = ends_of("made", before, now=lambda: 1.8e9)
@@ -131,10 +141,7 @@ def test_what_was_open_when_a_site_ended_is_ended_at_its_next_start(tmp_path: Pa
     assert all(end < 1.75e9 for (end,) in told(ends, "t_end_s"))
 
 
-def test_events_reach_who_takes_them_in_order() -> None:
-    events: list[Any] = []
-    watch = RuleWatch(rules_of(RULES), events.append)
-    for one in a_busy_room():
-        watch.write(one)
-    times_s = [t_s for (t_s,) in told(events, "t_detect_s")]
+def test_events_reach_who_takes_them_in_order(judged: list[Any]) -> None:
+    times_s = [t_s for (t_s,) in told(judged, "t_detect_s")]
+    assert len(times_s) > 1
     assert times_s == sorted(times_s)

@@ -11,6 +11,7 @@ from trecsim.fusion import FusionSettings
 from trecsim.fusion.settings import BELOW_ONE, RENAMED, by_names_of_today
 from trecsim.toml_models import Table
 from trecsim.toml_models.described import fields_of
+from trecsim.toml_models.table import MADE
 
 
 class _FusionTable(Table):
@@ -57,6 +58,7 @@ else:
         "FusionTable",
         __base__=_FusionTable,
         __doc__="Settings of the association and the fit.",
+        __cls_kwargs__=MADE,
         **fields_of(
             FusionSettings, {field.name: _limits(field.name) for field in fields(FusionSettings)}
         ),

@@ -10,6 +10,7 @@ from trecsim.safety.kinds import KINDS
 from trecsim.safety.rule import Key, Kind, Severity
 from trecsim.safety.schedules import read_hours
 from trecsim.toml_models import Table
+from trecsim.toml_models.table import MADE
 
 MOST_RULES = 1000
 _LONGEST_S = 86400.0
@@ -93,7 +94,9 @@ def _table_of(kind: Kind) -> type[RuleTable]:
         )
     fields.update({key.name: _field_of(key) for key in kind.keys})
     name = "".join(part.capitalize() for part in kind.name.replace("_", ".").split("."))
-    return create_model(f"{name}Rule", __base__=RuleTable, __doc__=kind.about, **fields)
+    return create_model(
+        f"{name}Rule", __base__=RuleTable, __doc__=kind.about, __cls_kwargs__=MADE, **fields
+    )
 
 
 def _field_of(key: Key) -> tuple[Any, FieldInfo]:
