@@ -114,16 +114,26 @@ def _cell(at_m: Float64[np.ndarray, " 2"], others_m: Float64[np.ndarray, "other 
     angles = 2.0 * math.pi * np.arange(_SIDES) / _SIDES
     cell = at_m + CUT_M * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     ways_m = others_m - at_m
-    for way_m in ways_m[(np.hypot(*ways_m.T) < 2.0 * CUT_M)]:
-        cell = _cut(cell, at_m + 0.5 * way_m, way_m)
+    away_m = np.hypot(*ways_m.T)
+    reach_m = CUT_M
+    for n in np.argsort(away_m):  # from who is nearest until nobody can cut anything off
+        if away_m[n] >= 2.0 * reach_m:
+            break
+        left = _cut(cell, at_m + 0.5 * ways_m[n], ways_m[n])
+        if left is not cell:
+            cell = left
+            reach_m = float(np.hypot(*(cell - at_m).T).max(initial=0.0))
     return cell
 
 
 def _area_within(corners_m: Corners, cell: Float64[np.ndarray, "side 2"]) -> float:
     """Return the area of a polygon, convex or not, within a convex one."""
+    x_m, y_m = (np.roll(cell, -1, axis=0) - cell).T
+    outwards = np.stack([y_m, -x_m], axis=1)
+    beyond = corners_m @ outwards.T > (cell * outwards).sum(axis=1)
     part = corners_m
-    for start, end in zip(cell, np.roll(cell, -1, axis=0), strict=True):
-        part = _cut(part, start, np.array([end[1] - start[1], start[0] - end[0]]))
+    for n in np.flatnonzero(beyond.any(axis=0)):  # the other sides cut nothing off
+        part = _cut(part, cell[n], outwards[n])
     return area_m2(part) if len(part) else 0.0
 
 
@@ -133,12 +143,16 @@ def _cut(
     """Return the part of a polygon that is not beyond a line (Sutherland and Hodgman, 1974)."""
     if not len(corners_m):
         return corners_m
-    beyond = (corners_m - at_m) @ outwards
-    after, beyond_after = np.roll(corners_m, -1, axis=0), np.roll(beyond, -1)
-    kept = []
-    for here, there, out, out_there in zip(corners_m, after, beyond, beyond_after, strict=True):
+    beyond = ((corners_m - at_m) @ outwards).tolist()
+    if max(beyond) <= 0.0:
+        return corners_m
+    corners, kept = corners_m.tolist(), []
+    for n, out in enumerate(beyond):
+        (x, y), after = corners[n], n + 1 - len(corners)
         if out <= 0.0:
-            kept.append(here)
-        if (out < 0.0 < out_there) or (out_there < 0.0 < out):
-            kept.append(here + out / (out - out_there) * (there - here))
+            kept.append((x, y))
+        if (out < 0.0 < beyond[after]) or (beyond[after] < 0.0 < out):
+            share = out / (out - beyond[after])
+            x_after, y_after = corners[after]
+            kept.append((x + share * (x_after - x), y + share * (y_after - y)))
     return np.array(kept).reshape(-1, 2)
