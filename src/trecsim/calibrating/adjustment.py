@@ -347,7 +347,20 @@ class _Problem:
 
     def residual(self, state: State) -> Float64[np.ndarray, "corner 2"]:
         """Return seen minus predicted [px]."""
-        return self._compare(state)[0]
+        c = self.corners
+        on_assembly = _applied(state.T_assembly_board[c.board], c.point_m)
+        world = _applied(state.T_world_placement[c.placement], on_assembly)
+        seen = _applied(state.T_cam_world[c.camera], world)
+        pixels, _, _ = _imaged(c.camera, seen, state, self.per_camera)
+        return self._seen_minus(pixels, state)
+
+    def _seen_minus(
+        self, pixels: Float64[np.ndarray, "corner 2"], state: State
+    ) -> Float64[np.ndarray, "corner 2"]:
+        c = self.corners
+        late = c.velocity_px_s * state.offset_s[c.camera][:, None]
+        residual: Float64[np.ndarray, "corner 2"] = c.xy_px - pixels - late
+        return residual
 
     def cost(self, residual: Float64[np.ndarray, "corner 2"], sigma: float, state: State) -> float:
         """Return what is minimised; infinite where a prediction fails."""
@@ -453,8 +466,7 @@ class _Problem:
         by_placement = np.concatenate((-by_world @ cross_matrix(world), by_world), axis=2)
         by_assembly = by_world @ T_placement[:, :3, :3]
         by_board = np.concatenate((-by_assembly @ cross_matrix(on_assembly), by_assembly), axis=2)
-        late = c.velocity_px_s * state.offset_s[c.camera][:, None]
-        return c.xy_px - pixels - late, by_camera, by_board, by_placement
+        return self._seen_minus(pixels, state), by_camera, by_board, by_placement
 
 
 def _imaged(

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,15 @@ MARKERS = (50, 100, 250, 1000)
 MARKER_SHARE = 0.75  # of the side of a square
 LEAST_CORNERS, MOST_CORNERS = 3, 40  # along a side
 LONGEST_SQUARE_M = 2.0
+
+
+@lru_cache(maxsize=16)
+def _points_m(columns: int, rows: int, square_m: float) -> Float64[np.ndarray, "corner 3"]:
+    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
+    flat = np.stack((x, y, np.zeros_like(x)), axis=-1).reshape(-1, 3)
+    points_m: Float64[np.ndarray, "corner 3"] = square_m * flat.astype(np.float64)
+    points_m.setflags(write=False)
+    return points_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +88,7 @@ class Board:
     @property
     def points_m(self) -> Float64[np.ndarray, "corner 3"]:
         """Where its corners lie, row by row, on the board: z = 0, from the first corner [m]."""
-        x, y = np.meshgrid(np.arange(self.columns), np.arange(self.rows))
-        flat = np.stack((x, y, np.zeros_like(x)), axis=-1).reshape(-1, 3)
-        return self.square_m * flat.astype(np.float64)
+        return _points_m(self.columns, self.rows, self.square_m)
 
     @property
     def symmetries(self) -> list[Int64[np.ndarray, " corner"]]:
