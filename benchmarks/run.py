@@ -33,6 +33,8 @@ _IN_ORDER = (
     "rules",
     "early_warnings",
     "board_calibration",
+    "people_calibration",
+    "repairing",
     "rules_cost",
     "simulating",
     "evaluating",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, Int64
 
+from trecsim.calibrating.people.body_sizes import size_of_body
 from trecsim.calibrating.people.camera_records import CameraRecord
 from trecsim.calibrating.people.floor_tracks import floor_positions, on_grid
 from trecsim.calibrating.people.kernels.matching_rays import ray_distances
@@ -18,17 +19,30 @@ from trecsim.calibrating.people.tuning import (
 )
 from trecsim.geometry.rigid import inverse
 
+LARGEST = 1.8  # over the usual size, and as much below it: what two cameras place as one person
+UNEQUAL = 0.35  # of the logarithm of the size: rays that meet by chance place bodies of any size
 OVERLAPPING_S = 0.15  # tracklets of one camera may have so much in common and be one person
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """Two tracklets of different cameras that may be the same person."""
+    """Two tracklets of different cameras that may be the same person.
+
+    Attributes
+    ----------
+    first, second
+        Numbers of the tracklets.
+    apart_m, common_s
+        How far apart they are [m], over how much time in common [s].
+    unequal
+        Logarithm of the size of the body that both place together, over the usual one.
+    """
 
     first: int
     second: int
     apart_m: float
     common_s: float
+    unequal: float = 0.0
 
 
 def chains(
@@ -37,6 +51,7 @@ def chains(
     state: RigState,
     *,
     by_rays: bool,
+    by_floor: bool = True,
     looser: float = 1.0,
 ) -> Int64[np.ndarray, " tracklet"]:
     """Return the number of each tracklet's person; -1 for those whom no second camera sees.
@@ -48,7 +63,9 @@ def chains(
     records, state
         What the cameras saw, and how they stand.
     by_rays
-        Whether viewing rays of all joints must meet, too; without it only places on the floor.
+        Whether viewing rays of all joints must meet, and place a body of usual size.
+    by_floor
+        Whether places on the floor must agree; not where the floor is hardly known.
     looser
         By how much the limits grow, for a rig that may be wrong.
     """
@@ -56,23 +73,33 @@ def chains(
     places = {k: _places(tracks[k], records, state) for k in known}
     found = []
     scale = looser * (CHAIN_RAY_M if by_rays else CHAIN_FLOOR_M)
-    floor_m = looser * CHAIN_FLOOR_M * (2.0 if by_rays else 1.0)
+    floor_m = looser * CHAIN_FLOOR_M * (2.0 if by_rays else 1.0) if by_floor else np.inf
     for i, a in enumerate(known):
         for b in known[i + 1 :]:
             if tracks[a].camera == tracks[b].camera:
                 continue
             apart_m, common_s = apart_on_floor(places[a], places[b])
-            if common_s < CHAIN_OVERLAP_S or apart_m > floor_m:
+            if common_s < CHAIN_OVERLAP_S or not apart_m <= floor_m:
                 continue
+            unequal = 0.0
             if by_rays:
-                apart_m = _rays_apart(tracks[a], tracks[b], records, state)
-            if apart_m < scale:
-                found.append(Candidate(a, b, apart_m, common_s))
-    found.sort(key=lambda one: one.apart_m / scale + 0.5 / np.sqrt(one.common_s))
+                apart_m, unequal = _rays_apart(tracks[a], tracks[b], records, state)
+            if apart_m < scale and abs(unequal) < np.log(LARGEST):
+                found.append(Candidate(a, b, apart_m, common_s, unequal))
+    found.sort(key=lambda one: _doubt(one, scale))
     return _merged(tracks, found, state)
 
 
-Places = tuple[int, Float64[np.ndarray, "tick 2"]]
+def _doubt(one: Candidate, scale_m: float) -> float:
+    """Return by how much two tracklets are unlike one person; the least first."""
+    return (
+        one.apart_m / scale_m
+        + 0.5 / float(np.sqrt(one.common_s))
+        + 0.5 * (one.unequal / UNEQUAL) ** 2
+    )
+
+
+Places = tuple[int, Float64[np.ndarray, "..."]]
 
 
 def _places(track: Tracklet, records: tuple[CameraRecord, ...], state: RigState) -> Places:
@@ -94,8 +121,12 @@ def apart_on_floor(one: Places, other: Places) -> tuple[float, float]:
 
 def _rays_apart(
     a: Tracklet, b: Tracklet, records: tuple[CameraRecord, ...], state: RigState
-) -> float:
-    """Return the median over time of the mean distance of the joints' viewing rays [m]."""
+) -> tuple[float, float]:
+    """Return how far the joints' viewing rays pass each other [m], and how unusual the body is.
+
+    The first is the median over time of the median over the joints; the second the logarithm of
+    the body's size over the usual one.
+    """
     t_a, t_b = state.time_s(a.camera, a.t_s), state.time_s(b.camera, b.t_s)
     at = np.searchsorted(t_b, t_a)
     at = np.clip(at, 1, len(t_b) - 1)
@@ -103,15 +134,17 @@ def _rays_apart(
     near = np.flatnonzero(np.abs(t_b[at] - t_a) < TICK_S)
     near = near[:: max(1, len(near) // 60)]
     if not len(near):
-        return np.inf
+        return np.inf, 0.0
     distance = np.full(len(near), np.nan)
-    ray_distances(
-        np.ascontiguousarray(state.T[a.camera]), np.ascontiguousarray(state.T[b.camera]),
-        records[a.camera].xy, records[b.camera].xy,
-        a.detections[near], b.detections[at[near]], distance,
-    )  # fmt: skip
+    T_a, T_b = (np.ascontiguousarray(state.T[one.camera]) for one in (a, b))
+    xy_a, xy_b = records[a.camera].xy, records[b.camera].xy
+    of_a, of_b = a.detections[near], b.detections[at[near]]
+    ray_distances(T_a, T_b, xy_a, xy_b, of_a, of_b, distance)
     known = np.isfinite(distance)
-    return float(np.median(distance[known])) if known.sum() >= 3 else np.inf
+    if known.sum() < 3:
+        return np.inf, 0.0
+    size = size_of_body(xy_a[of_a], xy_b[of_b], T_a, T_b)
+    return float(np.median(distance[known])), float(np.log(size)) if size > 0.0 else 0.0
 
 
 def _merged(

@@ -7,23 +7,37 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.calibrating.people.adjusting import Adjusted, adjusted
+from trecsim.calibrating.people.body_pairs import BodyRelation
+from trecsim.calibrating.people.body_start import start_by_bodies
 from trecsim.calibrating.people.camera_records import CameraRecord
 from trecsim.calibrating.people.chains import chains
 from trecsim.calibrating.people.floor_tracks import floor_tracks
 from trecsim.calibrating.people.observations import Observations, observations
 from trecsim.calibrating.people.pairs import Relation, relate
 from trecsim.calibrating.people.pose_uncertainty import covariance_of
-from trecsim.calibrating.people.priors import Distance, Priors
+from trecsim.calibrating.people.priors import Distance, Priors, Upright
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tracklets import Tracklet, tracklets
 from trecsim.calibrating.people.tree import joined
-from trecsim.calibrating.people.tuning import ANNEALING, LENS_LEAST, LENS_SD, LENS_SURE
+from trecsim.calibrating.people.tuning import (
+    ANNEALING,
+    BODY_TILT_RAD,
+    LENS_LEAST,
+    LENS_SD,
+    LENS_SURE,
+    LOOSER,
+    REFIT_CLOCK,
+)
 from trecsim.calibrating.people.uprights import Level, level
 from trecsim.calibrating.people.variances import with_own_variances
+from trecsim.calibrating.people.world import bodies, lowered
 
 FEWEST_FOR_LENSES = 3  # two cameras explain wrong intrinsics by their poses
 COARSE = ANNEALING[:-2]
 FINE = (2.0, 1.0)
+
+
+Relations = tuple[Relation, ...] | tuple[BodyRelation, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +51,8 @@ class Found:
     levels
         Vertical and height of each camera; None where it saw too little.
     relations
-        Pairs of cameras whose floor tracks agree.
+        Pairs of cameras whose floor tracks agree; where those tell nothing, pairs that see the
+        same bodies.
     seen
         What was adjusted.
     rig
@@ -49,7 +64,7 @@ class Found:
     tracks: list[Tracklet]
     chain: Int64[np.ndarray, " tracklet"]
     levels: tuple[Level | None, ...]
-    relations: tuple[Relation, ...]
+    relations: Relations
     seen: Observations
     rig: Adjusted
     priors: Priors
@@ -57,8 +72,12 @@ class Found:
 
 def start(
     records: tuple[CameraRecord, ...],
-) -> tuple[list[Tracklet], tuple[Level | None, ...], tuple[Relation, ...], RigState]:
-    """Return tracklets, levels, relations, and the rig before the adjustment."""
+) -> tuple[list[Tracklet], tuple[Level | None, ...], Relations, RigState]:
+    """Return tracklets, levels, relations, and the rig before the adjustment.
+
+    Tracks on the floor tell lags of many seconds, and who is who among many. Where nobody walks
+    far enough for that, the bodies themselves relate cameras whose clocks are nearly in step.
+    """
     per_camera = [tracklets(record, c) for c, record in enumerate(records)]
     levels = tuple(level(record, own) for record, own in zip(records, per_camera, strict=True))
     floors = {
@@ -66,12 +85,15 @@ def start(
         for c, one in enumerate(levels)
         if one is not None
     }
-    relations = tuple(
+    by_floor = tuple(
         found
         for a, b in combinations(floors, 2)
         if (found := relate(a, b, floors[a], floors[b])) is not None
     )
-    state = joined(levels, relations)
+    relations: Relations = by_floor
+    state = joined(levels, by_floor)
+    if not state.found.any():
+        relations, state = start_by_bodies(records, per_camera)
     ref_s = np.array([middle_s(record) for record in records])
     return [one for own in per_camera for one in own], levels, relations, referred(state, ref_s)
 
@@ -101,16 +123,24 @@ def find(
         return None
     priors = Priors(_root(state, relations), (distance or _longest(state),), state.found)
     state = scaled_to(state, priors.distances[0])
-    chain = chains(tracks, records, state, by_rays=False)
-    seen = observations(tracks, records, chain, state, spacing_s=0.6)
+    by_floor = not any(isinstance(one, BodyRelation) for one in relations)
+    if not by_floor:
+        upright = Upright(state.T[priors.root, :3, 2], BODY_TILT_RAD)
+        priors = replace(priors, clock_sd=REFIT_CLOCK, upright=upright)
+        chain = chains(tracks, records, state, by_rays=True, by_floor=False, looser=LOOSER)
+        seen = observations(tracks, records, chain, state)
+    else:
+        chain = chains(tracks, records, state, by_rays=False)
+        seen = observations(tracks, records, chain, state, spacing_s=0.6)
     if not seen.count:
         return None
     rig = adjusted(seen, state, priors, annealing=COARSE)
-    chain = chains(tracks, records, rig.state, by_rays=True)
-    seen = observations(tracks, records, chain, rig.state)
+    state = lowered(rig.state, bodies(seen, rig.unknowns).ankle_m)
+    chain = chains(tracks, records, state, by_rays=True, by_floor=by_floor)
+    seen = observations(tracks, records, chain, state)
     if not seen.count:
         return None
-    rig = adjusted(seen, rig.state, priors, annealing=FINE)
+    rig = adjusted(seen, state, priors, annealing=FINE)
     again = observations(tracks, records, chain, rig.state)
     seen = with_own_variances(seen, rig, again, least=1.0)
     rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
@@ -140,7 +170,7 @@ def lenses_off(rig: Adjusted, own: int) -> Bool[np.ndarray, " cam"]:
     return off
 
 
-def _root(state: RigState, relations: tuple[Relation, ...]) -> int:
+def _root(state: RigState, relations: Relations) -> int:
     score = np.zeros(len(state.found))
     for one in relations:
         score[[one.a, one.b]] += one.score

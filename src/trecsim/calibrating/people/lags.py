@@ -3,7 +3,7 @@
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from trecsim.calibrating.people.camera_records import CameraRecord
 from trecsim.calibrating.people.floor_tracks import floor_tracks
@@ -40,7 +40,7 @@ def lag_relations(
 
 def lags(
     relations: list[Relation], cameras: int
-) -> tuple[Float64[np.ndarray, " cam"], Float64[np.ndarray, " cam"]]:
+) -> tuple[Float64[np.ndarray, " cam"], Int64[np.ndarray, " cam"]]:
     """Return what is to be added to each clock [s], along the best relations, and the group.
 
     Returns

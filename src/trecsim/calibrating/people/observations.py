@@ -13,10 +13,12 @@ from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tracklets import Tracklet
 from trecsim.calibrating.people.tuning import (
     BIAS_M,
+    FEWEST_SAMPLES,
     KNOT_S,
     LEVEL_M,
     MOST_SAMPLES,
     NOISE_M,
+    REFIT_SAMPLE_S,
     SAMPLE_S,
 )
 
@@ -78,14 +80,16 @@ def observations(
 def spacing(
     tracks: list[Tracklet], chain: Int64[np.ndarray, " tracklet"], state: RigState
 ) -> float:
-    """Return how far apart moments are taken [s]: of long recordings fewer."""
+    """Return how far apart moments are taken [s]: of long ones fewer."""
     total_s = 0.0
     for person in range(int(chain.max(initial=-1)) + 1):
         own = [tracks[k] for k in np.flatnonzero(chain == person)]
         span = [state.time_s(one.camera, one.t_s[[0, -1]]) for one in own]
         if span:
             total_s += max(s[1] for s in span) - min(s[0] for s in span)
-    return max(SAMPLE_S, total_s / MOST_SAMPLES)
+    return max(
+        float(np.clip(total_s / FEWEST_SAMPLES, REFIT_SAMPLE_S, SAMPLE_S)), total_s / MOST_SAMPLES
+    )
 
 
 Sampled = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]

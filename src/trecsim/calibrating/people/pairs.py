@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from trecsim.calibrating.people.floor_tracks import FloorTracks
 from trecsim.calibrating.people.kernels.matching_tracks import agreement, scan
@@ -73,9 +73,7 @@ def relate(
     )
 
 
-Tracks = tuple[
-    Float64[np.ndarray, "..."], Float64[np.ndarray, "..."], Float64[np.ndarray, "position 2"]
-]
+Tracks = tuple[Int64[np.ndarray, "..."], Int64[np.ndarray, "..."], Float64[np.ndarray, "..."]]
 
 
 def _is_other(motion: Float64[np.ndarray, " 5"], best: Float64[np.ndarray, " 5"]) -> bool:

@@ -25,6 +25,14 @@ class Distance:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Upright:
+    """The vertical in the root camera, and how well it is known [rad]."""
+
+    up: Float64[np.ndarray, " 3"]
+    sd_rad: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Priors:
     """What is known of the cameras.
 
@@ -46,6 +54,8 @@ class Priors:
         a constant force.
     clock_sd
         Standard deviations of offset [s] and drift.
+    upright
+        The vertical, where joints that keep their height need not tell it.
     """
 
     root: int
@@ -56,6 +66,7 @@ class Priors:
     pose_sd: Float64[np.ndarray, "cam 2"] | None = None
     firm: Bool[np.ndarray, " cam"] | None = None
     clock_sd: tuple[float, float] = (OFFSET_LOOSE_S, DRIFT_LOOSE)
+    upright: Upright | None = None
 
     @property
     def own(self) -> int:
@@ -105,6 +116,8 @@ class Priors:
                 terms.append((off, self.lens_sd[c], J))
         terms += self._gauge(now) if self.pose is None else self._as_before(now)
         terms += [self._apart(now, one) for one in self.distances]
+        if self.upright is not None:
+            terms.append(self._stood(now, self.upright))
         return terms
 
     def _selected(
@@ -179,6 +192,13 @@ class Priors:
         J[0, one.a * self.own + 3 : one.a * self.own + 6] = -R_a @ apart / length
         J[0, one.b * self.own + 3 : one.b * self.own + 6] = R_b @ apart / length
         return np.array([one.metres - length]), np.array([one.sd_m]), J
+
+    def _stood(self, now: Unknowns, known: Upright) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Keep the vertical."""
+        at, up = self.root * self.own, now.T[self.root, :3, 2]
+        J = np.zeros((3, len(now.T) * self.own))
+        J[:, at : at + 3] = -np.cross(np.eye(3), up)  # a turn w moves the vertical by w x up
+        return known.up - up, np.full(3, known.sd_rad), J
 
     def with_distance(self, one: Distance) -> "Priors":
         """Return the priors with one known distance only."""

@@ -60,6 +60,18 @@ MOST_HYPOTHESES = 60
 LEAST_MATCHED_S = 2.0
 """Cameras whose tracks agree for less time are not related [s]."""
 
+# Pairs of cameras related by bodies, where tracks on the floor are too short.
+BODY_OVERLAP_S = 0.6
+"""Two tracklets that have less time in common are not compared [s]."""
+BODY_LAGS_S = (0.0, -0.15, 0.15, -0.3, 0.3)
+"""Clocks may differ by no more than about this [s]: short recordings come from cameras in step."""
+BODY_FITS = 0.45
+"""Mean weight from which on the key points of two tracklets are those of one person."""
+BODY_TURN_SD_DEG = 12.0
+"""A relation whose rotation is less sure is none: a body that keeps still and is far away."""
+BODY_TILT_RAD = 0.1
+"""Standard deviation of the vertical that a body shows, who may lean [rad]."""
+
 # Association.
 CHAIN_FLOOR_M = 0.6
 CHAIN_RAY_M = 0.15
@@ -71,6 +83,8 @@ CHAIN_OVERLAP_S = 0.6
 # Observations.
 SAMPLE_S = 0.3
 """Spacing of the moments that are adjusted [s]."""
+FEWEST_SAMPLES = 40
+"""Of fewer moments of people, the spacing shrinks, to `REFIT_SAMPLE_S` at least."""
 MOST_SAMPLES = 700
 """Of more moments of people, the spacing grows; time is thinned, never the joints."""
 WINDOW_S = 0.12

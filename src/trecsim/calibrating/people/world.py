@@ -104,6 +104,13 @@ def in_the_room(state: RigState, found: Bodies, scale: float, floor: float) -> R
     return changed
 
 
+def lowered(state: RigState, floor_m: float) -> RigState:
+    """Return the rig in a frame whose z = 0 is what was at a height before [m]."""
+    changed = state.copy()
+    changed.T[:, :3, 3] += floor_m * state.T[:, :3, 2]
+    return changed
+
+
 def by_clock_of(state: RigState, camera: int, ref_s: float) -> RigState:
     """Return the state with all clocks told by that of one camera.
 
