@@ -43,6 +43,7 @@ NEW_DEPTH, KNOWN_DEPTH = ("one camera, new", "off in depth"), ("one camera, know
 PROVISIONAL = ("a knocked camera", "ghosts, provisional people counted")
 ALONE = ("coming and going", "missed, provisional people counted")
 WRIST = ("a wrist in one view", "log-likelihood")
+WRIST_ERROR = ("a wrist in one view", "error")
 
 _INLIERS = {"kernels.locating.inlier_odds": instead.inlier}
 
@@ -112,6 +113,9 @@ PARTS: dict[str, tuple[Part, ...]] = {
              {"window_s": 0.2}),
     ),
     "the body": (
+        Part("other place of a limb", "its end stays before or behind the other end for good",
+             (WRIST_ERROR, (TWO, "error")),
+             changes={"kernels.updating.choose_places": instead.nothing}),
         Part("lengths of limbs", "nothing holds a body together", ((TWO, "error"), PCP_2),
              model=instead.no_limbs),
         Part("lengths hold joints that cameras see", "only those that fewer than two see", (ERROR,),

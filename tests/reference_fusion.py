@@ -459,3 +459,19 @@ def stays_of_twins(offset, xy_px, factor):
                 if apart <= 0.03 * (box.max(axis=0) - box.min(axis=0)).max():
                     stays[d if credit[e] > credit[d] else e] = False
     return stays
+
+
+def log_posture(postures, x, i):
+    """Return the log density, up to a constant, of the direction of limb `i` of joints `x`."""
+    far, near, before = postures.joints[i]
+    left_hip, right_hip, left_shoulder, right_shoulder = x[postures.trunk]
+    up = left_shoulder + right_shoulder - left_hip - right_hip
+    up = up / np.linalg.norm(up)
+    left = left_hip - right_hip if postures.pair[i] == 0 else left_shoulder - right_shoulder
+    left = left - (left @ up) * up
+    left = left / np.linalg.norm(left)
+    axes = np.stack([np.cross(left, up), postures.side[i] * left, up])
+    limb = axes @ (x[far] - x[near]) / np.linalg.norm(x[far] - x[near])
+    upper_m = np.linalg.norm(x[near] - x[before])
+    upper = axes @ (x[near] - x[before]) / upper_m if upper_m > 0.0 else np.zeros(3)
+    return (postures.mean[i] + postures.mean_by_upper[i] @ upper) @ limb

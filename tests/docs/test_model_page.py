@@ -36,6 +36,8 @@ STATED = (
     f"a total standard deviation above {root(tuning.WEAK_M2):g} m although",
     f"({root(tuning.REACH_M2):g}\\,\\mathrm{{m}})^{{-2}}",
     f"with a time constant of {tuning.BODY_S:g} s",
+    f"averaged over {tuning.PLACE_S:g} s (`PLACE_S`)",
+    f"{tuning.PLACE_SURE:g} (`PLACE_SURE`) the joint is moved",
     f"within {tuning.CAMERA_BLOCK_S:g} s (`CAMERA_BLOCK_S`",
     f"looked at {tuning.CAMERA_LAG_S:g} s after their block (`CAMERA_LAG_S`)",
     f"forgotten over {tuning.CAMERA_ERROR_S:g} s",

@@ -34,7 +34,7 @@ LIMITS = kernels.Limits(confirm_s=0.15, death_s=0.5, single_view_death_s=1.5, du
 
 def believed(n=1):
     """Return that nothing speaks against the tracks."""
-    return kernels.Doubts(np.zeros(n), np.zeros(n))
+    return kernels.Doubts(np.zeros(n), np.zeros(n), np.zeros((n, 17)))
 
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -237,8 +237,8 @@ def judged(camera_s, redundant_count, confirmed, n_compared):
     asked, alive = np.empty(n, bool), np.empty(n, bool)
     told = kernels.judge_all(
         sightings(camera_s, np.full(n, 10.0)), who(n=n)._replace(confirmed=confirmed),
-        kernels.Doubts(np.zeros(n), redundant_count), np.zeros(n, np.int64), x, MODEL.torso,
-        n_compared, 10.0, LOOK_BACK_S[: camera_s.shape[1]], LIMITS, asked, alive,
+        kernels.Doubts(np.zeros(n), redundant_count, np.zeros((n, 17))), np.zeros(n, np.int64), x,
+        MODEL.torso, n_compared, 10.0, LOOK_BACK_S[: camera_s.shape[1]], LIMITS, asked, alive,
     )  # fmt: skip
     return told, asked.tolist(), alive.tolist()
 

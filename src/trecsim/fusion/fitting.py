@@ -118,7 +118,8 @@ def _run(
         model.errors.applied[:, 3].take(images.cam), np.array(step.is_apart, np.bool_),
     )  # fmt: skip
     found: tuple[int, bool] = kernels.update_all(
-        model.cameras, model.noise, model.bones, model.limbs, model.ruler, model.motion,
+        model.cameras, model.noise, model.bones, model.limbs, model.ruler,
+        model.postures, model.motion,
         people.trajectories, people.bodies, people.sightings, people.waiting, people.confirmed,
         people.doubts, people.ranges, model.errors, images.measurements, taken, step.now, matches,
         owner, (step.appended, *kind),

@@ -149,6 +149,7 @@ def first_states(births: Sequence[Birth], t_s: float, grid: KnotGrid, model: Mod
         waiting_weight=np.zeros((n, n_joint, n_cam)),
         swap_evidence=np.zeros(n),
         redundant_count=np.zeros(n),
+        other_place=np.zeros((n, n_joint)),
         limb_m=np.tile(model.body.length_m, (n, 1)),
         limb_m2=np.tile(model.body.spread_m**2, (n, 1)),
         ground_level=np.tile([0.0, FIRST_LEVEL_SIGMA_M**2], (n, 1)),

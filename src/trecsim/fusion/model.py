@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int64
 
-from trecsim.fusion import body, camera_errors, undistortion, visibility
+from trecsim.fusion import body, camera_errors, limb_directions, undistortion, visibility
 from trecsim.fusion.body import UsualBody
 from trecsim.fusion.kernels import (
     Bones,
@@ -18,6 +18,7 @@ from trecsim.fusion.kernels import (
     Limits,
     Motion,
     Noise,
+    Postures,
     Ruler,
     Silhouette,
     Undistortion,
@@ -59,6 +60,8 @@ class Model:
         The same, for the kernels.
     ruler
         What measures how far away somebody is whom one camera sees.
+    postures
+        Which directions limbs take.
     torso
         The joints whose mean is the person's position: shoulders and hips.
     """
@@ -79,6 +82,7 @@ class Model:
     body: UsualBody
     limbs: Limbs
     ruler: Ruler
+    postures: Postures
     torso: Int64[np.ndarray, " joint_of_torso"]
 
 
@@ -112,6 +116,7 @@ def build(
             body.chain(skeleton, usual),
         ),
         ruler=body.ruler(skeleton, usual),
+        postures=limb_directions.postures(skeleton),
         torso=torso,
     )
 

@@ -49,6 +49,9 @@ class Population:
         Evidence that its detections of two cameras are of two people [log likelihood ratio].
     redundant_count
         Number of checks in which other tracks explain all of its detections.
+    other_place
+        Evidence that a limb's end is in the other of its two places on the ray of the camera that
+        alone sees it [log likelihood ratio].
     limb_m, limb_m2
         Learnt distances between the body's joints, and their variances [m, m^2].
     ground_level
@@ -80,6 +83,7 @@ class Population:
     waiting_weight: Float64[np.ndarray, "track joint cam"]
     swap_evidence: Float64[np.ndarray, " track"]
     redundant_count: Float64[np.ndarray, " track"]
+    other_place: Float64[np.ndarray, "track joint"]
     limb_m: Float64[np.ndarray, "track limb"]
     limb_m2: Float64[np.ndarray, "track limb"]
     ground_level: Float64[np.ndarray, "track 2"]
@@ -117,7 +121,7 @@ class Population:
     @cached_property
     def doubts(self) -> Doubts:
         """What speaks against the tracks."""
-        return Doubts(self.swap_evidence, self.redundant_count)
+        return Doubts(self.swap_evidence, self.redundant_count, self.other_place)
 
     @cached_property
     def ranges(self) -> Ranges:
@@ -156,6 +160,7 @@ class Population:
             waiting_weight=np.empty((0, n_joint, n_cam)),
             swap_evidence=np.empty(0),
             redundant_count=np.empty(0),
+            other_place=np.empty((0, n_joint)),
             limb_m=np.empty((0, n_limb)),
             limb_m2=np.empty((0, n_limb)),
             ground_level=np.empty((0, 2)),
@@ -186,6 +191,7 @@ class Population:
         for values in (
             self.R, self.z, self.c, self.xyz_m, self.cov_m2, self.joint_last_seen_s,
             self.joint_off_m2, self.joint_quality, self.waiting_px, self.waiting_weight,
+            self.other_place,
         ):  # fmt: skip
             values[k] = values[k][mirror]
 

@@ -136,6 +136,12 @@ GROUND_MEASURE_M2: Final = 0.03**2
 GROUND_MEASURE_S: Final = 0.5
 SLOPE_M2PS: Final = 0.02**2
 STAIRS_M2PS: Final = 0.15**2
+# Where one camera sees the end of a limb, it may be before or behind the other end. Which place is
+# likelier is averaged over this time [s]; from this log likelihood ratio on (3 to 1, as where it is
+# now is the likelier one before postures are looked at) it is moved. Nearer places are one [m].
+PLACE_S: Final = 0.1
+PLACE_SURE: Final = 1.0
+PLACES_APART_M: Final = 0.2
 # A lowest joint that is off by more standard deviations does not rest: somebody jumps.
 GROUND_GATE: Final = 3.0
 

@@ -33,6 +33,7 @@ from trecsim.fusion.kernels.information import (
 )
 from trecsim.fusion.kernels.joining import join_all
 from trecsim.fusion.kernels.lengths import Limbs
+from trecsim.fusion.kernels.limb_places import Postures, choose_places
 from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.locating import Observed, located, scratch
 from trecsim.fusion.kernels.matching import (
@@ -94,6 +95,7 @@ __all__ = [
     "Noise",
     "Now",
     "Observed",
+    "Postures",
     "Prediction",
     "Ranges",
     "Rays",
@@ -113,6 +115,7 @@ __all__ = [
     "ask_all",
     "assign",
     "associate_all",
+    "choose_places",
     "confirm_all",
     "constrain_all",
     "control_points",

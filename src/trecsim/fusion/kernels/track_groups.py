@@ -95,10 +95,14 @@ class Doubts(NamedTuple):
         Evidence that its detections of two cameras are of two people [log likelihood ratio].
     redundant_count
         Number of checks in which other tracks explain all of its detections.
+    other_place
+        Evidence that a limb's end is in the other of its two places on the ray of the camera that
+        alone sees it [log likelihood ratio].
     """
 
     swap_evidence: Float64[np.ndarray, " track"]
     redundant_count: Float64[np.ndarray, " track"]
+    other_place: Float64[np.ndarray, "track joint"]
 
 
 class Who(NamedTuple):

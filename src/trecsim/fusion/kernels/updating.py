@@ -13,6 +13,7 @@ from trecsim.fusion.kernels.distances import Shown, hold_distances
 from trecsim.fusion.kernels.fitting_kernels import fit_all
 from trecsim.fusion.kernels.groups import Fitted, Matches, Prediction
 from trecsim.fusion.kernels.information import covariance_all
+from trecsim.fusion.kernels.limb_places import choose_places
 from trecsim.fusion.kernels.matching import associate_all, owners
 from trecsim.fusion.kernels.mixture import slack_after
 from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
@@ -23,15 +24,15 @@ from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_
 
 @kernel(allocates=True)
 def update_all(
-    cameras, noise, bones, limbs, ruler, motion, tracks, bodies, sightings, waiting, confirmed,
-    doubts, ranges, errors, measured, taken, now, matches, owner, work,
+    cameras, noise, bones, limbs, ruler, postures, motion, tracks, bodies, sightings, waiting,
+    confirmed, doubts, ranges, errors, measured, taken, now, matches, owner, work,
 ):  # fmt: skip
     """Take the detections of one frame set into all tracks, in place.
 
     Parameters
     ----------
-    cameras, noise, bones, limbs, ruler, motion
-        Constants: `Cameras`, `Noise`, `Bones`, `Limbs`, `Ruler` and `Motion`.
+    cameras, noise, bones, limbs, ruler, postures, motion
+        Constants: `Cameras`, `Noise`, `Bones`, `Limbs`, `Ruler`, `Postures` and `Motion`.
     tracks, bodies, sightings, waiting, confirmed, doubts, ranges
         The tracks: `Trajectories`, `Bodies`, `Sightings`, `Waiting`, which are reported, (track,),
         `Doubts` and `Ranges`.
@@ -85,6 +86,11 @@ def update_all(
     count_supported(sightings.joint_s, now.t_s, taken.look_back_s, n_seen)
     constrain_all(tracks, bodies, n_seen, limbs, noise.white_share, prediction.now, now.elapsed_s)
     shown = Shown(cameras, noise.mirror, motion.torso, ruler, measured, taken)
+    if not is_single:
+        choose_places(
+            cameras, postures, tracks, sightings.joint_s, doubts.other_place, n_seen, now,
+            noise.white_share,
+        )  # fmt: skip
     hold_distances(shown, tracks, bodies, sightings, confirmed, ranges, matches, now, is_single)
     two_view_s = trusted_two_view_s(sightings.two_view_s, doubts.swap_evidence)
     n_open = owners(matches.match, two_view_s, now.t_s, SUPPORT_S, owner)

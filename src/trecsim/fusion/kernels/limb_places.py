@@ -1,0 +1,180 @@
+"""Which of two places a limb's end is in: one camera's ray meets the limb's sphere twice."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float64, Int64
+
+from trecsim.compiler import inner
+from trecsim.fusion.kernels.anatomy import Moment, move_joint, workspace
+from trecsim.fusion.kernels.curve import knots, locate
+from trecsim.fusion.kernels.information import right_side
+from trecsim.fusion.kernels.reported_covariance import last_two
+from trecsim.fusion.kernels.track_groups import Trajectories
+from trecsim.fusion.tuning import PLACE_S, PLACE_SURE, PLACES_APART_M, SUPPORT_S
+
+
+class Postures(NamedTuple):
+    """Which directions the limbs of a body take.
+
+    Attributes
+    ----------
+    trunk
+        Left and right hip, left and right shoulder; empty where the skeleton lacks one.
+    joints
+        Of each limb, from the trunk on: its far joint, its near one, and the one before that.
+    pair
+        The joints of `trunk` whose line tells left from right for the limb: 0 hips, 2 shoulders.
+    side
+        1 on the left of the body, -1 on the right.
+    mean, mean_by_upper
+        Direction that is likeliest, times how much likelier it is, for a given direction of the
+        limb above: ``mean + mean_by_upper @ upper``. Axes are forwards, outwards and up, of the
+        trunk.
+    """
+
+    trunk: Int64[np.ndarray, " joint_of_trunk"]
+    joints: Int64[np.ndarray, "limb 3"]
+    pair: Int64[np.ndarray, " limb"]
+    side: Float64[np.ndarray, " limb"]
+    mean: Float64[np.ndarray, "limb 3"]
+    mean_by_upper: Float64[np.ndarray, "limb 3 3"]
+
+
+@inner(allocates=True)
+def choose_places(cameras, postures, tracks, joint_s, other_place, n_seen, now, white_share):
+    """Move limbs' ends that one camera sees to their other place where postures say so, in place.
+
+    Parameters
+    ----------
+    cameras, postures
+        `Cameras` and `Postures`.
+    tracks
+        `Trajectories` at the time of the frame set, changed in place.
+    joint_s, n_seen
+        When each camera last supported each joint, (track, joint, cam) [s], and how many do now,
+        (track, joint).
+    other_place
+        Log likelihood ratio of the other place of each joint to the one it is in, averaged over
+        time, (track, joint), changed in place.
+    now, white_share
+        `Now`, and see `Moment`.
+
+    Notes
+    -----
+    The ray of the camera meets the sphere of the limb's length about its near end before and behind
+    that end. The image is the same. Where the limb points, relative to the trunk and to the limb
+    above, follows a von Mises-Fisher distribution whose mean depends on the limb above: knees and
+    elbows bend one way. Its log likelihood ratio is averaged over `PLACE_S`, as single moments are
+    no independent evidence; beyond `PLACE_SURE` the joint is moved, and its trajectory as that
+    implies.
+    """
+    if postures.trunk.shape[0] == 0:
+        return
+    R, z, c, x, cov_m2 = tracks
+    n, weights = R.shape[2], np.empty(4)
+    tmp, span = workspace(n), locate(knots(now.t_s, now), n // 3, weights)
+    moment = Moment(span, weights, white_share, 0.0)
+    axes, shift_m = np.empty((3, 3)), np.empty(3)
+    memory = math.exp(-now.elapsed_s / PLACE_S)
+    for k in range(x.shape[0]):
+        for i in range(postures.joints.shape[0]):
+            far = postures.joints[i, 0]
+            camera, second_s = last_two(joint_s[k, far])
+            if n_seen[k, far] > 1 or camera < 0 or second_s > now.t_s - SUPPORT_S:
+                other_place[k, far] = 0.0
+                continue
+            other_place[k, far] *= memory
+            if n_seen[k, far] < 1:
+                continue
+            apart_m = other_place_of(x[k], postures, i, cameras.position_m[camera], shift_m)
+            if apart_m > PLACES_APART_M:
+                body_axes(x[k], postures, i, axes)
+                ratio = log_ratio(x[k], postures, i, axes, shift_m)
+                other_place[k, far] += (1.0 - memory) * ratio
+                if other_place[k, far] > PLACE_SURE:
+                    joint = Trajectories(R[k, far], z[k, far], c[k, far], x[k, far], cov_m2[k, far])
+                    move_joint(joint, shift_m, moment, tmp)
+                    right_side(R[k, far], c[k, far], z[k, far])
+                    other_place[k, far] *= -1.0
+
+
+@inner
+def other_place_of(x, postures, i, origin_m, shift_m):
+    """Write how far the end of limb `i` is from its other place to `shift_m` (3,); return how far.
+
+    `x` are a person's joints, (joint, 3), `origin_m` is the camera's place, (3,).
+    """
+    far, near, _ = postures.joints[i]
+    length_m = along_m = 0.0
+    for p in range(3):
+        shift_m[p] = x[far, p] - origin_m[p]
+        length_m += shift_m[p] * shift_m[p]
+    length_m = math.sqrt(length_m)
+    for p in range(3):
+        shift_m[p] /= length_m
+        along_m += shift_m[p] * (x[near, p] - x[far, p])
+    for p in range(3):
+        shift_m[p] *= 2.0 * along_m
+    return 2.0 * abs(along_m)
+
+
+@inner
+def body_axes(x, postures, i, axes):
+    """Write the axes of the trunk for limb `i` to `axes` (3, 3): forwards, outwards and up."""
+    trunk, pair = postures.trunk, postures.pair[i]
+    left, right = trunk[pair], trunk[pair + 1]
+    for p in range(3):
+        axes[2, p] = x[trunk[2], p] + x[trunk[3], p] - x[trunk[0], p] - x[trunk[1], p]
+        axes[1, p] = x[left, p] - x[right, p]
+    unit(axes[2])
+    across = dot(axes[1], axes[2])
+    for p in range(3):
+        axes[1, p] -= across * axes[2, p]
+    unit(axes[1])
+    for p in range(3):
+        q, r = (p + 1) % 3, (p + 2) % 3
+        axes[0, p] = axes[1, q] * axes[2, r] - axes[1, r] * axes[2, q]
+    for p in range(3):
+        axes[1, p] *= postures.side[i]
+
+
+@inner
+def log_ratio(x, postures, i, axes, shift_m):
+    """Return the log likelihood ratio of the other place of a limb's end to the one it is in."""
+    far, near, before = postures.joints[i]
+    upper_m = length_m = other_m = 0.0
+    for p in range(3):
+        upper_m += (x[near, p] - x[before, p]) ** 2
+        length_m += (x[far, p] - x[near, p]) ** 2
+        other_m += (x[far, p] + shift_m[p] - x[near, p]) ** 2
+    upper_m, length_m, other_m = math.sqrt(upper_m), math.sqrt(length_m), math.sqrt(other_m)
+    ratio = 0.0
+    for a in range(3):
+        mean = postures.mean[i, a]
+        for b in range(3):
+            for p in range(3):
+                along = axes[b, p] * (x[near, p] - x[before, p]) / max(upper_m, 1e-6)
+                mean += postures.mean_by_upper[i, a, b] * along
+        change = 0.0
+        for p in range(3):
+            now = (x[far, p] - x[near, p]) / max(length_m, 1e-6)
+            then = (x[far, p] + shift_m[p] - x[near, p]) / max(other_m, 1e-6)
+            change += axes[a, p] * (then - now)
+        ratio += mean * change
+    return ratio
+
+
+@inner
+def unit(v):
+    """Scale a vector (3,) to length one, in place."""
+    length = max(math.sqrt(dot(v, v)), 1e-9)
+    for p in range(3):
+        v[p] /= length
+
+
+@inner
+def dot(v, w):
+    """Return the inner product of two vectors (3,)."""
+    return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
