@@ -12,8 +12,10 @@ moved towards the place by as much as the joints stick out in that direction now
 its border.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +57,7 @@ class Expected(NamedTuple):
     within: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Ahead:
     """Where the people that a camera supports will be, at steps of `STEP_S`.
 
@@ -94,7 +96,12 @@ class Ahead:
         )  # fmt: skip
 
     def in_polygon(
-        self, polygon: Polygon, z_m: tuple[float, float] | None = None, *, least: float = 0.0
+        self,
+        polygon: Polygon,
+        z_m: tuple[float, float] | None = None,
+        *,
+        least: float = 0.0,
+        within_s: float = math.inf,
     ) -> "Arrivals":
         """Return how probable it is that each person will have been in a polygon.
 
@@ -104,24 +111,48 @@ class Ahead:
             On the floor.
         z_m
             Joints between these heights count [m]; None looks at the floor point alone.
-        least
-            Who is surely less probable may be left out.
+        least, within_s
+            Who is surely less probable within this time may be left out [s].
         """
         near = self.of(np.flatnonzero(self._may_reach(polygon.corners_m)))
         if least > 0.0 and len(near.person):
-            near = near.of(np.flatnonzero(near._at_most(polygon) >= least))
-        return Arrivals.of(near, near._inside(polygon, z_m))
+            near = near.of(np.flatnonzero(near._at_most(polygon, within_s) >= least))
+        return near._arrivals(lambda ahead: ahead._inside(polygon, z_m), within_s)
 
-    def _at_most(self, polygon: Polygon) -> Float64[np.ndarray, " person"]:
-        """Return a bound of the probability to have been in a polygon, that of its nearest side.
+    def _arrivals(
+        self, there: Callable[["Ahead"], Float64[np.ndarray, "person mode step"]], within_s: float
+    ) -> "Arrivals":
+        """Return how probable it is to have been somewhere, of those who may be there in time.
+
+        Parameters
+        ----------
+        there
+            Returns the probability to be there at each time ahead.
+        within_s
+            Of who will not have been there by then, the later times are not needed [s].
+        """
+        steps = int(np.searchsorted(self.ahead_s, within_s + 1e-6, side="right"))
+        if not len(self.person) or steps >= len(self.ahead_s):
+            return Arrivals.of(self, there(self))
+        soon = there(self._steps(slice(0, steps)))
+        rows = np.flatnonzero(Arrivals.mixed(self.weight, soon)[:, -1] > _LEAST)
+        late = self.of(rows)
+        if not len(rows):
+            return Arrivals.of(late, np.zeros(late.xy_m.shape[:-1]))
+        later = there(late._steps(slice(steps, len(self.ahead_s))))
+        return Arrivals.of(late, np.concatenate([soon[rows], later], axis=2))
+
+    def _at_most(self, polygon: Polygon, within_s: float) -> Float64[np.ndarray, " person"]:
+        """Return a bound of the probability to get into a polygon in time, of its nearest side.
 
         A point in a convex polygon is on the inner side of each of its sides; in others the bound
         holds nearly. The body reaches as far as its farthest joint in any direction.
         """
-        xy_m = self.xy_m.reshape(-1, 2)
+        steps = int(np.searchsorted(self.ahead_s, within_s + 1e-6, side="right"))
+        xy_m, cov_m2 = self.xy_m[:, :, :steps], self.cov_m2[:, :, :steps]
         body_m = np.sqrt(np.nan_to_num(np.square(self.joint_m[..., :2]).sum(axis=-1)).max(axis=1))
-        distance_m = polygon.distance_m(xy_m).reshape(self.xy_m.shape[:-1])
-        sigma_m = np.sqrt(np.trace(self.cov_m2, axis1=-2, axis2=-1)) + LEAST_SIGMA_M
+        distance_m = polygon.distance_m(xy_m.reshape(-1, 2)).reshape(xy_m.shape[:-1])
+        sigma_m = np.sqrt(cov_m2[..., 0, 0] + cov_m2[..., 1, 1]) + LEAST_SIGMA_M
         outside = np.minimum(distance_m + body_m[:, None, None], 0.0)  # inside the bound is 1
         best = np.where(outside < 0.0, outside / sigma_m, np.inf).max(axis=2)
         return np.asarray((self.weight * normal_cdf(best)).sum(axis=1))
@@ -134,8 +165,8 @@ class Ahead:
         xy_m, cov_m2 = self.xy_m.reshape(-1, 2), self.cov_m2.reshape(-1, 2, 2)
         if z_m is None or not len(xy_m):
             return polygon.probability(xy_m, cov_m2).reshape(shape)
-        outside_m = np.maximum(-polygon.distance_m(xy_m), 0.0)
-        towards = polygon.normals(xy_m)
+        distance_m, towards = polygon.nearest(xy_m)
+        outside_m = np.maximum(-distance_m, 0.0)
         reach_m = self.reach_m(towards.reshape(*shape, 2), z_m).reshape(-1)
         has_joint = np.isfinite(reach_m)
         moved_m = np.minimum(np.where(has_joint, reach_m, 0.0), outside_m + LEAST_SIGMA_M)
@@ -162,13 +193,16 @@ class Ahead:
         return Arrivals.of(self, there)
 
     def _at(self, step: int) -> "Ahead":
-        one = slice(step, step + 1)
+        return self._steps(slice(step, step + 1))
+
+    def _steps(self, some: slice) -> "Ahead":
+        """Return it at some of the times ahead."""
         return Ahead(
-            self.t_s, self.person, self.ahead_s[one], self.weight, self.xy_m[:, :, one],
-            self.cov_m2[:, :, one], self.joint_m, self.signals,
+            self.t_s, self.person, self.ahead_s[some], self.weight, self.xy_m[:, :, some],
+            self.cov_m2[:, :, some], self.joint_m, self.signals,
         )  # fmt: skip
 
-    def beyond(self, edge: Edge, depth_m: float) -> "Arrivals":
+    def beyond(self, edge: Edge, depth_m: float, within_s: float = math.inf) -> "Arrivals":
         """Return how probable it is that a joint of each person will have been beyond an edge.
 
         Only of people who come near the edge: nobody gets beyond it elsewhere.
@@ -179,16 +213,22 @@ class Ahead:
             The edge.
         depth_m
             Who is farther beyond is on the other side [m].
+        within_s
+            Of who will not have been there by then, the later times are not needed [s].
         """
         near = self.of(np.flatnonzero(self._may_reach(edge.points_m)))
-        shape = near.xy_m.shape[:-1]
-        distance_m, normal = edge.nearest(near.xy_m.reshape(-1, 2))
-        reach_m = near.reach_m(-normal.reshape(*shape, 2), (-np.inf, np.inf)).reshape(-1)
-        cov_m2 = near.cov_m2.reshape(-1, 2, 2)
+        return near._arrivals(lambda ahead: ahead._beyond(edge, depth_m), within_s)
+
+    def _beyond(self, edge: Edge, depth_m: float) -> Float64[np.ndarray, "person mode step"]:
+        """Return the probability that a joint is beyond an edge at each time; see `beyond`."""
+        shape = self.xy_m.shape[:-1]
+        distance_m, normal = edge.nearest(self.xy_m.reshape(-1, 2))
+        reach_m = self.reach_m(-normal.reshape(*shape, 2), (-np.inf, np.inf)).reshape(-1)
+        cov_m2 = self.cov_m2.reshape(-1, 2, 2)
         sigma_m = np.sqrt(np.einsum("ni,nij,nj->n", normal, cov_m2, normal)) + LEAST_SIGMA_M
         beside = distance_m >= -depth_m  # not where it is NaN
         over = np.where(beside, (reach_m - distance_m) / sigma_m, -np.inf)
-        return Arrivals.of(near, normal_cdf(over).reshape(shape))
+        return normal_cdf(over).reshape(shape)
 
     def reach_m(
         self, towards: Float64[np.ndarray, "person mode step 2"], z_m: tuple[float, float]
@@ -209,14 +249,22 @@ class Ahead:
 
     def _may_reach(self, corners_m: Float64[np.ndarray, "corner 2"]) -> Bool[np.ndarray, " person"]:
         """Tell who gets near the box around a place."""
-        spread_m = _SURE * np.sqrt(np.trace(self.cov_m2, axis1=-2, axis2=-1)).max(axis=(1, 2))
-        body_m = np.nan_to_num(np.abs(self.joint_m[..., :2])).max(axis=(1, 2), initial=0.0)
-        wide_m = (spread_m + body_m)[:, None]
-        low_m, high_m = self.xy_m.min(axis=(1, 2)), self.xy_m.max(axis=(1, 2))
+        low_m, high_m = self._reached_m
         may: Bool[np.ndarray, " person"] = (
-            (high_m + wide_m > corners_m.min(axis=0)) & (low_m - wide_m < corners_m.max(axis=0))
+            (high_m > corners_m.min(axis=0)) & (low_m < corners_m.max(axis=0))
         ).all(axis=1)
         return may
+
+    @cached_property
+    def _reached_m(
+        self,
+    ) -> tuple[Float64[np.ndarray, "person 2"], Float64[np.ndarray, "person 2"]]:
+        """The box on the floor that each person surely does not leave [m]."""
+        squared_m2 = self.cov_m2[..., 0, 0] + self.cov_m2[..., 1, 1]
+        spread_m = _SURE * np.sqrt(squared_m2.max(axis=(1, 2)))
+        body_m = np.nan_to_num(np.abs(self.joint_m[..., :2])).max(axis=(1, 2), initial=0.0)
+        wide_m = (spread_m + body_m)[:, None]
+        return self.xy_m.min(axis=(1, 2)) - wide_m, self.xy_m.max(axis=(1, 2)) + wide_m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -231,8 +279,16 @@ class Arrivals:
     @staticmethod
     def of(ahead: Ahead, there: Float64[np.ndarray, "person mode step"]) -> "Arrivals":
         """Return them from the probability of being there at each time; see the module."""
-        by = np.einsum("pm,pms->ps", ahead.weight, np.maximum.accumulate(there, axis=2))
+        by = Arrivals.mixed(ahead.weight, there)
         return Arrivals(ahead.t_s, ahead.person, ahead.ahead_s, by)
+
+    @staticmethod
+    def mixed(
+        weight: Float64[np.ndarray, "person mode"], there: Float64[np.ndarray, "person mode step"]
+    ) -> Within:
+        """Return the probability to have been there by each time, over all modes."""
+        by: Within = np.einsum("pm,pms->ps", weight, np.maximum.accumulate(there, axis=2))
+        return by
 
     def expected(self, within_s: float) -> dict[int, Expected]:
         """Return what is expected of each person within a time [s]."""

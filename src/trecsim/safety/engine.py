@@ -67,6 +67,8 @@ class _Kept:
         By person, or under `HERE`; without those of which nothing has to be remembered.
     seen
         Of each of these the scene in which the condition held last.
+    foreseeing
+        The condition, where the rule warns early.
     warned
         What is expected, by person.
     opened
@@ -78,8 +80,17 @@ class _Kept:
     memory: Any = None
     episodes: dict[int, Episode] = field(default_factory=dict)
     seen: dict[int, Scene] = field(default_factory=dict)
+    foreseeing: Foreseeing | None = None
     warned: dict[int, Warned] = field(default_factory=dict)
     opened: dict[int, _Opened] = field(default_factory=dict)
+
+    @staticmethod
+    def of(rule: Rule) -> "_Kept":
+        """Return the state of a rule that has judged nothing yet."""
+        condition = rule.kind.condition(rule)
+        if rule.early_s > 0.0 and isinstance(condition, Foreseeing):
+            return _Kept(rule, condition, foreseeing=condition)
+        return _Kept(rule, condition)
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +154,7 @@ class RuleEngine:
         self._site, self._clock, self._forecaster = site, clock, forecaster
         self._modes, self.overrides = tuple(modes), Overrides()
         self.faults: dict[str, str] = {}
-        self._kept = [_Kept(rule, rule.kind.condition(rule)) for rule in rules]
+        self._kept = [_Kept.of(rule) for rule in rules]
         self._memory, self._cameras = Memory(self._signals), cameras_in_view(rig)
         self._last_s = float("-inf")
 
@@ -198,7 +209,7 @@ class RuleEngine:
             if kept is not None and kept.rule.config == rule.config:
                 self._kept.append(before.pop(rule.id))
             else:
-                self._kept.append(_Kept(rule, rule.kind.condition(rule)))
+                self._kept.append(_Kept.of(rule))
         return [data for kept in before.values() for data in self._disarm(kept, t_s)]
 
     def armed(self, t_s: float) -> int:
@@ -238,8 +249,7 @@ class RuleEngine:
             self.faults[kept.rule.id] = fault
             return
         timing, t_s = kept.rule.timing, scene.t_s
-        seen = {HERE, *scene.people.id[scene.is_seen].tolist()}
-        there = set(scene.people.id.tolist())
+        seen, there = scene.seen_ids | {HERE}, scene.ids
         yield from self._look_ahead(kept, scene, seen, there)
         for key in sorted({*kept.episodes, *found}):
             before, finding = kept.episodes.get(key, IDLE), found.get(key)
@@ -255,13 +265,12 @@ class RuleEngine:
             self._keep(kept, key, after, t_s)
 
     def _look_ahead(
-        self, kept: _Kept, scene: Scene, seen: set[int], there: set[int]
+        self, kept: _Kept, scene: Scene, seen: frozenset[int], there: frozenset[int]
     ) -> Iterator[EventData]:
         """Warn of what is expected, and take back warnings of what is not expected any more."""
-        condition, rule = kept.condition, kept.rule
-        if not rule.early_s > 0.0 or not isinstance(condition, Foreseeing):
+        condition, rule, t_s = kept.foreseeing, kept.rule, scene.t_s
+        if condition is None:
             return
-        t_s = scene.t_s
         expected = {} if scene.ahead is None else condition.expect(scene.ahead, rule.early_s)
         for key in sorted({*kept.warned, *expected}):
             episode, before = kept.episodes.get(key, IDLE), kept.warned.get(key)

@@ -190,11 +190,17 @@ def judged(
     if found.probability >= LIKELY:
         likely_s = before.likely_s if before.likely_s is not None else t_s
     if holds:
-        now = replace(before, holds=True, likely_s=likely_s, finding=found, known_s=t_s, off_s=None)
+        now = Episode(
+            before.phase, True, likely_s, before.since_s, None, t_s, before.level, before.free_s,
+            found,
+        )  # fmt: skip
     else:
         off_s = t_s if found.until_s is None else min(found.until_s, t_s)
         off_s = off_s if before.off_s is None else before.off_s
-        now = replace(before, holds=False, likely_s=likely_s, off_s=off_s)
+        now = Episode(
+            before.phase, False, likely_s, before.since_s, off_s, before.known_s, before.level,
+            before.free_s, before.finding,
+        )  # fmt: skip
     if before.phase in ("idle", "pending"):
         return _waited(now, timing, t_s, found)
     return _went_on(now, timing, t_s)

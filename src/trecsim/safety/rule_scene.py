@@ -1,7 +1,9 @@
 """What the rules see of one moment."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -10,7 +12,7 @@ from trecsim.floor_points import HIPS, FloorPoints, floor_points
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.body_states import Bodies, bodies
-from trecsim.safety.polygons import Polygon
+from trecsim.safety.polygons import LEAST_SIGMA_M, SURE, Polygon
 from trecsim.safety.signals import Signals
 from trecsim.safety.traces import KEEP_S, Sample, Trace
 from trecsim.values import COASTING, Snapshot
@@ -20,7 +22,27 @@ HAND_OVER_S, HAND_OVER_M = 0.5, 0.5
 theirs were, is the same body under another identity [s, m]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+class Extent(NamedTuple):
+    """Where the joints of a person are that a camera supports, with the errors that they may have.
+
+    Attributes
+    ----------
+    low_m, high_m
+        The least and the greatest x and y of what counts [m]; NaN where nothing does.
+    middle_m, radius_m
+        The circle around the means [m].
+    reach_m
+        So far from its mean a joint may be [m].
+    """
+
+    low_m: Float64[np.ndarray, "seen 2"]
+    high_m: Float64[np.ndarray, "seen 2"]
+    middle_m: Float64[np.ndarray, "seen 2"]
+    radius_m: Float64[np.ndarray, " seen"]
+    reach_m: Float64[np.ndarray, " seen"]
+
+
+@dataclass(frozen=True, eq=False)
 class Scene:
     """One moment, with what is remembered of the people in it.
 
@@ -58,10 +80,50 @@ class Scene:
         """The moment [s]."""
         return self.people.t_s
 
-    @property
+    @cached_property
     def seen(self) -> Int64[np.ndarray, " seen"]:
         """Rows of the people whom a camera supports."""
         return np.flatnonzero(self.is_seen)
+
+    @cached_property
+    def seen_ids(self) -> frozenset[int]:
+        """Identities of the people whom a camera supports."""
+        return frozenset(self.people.id[self.is_seen].tolist())
+
+    @cached_property
+    def ids(self) -> frozenset[int]:
+        """Identities of all people."""
+        return frozenset(self.people.id.tolist())
+
+    @cached_property
+    def counts(self) -> Bool[np.ndarray, "seen joint"]:
+        """Which joints of seen people a camera supports, and are known."""
+        known: Bool[np.ndarray, "seen joint"] = np.isfinite(self.people.xyz_m).all(axis=-1)
+        known &= self.people.support > 0
+        counts: Bool[np.ndarray, "seen joint"] = known[self.seen]
+        return counts
+
+    @cached_property
+    def extent(self) -> Extent:
+        """Where these joints are, for each of the seen people."""
+        counts, rows = self.counts, self.seen
+        xy_m = np.where(counts[..., None], self.people.xyz_m[rows, :, :2], np.nan)
+        cov_m2 = self.people.cov_m2
+        variance_m2 = np.nan_to_num(cov_m2[rows, :, 0, 0]) + np.nan_to_num(cov_m2[rows, :, 1, 1])
+        reach_m = SURE * np.sqrt(np.where(counts, variance_m2, 0.0).max(axis=1) + LEAST_SIGMA_M)
+        low_m = np.fmin.reduce(xy_m, axis=1)
+        high_m = np.fmax.reduce(xy_m, axis=1)
+        radius_m = 0.5 * np.hypot(*(high_m - low_m).T)
+        wide_m = reach_m[:, None]
+        return Extent(low_m - wide_m, high_m + wide_m, 0.5 * (low_m + high_m), radius_m, reach_m)
+
+    def near(self, polygon: Polygon) -> Int64[np.ndarray, " near"]:
+        """Return which of the seen people may have a joint that counts in a polygon."""
+        low_m, high_m = self.extent.low_m, self.extent.high_m
+        (low_x, low_y), (high_x, high_y) = polygon.box_m
+        may = (high_m[:, 0] > low_x) & (low_m[:, 0] < high_x)
+        may &= (high_m[:, 1] > low_y) & (low_m[:, 1] < high_y)
+        return np.flatnonzero(may)
 
     def inside(self, polygon: Polygon | None) -> Float64[np.ndarray, " person"]:
         """Return the probability that each floor point is inside a polygon; 1 without one.
@@ -75,13 +137,19 @@ class Scene:
             known = self._inside[id(polygon)] = polygon.probability(*self.floor)
         return known
 
-    def seen_traces(self) -> Iterator[tuple[int, int, Trace]]:
-        """Yield row, identity and trace of each person whose trace goes up to this moment."""
-        for row in self.seen:
-            person = int(self.people.id[row])
+    def seen_traces(self) -> Sequence[tuple[int, int, Trace]]:
+        """Return row, identity and trace of each person whose trace goes up to this moment."""
+        return self._seen_traces
+
+    @cached_property
+    def _seen_traces(self) -> list[tuple[int, int, Trace]]:
+        t_s, ids = self.t_s, self.people.id[self.seen].tolist()
+        found = []
+        for row, person in zip(self.seen.tolist(), ids, strict=True):
             trace = self.traces.get(person)
-            if trace is not None and trace.last_s == self.t_s:
-                yield int(row), person, trace
+            if trace is not None and trace.last_s == t_s:
+                found.append((row, person, trace))
+        return found
 
     def speed_mps(self, row: int) -> float:
         """Return the speed of a person over the floor [m/s]; NaN where it is not known."""

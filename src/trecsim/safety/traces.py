@@ -1,6 +1,7 @@
 """What is remembered of each person: a few seconds of movement, and whether it was a fall."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -94,20 +95,71 @@ class Moved(NamedTuple):
     variance_m2: Float64[np.ndarray, " sample"]
     floor_m: Float64[np.ndarray, "sample 2"]
 
-    def farthest_m(self) -> float:
-        """Return the larger side of the box on the floor that holds the movement [m]."""
-        return float(np.ptp(self.xyz_m[:, :2], axis=0).max())
+    @property
+    def step(self) -> int:
+        """So many samples before and after a time its velocity is measured over."""
+        took_s = max(float(self.t_s[-1] - self.t_s[0]), 1e-9)
+        return max(1, math.ceil(0.5 * BASE_S * (len(self.t_s) - 1) / took_s))
 
     def velocity_mps(self) -> Float64[np.ndarray, "sample 3"]:
         """Return the velocity at each time, from the positions before and after it [m/s]."""
-        n, row = len(self.t_s), np.arange(len(self.t_s))
-        step = max(1, math.ceil(0.5 * BASE_S * (n - 1) / max(self.t_s[-1] - self.t_s[0], 1e-9)))
-        before, after = np.maximum(row - step, 0), np.minimum(row + step, n - 1)
-        took_s = np.maximum(self.t_s[after] - self.t_s[before], 1e-9)
-        velocity: Float64[np.ndarray, "sample 3"] = (
-            self.xyz_m[after] - self.xyz_m[before]
-        ) / took_s[:, None]
+        velocity: Float64[np.ndarray, "sample 3"] = _velocities_mps(
+            self.t_s[None], self.xyz_m[None], self.step
+        )[0]
         return velocity
+
+
+class Fastest(NamedTuple):
+    """How far and how fast people moved over a while.
+
+    Attributes
+    ----------
+    farthest_m
+        The larger side of the box on the floor that holds the movement [m].
+    speed_mps, median_mps
+        The highest speed over the floor, and the median [m/s].
+    """
+
+    farthest_m: list[float]
+    speed_mps: list[float]
+    median_mps: list[float]
+
+
+def fastest(windows: Sequence[Moved]) -> Fastest:
+    """Return how far and how fast several people moved; all that have as many samples at once."""
+    farthest_m, speed_mps, median_mps = ([0.0] * len(windows) for _ in range(3))
+    groups: dict[tuple[int, int], list[int]] = {}
+    for number, moved in enumerate(windows):
+        groups.setdefault((len(moved.t_s), moved.step), []).append(number)
+    for (_, step), numbers in groups.items():
+        t_s = np.stack([windows[number].t_s for number in numbers])
+        xyz_m = np.stack([windows[number].xyz_m for number in numbers])
+        velocity_mps = _velocities_mps(t_s, xyz_m, step)
+        speeds_mps = np.hypot(velocity_mps[..., 0], velocity_mps[..., 1])
+        each = zip(
+            numbers,
+            np.ptp(xyz_m[..., :2], axis=1).max(axis=1).tolist(),
+            np.fmax.reduce(speeds_mps, axis=1).tolist(),
+            np.median(speeds_mps, axis=1).tolist(),
+            strict=True,
+        )
+        for number, *found in each:
+            farthest_m[number], speed_mps[number], median_mps[number] = found
+    return Fastest(farthest_m, speed_mps, median_mps)
+
+
+def _velocities_mps(
+    t_s: Float64[np.ndarray, "person sample"],
+    xyz_m: Float64[np.ndarray, "person sample 3"],
+    step: int,
+) -> Float64[np.ndarray, "person sample 3"]:
+    row, last = np.arange(t_s.shape[1]), t_s.shape[1] - 1
+    before, after = np.maximum(row - step, 0), np.minimum(row + step, last)
+    took_s = np.maximum(t_s[:, after] - t_s[:, before], 1e-9)
+    velocity: Float64[np.ndarray, "person sample 3"] = (
+        xyz_m[:, after] - xyz_m[:, before]
+    ) / took_s[..., None]
+    return velocity
 
 
 @dataclass(slots=True, eq=False)

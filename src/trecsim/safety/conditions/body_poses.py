@@ -35,9 +35,7 @@ _SHOULDERS = [COCO17.index(f"{side}_shoulder") for side in ("left", "right")]
 
 def _known(scene: Scene, joints: list[int]) -> np.ndarray:
     """Return which of these joints of seen people are supported and known, (seen, joint)."""
-    rows = scene.seen
-    xyz_m, support = scene.people.xyz_m[rows][:, joints], scene.people.support[rows][:, joints]
-    known: np.ndarray = (support > 0) & np.isfinite(xyz_m).all(axis=-1)
+    known: np.ndarray = scene.counts[:, joints]
     return known
 
 
@@ -49,7 +47,10 @@ class ReachingIn:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        rows, known = scene.seen, _known(scene, _ARMS)
+        near = scene.near(self.prism.polygon)
+        if not len(near):
+            return Judged({})
+        rows, known = scene.seen[near], scene.counts[near][:, _ARMS]
         inside: Float64[np.ndarray, "seen joint"] = np.zeros(known.shape)
         xyz_m, cov_m2 = scene.people.xyz_m[rows][:, _ARMS], scene.people.cov_m2[rows][:, _ARMS]
         inside[known] = self.prism.probability(xyz_m[known], cov_m2[known])

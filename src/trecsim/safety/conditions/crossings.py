@@ -40,8 +40,7 @@ class Place(NamedTuple):
     xy_m: tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True)
-class Passage:
+class Passage(NamedTuple):
     """How somebody stands to a line or border.
 
     Attributes
@@ -178,8 +177,7 @@ class ZoneLeft:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        xy_m = scene.floor.xy_m
-        distances_m, normals = self.polygon.distance_m(xy_m), self.polygon.normals(xy_m)
+        distances_m, normals = self.polygon.nearest(scene.floor.xy_m)
         passed, crossings = followed(
             memory or Crossed(), scene, distances_m, normals, self.delay_s, self.p_on
         )
@@ -212,27 +210,35 @@ def followed(
     delay_s, p_on
         See `LineCrossed`.
     """
-    passages, sure = dict(before.passages), dict[int, float]()
-    variances = np.einsum("pi,pij,pj->p", normals, scene.floor.cov_m2, normals)
-    sigmas_m = np.sqrt(np.maximum(np.nan_to_num(variances), 0.0)).tolist()
-    for row in scene.seen:
-        if not np.isfinite(distances_m[row]):
-            continue
-        person, distance_m = int(scene.people.id[row]), float(distances_m[row])
-        x, y = scene.floor.xy_m[row].tolist()
-        here = Place(scene.t_s, distance_m, (x, y))
+    passages, sure, t_s = dict(before.passages), dict[int, float](), scene.t_s
+    rows = scene.seen[np.isfinite(distances_m[scene.seen])]
+    ids, places_m = scene.people.id[rows].tolist(), scene.floor.xy_m[rows].tolist()
+    for n, (person, distance_m, (x, y)) in enumerate(
+        zip(ids, distances_m[rows].tolist(), places_m, strict=True)
+    ):
+        here = Place(t_s, distance_m, (x, y))
         old = passages.get(person)
         if old is None:
             passages[person] = Passage(1 if distance_m > 0.0 else -1, here)
-            continue
-        sure[person] = 1.0 - below(0.0, abs(distance_m), sigmas_m[row])
-        is_far = abs(distance_m) > MARGIN_M and sure[person] >= p_on
-        passages[person] = old.moved(here, is_far)
+        elif distance_m * old.side > 0.0:  # of most people: on the same side as before
+            passages[person] = Passage(old.side, here)
+        else:
+            row = rows[n]
+            sigma_m = _sigma_m(scene.floor.cov_m2[row], normals[row])
+            sure[person] = 1.0 - below(0.0, abs(distance_m), sigma_m)
+            is_far = abs(distance_m) > MARGIN_M and sure[person] >= p_on
+            passages[person] = old.moved(here, is_far)
     crossings = {}
-    for person, passage in sorted(passages.items()):
-        if passage.far_s is not None and scene.t_s - passage.far_s >= delay_s:
+    for person, passage in list(passages.items()):
+        if passage.far_s is not None and t_s - passage.far_s >= delay_s:
             crossings[person] = sure.get(person, p_on), passage
             passages[person] = Passage(-passage.side, passage.last)
-        elif scene.t_s - passage.last.t_s > FORGET_S:
+        elif t_s - passage.last.t_s > FORGET_S:
             del passages[person]
-    return replace(before, passages=passages), crossings
+    return replace(before, passages=passages), dict(sorted(crossings.items()))
+
+
+def _sigma_m(cov_m2: Float64[np.ndarray, "2 2"], normal: Float64[np.ndarray, " 2"]) -> float:
+    """Return the standard deviation in a direction [m]; 0 where it is not known."""
+    variance_m2 = np.einsum("pi,pij,pj->p", normal[None], cov_m2[None], normal[None])
+    return float(np.sqrt(np.maximum(np.nan_to_num(variance_m2), 0.0))[0])

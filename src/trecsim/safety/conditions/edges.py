@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from trecsim.safety.ahead import Ahead, Expected
 from trecsim.safety.conditions.base import LEAST, Judged
@@ -37,9 +37,11 @@ class AtEdge:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        rows = scene.seen
-        xyz_m, supported = scene.people.xyz_m[rows], scene.people.support[rows] > 0
-        counts = supported & np.isfinite(xyz_m).all(axis=-1)
+        people = self._may_be_near(scene)
+        if not len(people):
+            return Judged({})
+        rows, counts = scene.seen[people], scene.counts[people]
+        xyz_m = scene.people.xyz_m[rows]
         near: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
         beyond, from_edge_m = near.copy(), np.full(counts.shape, np.inf)
         here_m, normal = self.edge.nearest(xyz_m[counts][:, :2])
@@ -62,6 +64,16 @@ class AtEdge:
             )
         return Judged(findings)
 
+    def _may_be_near(self, scene: Scene) -> Int64[np.ndarray, " near"]:
+        """Return which of the seen people are not surely on the safe side, far enough away.
+
+        The distance from the edge changes by no more than the way that one goes.
+        """
+        extent = scene.extent
+        middle_m, _ = self.edge.nearest(np.nan_to_num(extent.middle_m, nan=np.inf))
+        far = middle_m > self.distance_m + extent.radius_m + extent.reach_m
+        return np.flatnonzero(~far & np.isfinite(extent.radius_m))
+
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead for joints beyond the edge; see `Foreseeing`."""
-        return ahead.beyond(self.edge, self.depth_m).expected(within_s)
+        return ahead.beyond(self.edge, self.depth_m, within_s).expected(within_s)

@@ -9,7 +9,7 @@ from trecsim.safety.body_states import DOWN_HEAD_M, DOWN_HIP_M, LYING_RAD
 from trecsim.safety.conditions.base import LEAST, Judged
 from trecsim.safety.gaussian import below
 from trecsim.safety.machine import Finding
-from trecsim.safety.polygons import Polygon, Prism
+from trecsim.safety.polygons import SURE, Polygon, Prism
 from trecsim.safety.rule_scene import Scene
 
 
@@ -60,8 +60,9 @@ class Down:
         """Judge one moment; see `Condition`."""
         inside = scene.inside(self.polygon)
         findings = {}
+        low = _may_be_down(scene)
         for row, person, trace in scene.seen_traces():
-            if trace.fall is not None:
+            if trace.fall is not None or not low[row]:
                 continue
             sure = _hips_down(scene, row) * float(inside[row])
             if sure > LEAST:
@@ -90,6 +91,13 @@ def _outside(scene: Scene, row: int, exclusions: tuple[Prism, ...]) -> float:
 def _hips_down(scene: Scene, row: int) -> float:
     body = scene.body
     return below(DOWN_HIP_M, float(body.hip_m[row, 2]), float(body.hip_sigma_m[row, 2]))
+
+
+def _may_be_down(scene: Scene) -> list[bool]:
+    """Return of whom it is not sure that the hips are not on the floor."""
+    body = scene.body
+    low: list[bool] = (body.hip_m[:, 2] < DOWN_HIP_M + SURE * body.hip_sigma_m[:, 2]).tolist()
+    return low
 
 
 def _flat(scene: Scene, row: int) -> float:

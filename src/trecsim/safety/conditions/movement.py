@@ -12,7 +12,7 @@ from trecsim.safety.gaussian import below
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
 from trecsim.safety.rule_scene import Scene
-from trecsim.safety.traces import Moved, Trace
+from trecsim.safety.traces import Moved, Trace, fastest
 
 MEDIAN_S = 1.0
 """The speed is the median over so long [s]."""
@@ -45,30 +45,38 @@ class Running:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = scene.inside(self.polygon)
-        findings = {}
-        for row, person, trace in scene.seen_traces():
-            moved = trace.since(scene.t_s - MEDIAN_S - 1e-6)
-            if not inside[row] > LEAST or len(moved.t_s) < 2:
+        inside = scene.inside(self.polygon).tolist()
+        from_s = scene.t_s - MEDIAN_S - 1e-6
+        windows = [
+            (row, person, moved)
+            for row, person, trace in scene.seen_traces()
+            if inside[row] > LEAST and len((moved := trace.since(from_s)).t_s) > 1
+        ]
+        most = fastest([moved for *_, moved in windows])
+        ran, findings = memory or frozenset(), {}
+        for (row, person, moved), far_m, mps, median_mps in zip(windows, *most, strict=True):
+            took_s = float(moved.t_s[-1] - moved.t_s[0])
+            is_far = far_m >= LEAST_SHARE * self.speed_mps * took_s
+            if not is_far or took_s < LEAST_S - 1e-6 or not mps > self.speed_mps:
                 continue
-            if moved.farthest_m() < LEAST_SHARE * self.speed_mps * (moved.t_s[-1] - moved.t_s[0]):
-                continue
-            if moved.t_s[-1] - moved.t_s[0] >= LEAST_S - 1e-6:
-                found = self._found(moved, float(inside[row]))
-                if found is not None:
-                    findings[person] = found
-        return Judged(findings)
+            # When running ends, the finding says since when; of others it is not needed.
+            if person in ran or self._sure(moved, median_mps) > LEAST:
+                findings[person] = self._found(moved, inside[row])
+        running = (one for one, found in findings.items() if found.probability > LEAST)
+        return Judged(findings, frozenset(running))
 
-    def _found(self, moved: Moved, inside: float) -> Finding | None:
+    def _sure(self, moved: Moved, median_mps: float) -> float:
+        """Return the probability that the median speed is above the limit."""
+        over_s = float(moved.t_s[-1] - moved.t_s[0])
+        sigma_mps = math.sqrt(moved.variance_m2[0] + moved.variance_m2[-1]) / over_s
+        return 1.0 - below(self.speed_mps, median_mps, sigma_mps)
+
+    def _found(self, moved: Moved, inside: float) -> Finding:
         velocity_mps = moved.velocity_mps()
         speeds_mps = np.hypot(velocity_mps[:, 0], velocity_mps[:, 1])
         fast = speeds_mps > self.speed_mps
-        if not fast.any():
-            return None
         median_mps = float(np.median(speeds_mps))
-        over_s = float(moved.t_s[-1] - moved.t_s[0])
-        sigma_mps = math.sqrt(moved.variance_m2[0] + moved.variance_m2[-1]) / over_s
-        sure = 1.0 - below(self.speed_mps, median_mps, sigma_mps)
+        sure = self._sure(moved, median_mps)
         slow = _last_slow(fast & _holds(self.polygon, moved))
         began = int(fast.argmax()) if slow is None else min(slow[1] + 1, len(fast) - 1)
         return Finding(

@@ -18,13 +18,16 @@ from trecsim.skeleton import COCO17
 
 def inside_boxes(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen joint"]:
     """Return the probability that each supported joint of seen people is in one of the boxes."""
-    rows = scene.seen
-    xyz_m = scene.people.xyz_m[rows]
-    counts = (scene.people.support[rows] > 0) & np.isfinite(xyz_m).all(axis=-1)
-    inside: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
-    cov_m2 = scene.people.cov_m2[rows][counts]
+    inside: Float64[np.ndarray, "seen joint"] = np.zeros(scene.counts.shape)
     for box in boxes:
-        inside[counts] = np.maximum(inside[counts], box.probability(xyz_m[counts], cov_m2))
+        near = scene.near(box.polygon)
+        if not len(near):
+            continue
+        rows, counts = scene.seen[near], scene.counts[near]
+        found = np.zeros(counts.shape)
+        xyz_m, cov_m2 = scene.people.xyz_m[rows][counts], scene.people.cov_m2[rows][counts]
+        found[counts] = box.probability(xyz_m, cov_m2)
+        inside[near] = np.maximum(inside[near], found)
     return inside
 
 

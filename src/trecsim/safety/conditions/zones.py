@@ -40,7 +40,8 @@ class InZone:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
-        return ahead.in_polygon(self.polygon, least=LEAST_AHEAD).expected(within_s)
+        arrivals = ahead.in_polygon(self.polygon, least=LEAST_AHEAD, within_s=within_s)
+        return arrivals.expected(within_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,9 +73,11 @@ class JointInZone:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        rows = scene.seen
-        xyz_m, supported = scene.people.xyz_m[rows], scene.people.support[rows] > 0
-        counts = supported & np.isfinite(xyz_m).all(axis=-1)
+        near = scene.near(self.prism.polygon)
+        if not len(near):
+            return Judged({})
+        rows, counts = scene.seen[near], scene.counts[near]
+        xyz_m = scene.people.xyz_m[rows]
         inside: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
         inside[counts] = self.prism.probability(xyz_m[counts], scene.people.cov_m2[rows][counts])
         findings = {}
@@ -86,7 +89,9 @@ class JointInZone:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
-        arrivals = ahead.in_polygon(self.prism.polygon, self.prism.z_m, least=LEAST_AHEAD)
+        arrivals = ahead.in_polygon(
+            self.prism.polygon, self.prism.z_m, least=LEAST_AHEAD, within_s=within_s
+        )
         return arrivals.expected(within_s)
 
 
