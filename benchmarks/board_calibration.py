@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.command import alone
-from harness.figures import Figures, over_seeds
+from harness.figures import Figures, once, over_seeds, summed
 from harness.options import Options
 
 if TYPE_CHECKING:
@@ -251,11 +251,31 @@ def measure(options: Options) -> Figures:
         "videos": (of_videos, "videos"),
     }
     figures: dict[str, Figures] = {}
+    images: dict[str, dict[int, dict[str, float]]] = {}
     for name, (function, case) in work.items():
         tasks = [(case, seed) for seed in seeds]
         runs = dict(zip(seeds, options.over(function, tasks, name), strict=True))
         figures[name] = figures_of(runs)
+        if function is of_images:
+            images[case] = runs
+    figures["verdicts"] = verdicts_of(images)
     return figures
+
+
+def verdicts_of(images: dict[str, dict[int, dict[str, float]]]) -> Figures:
+    """Return whether verdicts are true: of all rigs, and of those in which no camera was moved."""
+    rigs = {f"{case} {seed}": one for case, runs in images.items() for seed, one in runs.items()}
+    still = [one for name, one in rigs.items() if not name.startswith("knocked")]
+    near = [one["called good"] for one in still if one["rotation, worst camera"] <= 0.3]
+    return {
+        "good though off by 1 degree": summed({
+            name: one["called good"] > 0 and one["rotation, worst camera"] > 1.0
+            for name, one in rigs.items()
+        }),
+        "good of those within 0.3 degrees": once(
+            float(np.mean(near)) if near else np.nan, "%", "higher"
+        ),
+    }  # fmt: skip
 
 
 if __name__ == "__main__":

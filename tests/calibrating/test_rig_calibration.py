@@ -23,6 +23,8 @@ from trecsim.calibrating.boards import Board
 from trecsim.calibrating.linking import link_cameras
 from trecsim.calibrating.rig_calibration import calibrate_rig
 from trecsim.calibrating.rig_fit import fit_rig
+from trecsim.calibrating.rig_verdict import _of_error, _of_rotations
+from trecsim.calibrating.room_error import PoseCovariance
 from trecsim.calibration import read_rig, write_intrinsics
 from trecsim.cli import main
 from trecsim.errors import CalibrationError
@@ -52,14 +54,23 @@ def test_the_stated_errors_are_the_true_ones():
     assert 0.7 < np.sqrt(np.mean(np.square(metres)) / 3) / sd[1] < 1.4
 
 
-def test_a_small_distant_board_fits_as_well_and_is_not_called_good():
+def test_a_small_distant_board_in_few_moments_fits_as_well_and_is_called_wrong():
     for seed in range(3):
         _, near = calibrated(seed)
-        _, far = calibrated(seed, SMALL, 30, FAR, rig=ring(4, radius_m=9.0))
+        _, far = calibrated(seed, SMALL, 12, FAR, rig=ring(4, radius_m=9.0))
         fits = [made.result.cameras[0].reprojection_px for made in (near, far)]
         assert fits[1] < 1.2 * fits[0]
-        assert errors(ring(4, radius_m=9.0), far.rig)[0].max() > 0.2
-        assert far.result.verdict != "good"
+        assert errors(ring(4, radius_m=9.0), far.rig)[0].max() > 1.0
+        assert far.result.verdict == "wrong"
+
+
+def test_how_sure_a_good_rig_must_be_follows_from_one_limit():
+    rig = ring(2, radius_m=5.0)
+    for sd_deg, verdict in ((0.15, "good"), (0.17, "usable"), (0.47, "usable"), (0.49, "wrong")):
+        matrix = np.zeros((12, 12))
+        matrix[:3, :3] = np.radians(sd_deg) ** 2 * np.eye(3)
+        assert _of_rotations(rig, PoseCovariance(matrix)).verdict == verdict
+        assert _of_error(5.0 * float(np.radians(sd_deg)), 5.0).verdict == verdict
 
 
 def test_opencv_does_no_better_on_the_same_corners():

@@ -11,6 +11,16 @@ from jaxtyping import Float64
 Verdict = Literal["good", "usable", "wrong"]
 ORDER: tuple[Verdict, ...] = ("good", "usable", "wrong")
 
+NINETY = 2.5
+"""Standard deviations per axis within which 90 % of the errors of a rotation or a place lie."""
+GOOD_DEG, USABLE_DEG = 0.4, 1.2
+"""Errors of a camera, with 90 % probability, up to which a rig is good, and usable [degrees].
+
+A good rig is never to be off by 1 degree. An error beyond 2.5 times this limit has a probability of
+1e-7 if the stated standard deviation is true, and of 1e-3 if it is too small by a factor of 1.5."""
+GOOD_SHARE, USABLE_SHARE = (float(np.radians(limit / NINETY)) for limit in (GOOD_DEG, USABLE_DEG))
+"""Expected errors of points over their distance, as they follow from such cameras: 14 mm at 5 m."""
+
 
 @dataclass(frozen=True, slots=True)
 class CameraQuality:

@@ -12,7 +12,15 @@ import numpy as np
 from trecsim.calibrating.corner_sights import Sight
 from trecsim.calibrating.held_out import HeldOut, held_out
 from trecsim.calibrating.linking import Link, Links
-from trecsim.calibrating.result import Finding, rms_sd
+from trecsim.calibrating.result import (
+    GOOD_DEG,
+    GOOD_SHARE,
+    NINETY,
+    USABLE_DEG,
+    USABLE_SHARE,
+    Finding,
+    rms_sd,
+)
 from trecsim.calibrating.rig_faults import mirrored_hint, swapped_hint
 from trecsim.calibrating.rig_fit import BoardProblem, RigFit, fit_rig
 from trecsim.calibrating.room_error import PoseCovariance, expected_error_m
@@ -20,8 +28,6 @@ from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import rotation_vector
 
-GOOD_DEG, USABLE_DEG = 0.12, 0.4  # one standard deviation of a rotation
-GOOD_SHARE, USABLE_SHARE = 3e-3, 1.2e-2  # expected error, over the size of the rig: 15 mm of 5 m
 GOOD_PX, USABLE_PX = 1.0, 3.0  # noise of corners, at 1920 px
 APART_GOOD, APART_USABLE = 5.0, 12.0  # normalised difference of halves: about chi for one number
 LEAST_APART_DEG, LEAST_APART_SHARE = 0.05, 1e-3  # smaller differences of halves do not matter
@@ -111,10 +117,10 @@ def _of_rotations(rig: Rig, covariance: PoseCovariance) -> Finding:
         f"rotations are known to {each[worst]:.3f} degrees (one standard deviation, camera "
         f"{rig.names[worst]!r})"
     )
-    if each[worst] <= GOOD_DEG:
+    if NINETY * each[worst] <= GOOD_DEG:
         return Finding("good", text)
     advice = "; carry the board nearer, tilt it more, and let more cameras see it at once"
-    return Finding("usable" if each[worst] <= USABLE_DEG else "wrong", text + advice)
+    return Finding("usable" if NINETY * each[worst] <= USABLE_DEG else "wrong", text + advice)
 
 
 def _of_error(error_m: float, size_m: float) -> Finding:
@@ -286,15 +292,25 @@ def _halves(
     if not all(_connects(half, fit, problem) for half in (early, late)):
         return unknown
     made = []
+    begin = _from_whole(links, fit)
     for half in (early, late):
         part = replace(problem, sights=tuple(half), timed=False)
         try:
-            fitted = fit_rig(part, links)
+            fitted = fit_rig(part, begin)
         except (CalibrationError, np.linalg.LinAlgError):
             return unknown
         of_half = fitted.rig(part)
         made.append((of_half, fitted.covariance(of_half)))
     return _difference(made[0], made[1])
+
+
+def _from_whole(links: Links, fit: RigFit) -> Links:
+    """Return the links with the poses that all moments gave: a half starts from there.
+
+    Half of the moments may link cameras badly; that says nothing of whether a camera moved.
+    """
+    poses = dict(zip(fit.numbers, fit.adjusted.state.T_cam_world, strict=True))
+    return replace(links, T_cam_root=tuple(poses.get(n) for n in range(len(links.T_cam_root))))
 
 
 def _difference(

@@ -10,11 +10,8 @@ from trecsim.calibrating.people.finding import Found, lenses_off
 from trecsim.calibrating.people.holding_out import Part
 from trecsim.calibrating.people.scale import Scale
 from trecsim.calibrating.people.steadiness import Step
-from trecsim.calibrating.result import Finding, Verdict
+from trecsim.calibrating.result import GOOD_DEG, NINETY, USABLE_DEG, Finding, Verdict
 
-NINETY = 2.5  # standard deviations per axis within which 90 % of the errors lie
-GOOD_DEG, USABLE_DEG = 0.4, 1.2
-"""Errors of a camera, with 90 % probability, up to which a rig is good, and usable [degrees]."""
 APART = 3.5
 """Parts that differ by so many of their standard deviations contradict each other."""
 APART_DEG = 0.35
