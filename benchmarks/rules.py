@@ -2,10 +2,12 @@
 
 *Episodes*: a room of 10 m x 8 m, four cameras of 20 images/s, thirteen people in 40 s to whom all
 kinds of things happen; the truth is a naive reading of the definitions on exact joints
-(`trecsim.lab.true_events`). *Falls*: who falls and who does something else (`ruled/motions.py` says
-which motion stands for what), each at their own spot, with four and two cameras of 25 and 8
-images/s. *Normal traffic*: people who walk about for a while, under the same rules. No real fall
-was measured: none is to be had. Seeds 1000 and up; the rules were tuned on those below.
+(`trecsim.lab.true_events`). *Gates, chairs and beds*: the same for `access.tailgate`,
+`access.unauthorised`, `lift.unload`, and falls and people down beside a bed. *Falls*: who falls and
+who does something else (`ruled/motions.py` says which motion stands for what), each at their own
+spot, with four and two cameras of 25 and 8 images/s. *Normal traffic*: people who walk about for a
+while, under the same rules. No real fall was measured: none is to be had. Seeds 1000 and up; the
+rules were tuned on those below.
 
 Run: ``python benchmarks/rules.py [--quick]``
 """
@@ -13,6 +15,7 @@ Run: ``python benchmarks/rules.py [--quick]``
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +23,7 @@ import numpy as np
 from harness.command import alone
 from harness.figures import Figures, Skipped, once
 from harness.options import Options, shared_data
-from ruled import busy_room, judging, motions
+from ruled import busy_room, gate_room, judging, motions
 from ruled.warnings_told import Warned, brier, median_lead_s, warnings_of
 
 if TYPE_CHECKING:
@@ -28,6 +31,7 @@ if TYPE_CHECKING:
     from trecsim.lab.simulation.scene import Scene
 
 SEEDS, QUICK_SEEDS = 60, 2
+GATE_SEEDS = 30
 FALL_SEEDS, QUICK_FALL_SEEDS = 10, 1
 RIGS = ((4, 25.0), (4, 8.0), (2, 25.0), (2, 8.0))  # cameras, images per second
 PIECES, QUICK_PIECES, PIECE_S, TRAFFIC_FPS = 60, 2, 60.0, 8.0
@@ -47,12 +51,14 @@ def measure(options: Options) -> Figures:
         seeds_from=1000,
         seeds={
             "episodes": len(options.seeds(SEEDS, QUICK_SEEDS)),
+            "gates, chairs and beds": len(options.seeds(GATE_SEEDS, QUICK_SEEDS)),
             "falls": len(options.seeds(FALL_SEEDS, QUICK_FALL_SEEDS)),
             "normal traffic": len(options.seeds(PIECES, QUICK_PIECES)),
         },
     )
     figures: dict[str, Figures] = {
         "episodes": episodes(options),
+        "gates, chairs and beds": gates(options),
         "normal traffic": traffic(options),
     }
     try:
@@ -83,6 +89,27 @@ def busy(task: tuple[int, Mapping[str, Any]]) -> Told:
     """Return the scores of one scene full of episodes."""
     seed, overrides = task
     return _judged(busy_room.busy_room(seed), seed, overrides)
+
+
+def gates(options: Options) -> Figures:
+    """Return the same for rules on gates with tickets, on chairs that unload, and beside beds."""
+    seeds = options.seeds(GATE_SEEDS, QUICK_SEEDS)
+    tasks = [(seed, options.overrides) for seed in seeds]
+    found = list(options.over(gated, tasks, "gates, chairs and beds"))
+    kinds = _by_kind(found)
+    rows: dict[str, Figures] = {kind: _row(scores) for kind, scores in sorted(kinds.items())}
+    rows["all"] = {
+        "episodes": once(sum(one.true for one in kinds.values()), "", watched=False),
+        "macro F1": once(float(np.mean([one.f1 for one in kinds.values()])), "", "higher", 0.003),
+    }
+    return rows
+
+
+def gated(task: tuple[int, Mapping[str, Any]]) -> Told:
+    """Return the scores of one scene with a gate, chairs and a bed."""
+    seed, overrides = task
+    room = gate_room.gate_room(seed)
+    return _judged(room.scene, seed, overrides, gate_room.SITE, {gate_room.FEED: room.messages})
 
 
 def traffic(options: Options) -> Figures:
@@ -134,17 +161,26 @@ def walkers(task: tuple[int, Mapping[str, Any]]) -> Told:
     return _judged(Scene(rig, people, PIECE_S, clocks=clocks), seed, overrides)
 
 
-def _judged(scene: "Scene", seed: int, overrides: Mapping[str, Any]) -> Told:
+def _judged(
+    scene: "Scene",
+    seed: int,
+    overrides: Mapping[str, Any],
+    site: str = busy_room.SITE,
+    feeds: Mapping[str, str] = MappingProxyType({}),
+) -> Told:
     from trecsim.assessing import RuleEvents
     from trecsim.lab.evaluation.event_episodes import episodes_of
     from trecsim.lab.evaluation.event_scores import compared
     from trecsim.lab.simulation import simulate
 
     made = simulate(scene, seed)
-    engine = RuleEvents(judging.rules_of_site(busy_room.SITE))
+    messages = "".join(feeds.values())
+    engine = RuleEvents(
+        judging.rules_of_site(site), signals=judging.signals_in(messages, "tickets")
+    )
     events = [event for one in judging.tracked(made, overrides) for event in engine.step(one)]
     told = [one for one in episodes_of(events) if not one.is_warning]
-    scores = compared(told, judging.truth_of(made, busy_room.SITE))
+    scores = compared(told, judging.truth_of(made, site, feeds))
     return scores.kinds, warnings_of(events), scene.seconds
 
 

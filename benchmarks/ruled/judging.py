@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from trecsim.lab.evaluation.event_episodes import EpisodeTold
     from trecsim.lab.evaluation.event_scores import EventScores
     from trecsim.lab.simulation import Simulation
+    from trecsim.safety.signals import SignalSource
     from trecsim.values import Snapshot
 
 
@@ -45,12 +46,22 @@ def told_of(snapshots: "Iterable[Snapshot]", site: str) -> "list[EpisodeTold]":
     return episodes_of(event for one in snapshots for event in engine.step(one))
 
 
-def truth_of(made: "Simulation", site: str) -> "list[EpisodeTold]":
-    """Return the true episodes."""
+def signals_in(messages: str, feed: str) -> "SignalSource":
+    """Return the messages of a feed, given as lines of JSON, as rules take them."""
+    from trecsim.safety.signals import recorded
+    from trecsim.sites.feed_files import signal_of
+
+    return recorded([signal_of(feed, line) for line in messages.splitlines()])
+
+
+def truth_of(
+    made: "Simulation", site: str, feeds: Mapping[str, str] | None = None
+) -> "list[EpisodeTold]":
+    """Return the true episodes, given the messages of feeds by the names of their files."""
     from trecsim.lab.evaluation.event_episodes import episodes_of
     from trecsim.lab.true_events.truth_events import truth_events
 
-    return episodes_of(truth_events(site, made.truth_t_s, made.truth_xyz_m))
+    return episodes_of(truth_events(site, made.truth_t_s, made.truth_xyz_m, feeds or {}))
 
 
 def together(parts: "Sequence[EventScores]") -> "EventScores":

@@ -7,9 +7,13 @@ import numpy as np
 import pytest
 
 import rules
-from ruled import busy_room, motions
+from made_paths import moments
+from ruled import busy_room, gate_room, judging, motions
 from ruled.warnings_told import Warned, brier, median_lead_s, warnings_of
-from trecsim.lab.true_events.truth_events import unknown_rules
+from trecsim.assessing import RuleEvents
+from trecsim.lab.evaluation.event_episodes import episodes_of
+from trecsim.lab.simulation.walkers import poses
+from trecsim.lab.true_events.truth_events import truth_events, unknown_rules
 
 
 def event(phase: str, *, predicted: bool, lead_s: float | None = None) -> dict[str, Any]:
@@ -38,6 +42,33 @@ def test_in_the_busy_room_nobody_walks_through_anybody(seed: int) -> None:
     for n, way_m in enumerate(ways_m):
         assert busy_room._apart_m([way_m], ways_m[:n]) > busy_room.APART_M
     assert unknown_rules(busy_room.SITE) == []
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_at_the_gate_nobody_walks_through_anybody_and_the_rules_tell_all_that_is_true(
+    seed: int,
+) -> None:
+    room = gate_room.gate_room(seed)
+    of_people, _ = np.random.SeedSequence(seed).spawn(2)
+    people = room.scene.people(room.scene.seconds, np.random.default_rng(of_people))
+    t_s = np.arange(0.0, room.scene.seconds, 0.05)
+    xyz_m = poses([one.motion for one in people], t_s)
+    hips_m = xyz_m[:, :, 11, :2]
+    apart_m = np.linalg.norm(hips_m[:, None] - hips_m[None], axis=-1)
+    apart_m[np.arange(len(hips_m)), np.arange(len(hips_m))] = np.nan
+    assert np.nanmin(apart_m) > 0.45
+    signals = judging.signals_in(room.messages, "tickets")
+    engine = RuleEvents(judging.rules_of_site(gate_room.SITE), signals=signals)
+    told = [event for one in moments(list(xyz_m), t_s) for event in engine.step(one)]
+    true = truth_events(gate_room.SITE, t_s, xyz_m, {gate_room.FEED: room.messages})
+    begun = [
+        sorted((one.rule, round(one.start_s, 1)) for one in episodes_of(some))
+        for some in (told, true)
+    ]
+    assert [rule for rule, _ in begun[0]] == [rule for rule, _ in begun[1]]
+    starts_s = np.array([[start_s for _, start_s in some] for some in begun])
+    assert np.abs(np.diff(starts_s, axis=0)).max() <= 0.1 + 1e-6
+    assert {"follows", "unasked", "unload", "fall"} & {rule for rule, _ in begun[0]}
 
 
 def test_every_motion_is_done_once_by_each_seed_and_falls_are_told_from_others() -> None:

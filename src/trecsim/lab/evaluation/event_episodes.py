@@ -57,7 +57,7 @@ def read_episodes(path: Path) -> list[EpisodeTold]:
         When it cannot be read, or a line is no event; the message names the line.
     """
     episodes: dict[str, EpisodeTold] = {}
-    for number, data in _read(path):
+    for number, data in event_data_of(path):
         try:
             _take(episodes, data)
         except (KeyError, TypeError, ValueError) as error:
@@ -76,7 +76,8 @@ def episodes_of(events: Iterable[Mapping[str, Any]]) -> list[EpisodeTold]:
     return list(episodes.values())
 
 
-def _read(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+def event_data_of(path: Path) -> Iterator[tuple[int, Mapping[str, Any]]]:
+    """Yield number and `data` of each line of a file of events; see `read_episodes`."""
     with opened_for_reading(path) as file:
         number = 0
         while line := file.readline(LONGEST_LINE + 1):

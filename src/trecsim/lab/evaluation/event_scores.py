@@ -7,7 +7,7 @@ assignment with the most pairs and, among these, the least difference of time an
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ import numpy as np
 
 from trecsim.lab.evaluation.assignment import best_pairs
 from trecsim.lab.evaluation.event_episodes import EpisodeTold, read_episodes
+from trecsim.lab.evaluation.warning_scores import WarningScores, warning_scores, warnings_in
 
 EARLY_S = 2.0
 """An episode may be told to begin so long before the true one [s]."""
@@ -87,11 +88,14 @@ class EventEvaluation:
         Of all kinds together.
     warnings
         Number of early warnings of what did not happen.
+    early
+        Scores of all early warnings.
     """
 
     kinds: dict[str, EventScores]
     total: EventScores
     warnings: int
+    early: WarningScores = field(default_factory=lambda: WarningScores(0, 0, (), ()))
 
     @property
     def macro_f1(self) -> float:
@@ -117,7 +121,9 @@ def evaluate_events(events: Path, truth: Path) -> EventEvaluation:
     """
     everything = read_episodes(events)
     told = [one for one in everything if not one.is_warning]
-    return compared(told, read_episodes(truth), len(everything) - len(told))
+    true = read_episodes(truth)
+    scores = compared(told, true, len(everything) - len(told))
+    return replace(scores, early=warning_scores(warnings_in(events), true))
 
 
 def compared(
