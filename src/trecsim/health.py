@@ -80,6 +80,9 @@ class CameraHealth:
     moved_deg, moved_since_s
         By how much it looks elsewhere than the rig says [degrees], and since when, as the people
         who are tracked tell; None where it does not.
+    clock_late_ms
+        By how much its clock is late, beside what the rig says [ms], as the people who are tracked
+        tell; None while it is not known.
     """
 
     state: CameraState = "down"
@@ -90,6 +93,7 @@ class CameraHealth:
     fault: str | None = None
     moved_deg: float | None = None
     moved_since_s: float | None = None
+    clock_late_ms: float | None = None
 
     @property
     def dropped(self) -> int:

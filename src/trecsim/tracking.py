@@ -4,13 +4,13 @@ import logging
 import math
 import time
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from trecsim.consistency import Consistency
-from trecsim.consistency.learnt_errors import LearntErrors
+from trecsim.consistency.learnt_errors import LearntErrors, clock_delays_s
 from trecsim.consistency.view_watch import ViewWatch
 from trecsim.errors import Error, InputError
 from trecsim.fusion import FusionSettings, Tracker
@@ -29,6 +29,7 @@ _REMEMBERED = 100_000  # an hour and more at 25 frame sets a second
 _PUSHED_RAD = (
     0.005  # the tracker begins anew with a camera that is off by so much more than it knows
 )
+_CLOCKS_S = 1.0  # what is learnt of clocks is looked up so often
 _RECENT = 10_000  # identities; one that so many others were reported after does not come back
 
 
@@ -178,7 +179,8 @@ class Follower:
             offsets_s, max_delay_s=max_delay_s, remark=self._tally.remark, silence=silence
         )
         self._tell_step = step
-        self._given_s = math.nan
+        self._given_s = self._looked_s = math.nan
+        self._late: Mapping[str, float] = {}
         self._highest_id = first_id - 1
         self._offsets_s = offsets_s
         self._now_s = math.nan  # by the clock of arrivals
@@ -243,8 +245,9 @@ class Follower:
             snapshot = self._reach.kept(snapshot)
             confirmed = snapshot.confirmed()
             step = StepTiming(
-                frame_set.t_s, len(frame_set.views), len(confirmed.id), fusion_ms, waited_ms
-            )
+                frame_set.t_s, len(frame_set.views), len(confirmed.id), fusion_ms, waited_ms,
+                self._late_s(frame_set.t_s),
+            )  # fmt: skip
             self._tally.add(step, confirmed.id.tolist())
             self._highest_id = max(self._highest_id, snapshot.id.max(initial=-1))
             self._tell_step(step)
@@ -255,6 +258,13 @@ class Follower:
             if snapshot.t_s != self._given_s:  # else no image of the set could be used
                 self._given_s = snapshot.t_s
                 yield snapshot
+
+    def _late_s(self, t_s: float) -> Mapping[str, float]:
+        """Return by how much clocks are late [s], looked up once a second."""
+        if not 0.0 <= t_s - self._looked_s < _CLOCKS_S:
+            self._looked_s = t_s
+            self._late = clock_delays_s(self._rig.names, self._tracker.camera_errors)
+        return self._late
 
     def _watch_views(self, frame_set: FrameSet, confirmed: Snapshot) -> None:
         """Let the tracker begin anew with cameras that were knocked.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fusion.somebody import MODEL
-from trecsim.consistency.learnt_errors import LearntErrors
+from trecsim.consistency.learnt_errors import LearntErrors, clock_delays_s
 from trecsim.fusion.camera_errors import CameraErrors
 
 NAMES = MODEL.rig.names
@@ -56,3 +56,9 @@ def test_at_the_end_of_a_short_run_what_is_clear_is_told():
     assert not watch.observe(0.0, errors)
     assert len(watch.end(errors)) == 1
     assert not watch.end(errors)
+
+
+def test_how_late_a_clock_is_is_said_from_when_on_it_is_known():
+    assert clock_delays_s(NAMES, learnt(late_s=0.03, sigma=0.002))[NAMES[1]] == 0.03
+    assert clock_delays_s(NAMES, learnt(late_s=0.02, sigma=0.01)) == {}
+    assert list(clock_delays_s(NAMES, learnt(late_s=0.04, sigma=0.01))) == [NAMES[1]]

@@ -169,3 +169,13 @@ def test_a_rate_is_right_when_more_values_come_than_are_kept():
     for n in range(10_000):
         fast.add(0.001 * n)
     assert fast.rate_hz(10.0) == pytest.approx(1000.0, rel=0.01)
+
+
+def test_how_late_a_clock_is_comes_from_the_tracking_as_soon_as_that_knows(hand):
+    watch = monitor(hand)
+    watch.take_step(StepTiming(0.0, 2, 1, 2.0))
+    assert watch.health().cameras["north"].clock_late_ms is None
+    watch.take_step(StepTiming(1.0, 2, 1, 2.0, late_s={"north": 0.0214}))
+    cameras = watch.health().to_json()["cameras"]
+    assert cameras["north"]["clock_late_ms"] == 21.4
+    assert cameras["south"]["clock_late_ms"] is None

@@ -11,6 +11,7 @@ from jaxtyping import Float64
 # standard deviations large; up to here, as larger turns are told for other reasons.
 _TOLD_RAD, _MOST_RAD, _TOLD_S, _SIGMAS = math.radians(0.2), 0.03, 0.012, 5.0
 _LASTS_S, _EVERY_S = 6.0, 0.5
+_KNOWN_S, _CLEAR = 0.0045, 3.0  # a delay is known to so much, or as many standard deviations large
 
 
 class CameraErrors(Protocol):
@@ -71,6 +72,16 @@ class LearntErrors:
             if _is_clear(abs(delay_s[c]), delay_sigma[c], _TOLD_S):
                 found.append(((name, "clock"), _late(name, float(delay_s[c]))))
         return found
+
+
+def clock_delays_s(names: tuple[str, ...], errors: CameraErrors) -> dict[str, float]:
+    """Return by how much the clock of each camera is late [s], of those for which it is known.
+
+    Over time they tell a clock that drifts.
+    """
+    sigma_s = np.sqrt(errors.variance[:, 3])
+    known = (sigma_s <= _KNOWN_S) | (np.abs(errors.found[:, 3]) >= _CLEAR * sigma_s)
+    return {name: float(errors.found[c, 3]) for c, name in enumerate(names) if known[c]}
 
 
 def _is_clear(size: float, sigma: float, least: float) -> bool:

@@ -59,7 +59,13 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
         "trecsim_camera_moved_degrees", "By how much it looks elsewhere than the rig says.",
         labels=["camera"],
     )  # fmt: skip
+    late = GaugeMetricFamily(
+        "trecsim_camera_clock_late_seconds",
+        "By how much its clock is late, beside what the rig says.", labels=["camera"],
+    )  # fmt: skip
     for name, camera in health.cameras.items():
+        if camera.clock_late_ms is not None:
+            late.add_metric([name], 1e-3 * camera.clock_late_ms)
         moved.add_metric([name], camera.moved_deg or 0.0)
         for one in CAMERA_STATES:
             state.add_metric([name, one], float(camera.state == one))
@@ -68,7 +74,7 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
             age.add_metric([name], camera.age_s)
         for reason, count in camera.dropped_by.items():
             dropped.add_metric([name, reason], count)
-    yield from (state, fps, age, dropped, moved)
+    yield from (state, fps, age, dropped, moved, late)
 
 
 def _of_stages(health: Health) -> Iterator[Metric]:

@@ -111,6 +111,7 @@ class Monitor:
         self._wall_clock, self._clock = wall_clock, clock
         self._stages = {name: Recent() for name in STAGES}
         self._last: Snapshot | None = None
+        self._late_s: Mapping[str, float] = {}
         self._rig, self._views = rig, ViewWatch(rig) if rig is not None else None
         self._newest: dict[str, Poses2D] = {}
         self.restarts: Counter[str] = Counter()
@@ -137,6 +138,7 @@ class Monitor:
 
     def take_step(self, step: StepTiming, /) -> None:
         """Take what a frame set cost."""
+        self._late_s = step.late_s
         age_ms = self._age_ms(step.t_s)
         if math.isfinite(step.waited_ms):
             self._note("sync", step.waited_ms, age_ms - step.fusion_ms)
@@ -193,6 +195,7 @@ class Monitor:
         age_s = None if last_s is None else now_s - last_s
         dropped = Counter(stream.dropped if stream else {})
         moved = None if self._views is None else self._views.off.get(name)
+        late_s = self._late_s.get(name)
         dropped.update({"queue": self.queue_drops.get(name, 0)} if self.queue_drops else {})
         return CameraHealth(
             state=camera_state(age_s, ended=self.ended or (stream is not None and stream.ended)),
@@ -203,6 +206,7 @@ class Monitor:
             fault=stream.fault if stream else None,
             moved_deg=None if moved is None else round(moved.turn_deg, 2),
             moved_since_s=None if moved is None else moved.since_s,
+            clock_late_ms=None if late_s is None else round(1e3 * late_s, 1),
         )
 
     def _store(self) -> StoreHealth:

@@ -2,8 +2,8 @@
 
 import math
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +48,9 @@ class StepTiming:
         Time that association and fit took [ms].
     waited_ms
         How long its newest image waited for the others [ms]; NaN in a recording. It is not kept.
+    late_s
+        By how much the clocks of cameras are late, as far as tracking has learnt it [s]. It is not
+        kept.
     """
 
     t_s: float
@@ -55,6 +58,7 @@ class StepTiming:
     people: int
     fusion_ms: float
     waited_ms: float = math.nan
+    late_s: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

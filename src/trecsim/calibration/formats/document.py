@@ -14,11 +14,18 @@ from pathlib import Path
 from typing import Any, Literal
 from xml.etree import ElementTree
 
+import numpy as np
+from jaxtyping import Float64
+
 from trecsim.calibration.formats.opencv_yaml import parse_opencv_yaml
 from trecsim.errors import CalibrationError
 from trecsim.toml_models import bounded_toml
 
-Syntax = Literal["toml", "json", "yaml", "xml"]
+Syntax = Literal["toml", "json", "yaml", "xml", "numbers"]
+
+SUFFIXES_OF_NUMBERS = (".krtd", ".calib")
+"""Files of one camera each that hold bare numbers."""
+MOST_NUMBERS = 60
 
 LARGEST_BYTES = 16 * 2**20  # a calibration of a thousand cameras has one
 
@@ -34,7 +41,8 @@ class Document:
     syntax
         How it was written.
     data
-        A mapping of plain values; of XML its root element under ``"root"``.
+        A mapping of plain values; of XML its root element under ``"root"``; of bare numbers the
+        array of each camera under the name of its file.
     """
 
     path: Path
@@ -55,6 +63,8 @@ def read_document(path: Path) -> Document:
     CalibrationError
         The file cannot be read, is too large, is not text or does not parse.
     """
+    if path.suffix.lower() in SUFFIXES_OF_NUMBERS:
+        return Document(path, "numbers", {path.stem: read_numbers(path)})
     text = _read_text(path)
     syntax = _syntax(path, text)
     try:
@@ -68,6 +78,25 @@ def read_document(path: Path) -> Document:
     if not isinstance(data, Mapping):
         raise CalibrationError(_garbled(path, syntax, "expected names with values"))
     return Document(path, syntax, data)
+
+
+def read_numbers(path: Path) -> Float64[np.ndarray, " number"]:
+    """Read a file of bare numbers.
+
+    Raises
+    ------
+    CalibrationError
+        The file cannot be read, or holds something else, or too many numbers.
+    """
+    parts = _read_text(path).split()
+    try:
+        found = np.array([float(part) for part in parts[: MOST_NUMBERS + 1]])
+    except ValueError as error:
+        raise CalibrationError(_garbled(path, "numbers", str(error))) from None
+    if not 0 < len(found) <= MOST_NUMBERS or not np.isfinite(found).all():
+        reason = f"expected 1 to {MOST_NUMBERS} finite numbers, found {len(parts)}"
+        raise CalibrationError(_garbled(path, "numbers", reason))
+    return found
 
 
 def _read_text(path: Path) -> str:
@@ -109,6 +138,8 @@ def _parse(syntax: Syntax, text: str) -> Any:
             return parse_opencv_yaml(text)
         case "xml":
             return {"root": _parse_xml(text)}
+        case "numbers":
+            raise AssertionError("read_numbers reads these")
 
 
 def _parse_xml(text: str) -> ElementTree.Element:
@@ -118,6 +149,9 @@ def _parse_xml(text: str) -> ElementTree.Element:
 
 
 def _garbled(path: Path, syntax: Syntax, reason: str) -> str:
-    kind = {"toml": "TOML", "json": "JSON", "yaml": "OpenCV YAML", "xml": "XML"}[syntax]
+    kind = {
+        "toml": "TOML", "json": "JSON", "yaml": "OpenCV YAML", "xml": "XML",
+        "numbers": "numbers",
+    }[syntax]  # fmt: skip
     reason = " ".join(reason.split())[:200]
     return f"{path} is not a calibration trecsim can read: as {kind}, {reason}"

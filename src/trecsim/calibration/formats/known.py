@@ -10,10 +10,12 @@ from trecsim.calibration.formats import (
     camera_toml,
     easymocap,
     mc_calib,
+    number_lines,
     pose_tables,
     qualisys,
     single_camera,
     trecsim_toml,
+    vicon,
 )
 from trecsim.calibration.formats.document import Document, Syntax, read_document
 from trecsim.calibration.formats.fields import nearest
@@ -21,7 +23,7 @@ from trecsim.calibration.formats.read_options import ReadOptions
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
-SUFFIXES = (".toml", ".yml", ".yaml", ".json", ".txt", ".xml")
+SUFFIXES = (".toml", ".yml", ".yaml", ".json", ".txt", ".xml", ".xcp")
 MOST_FILES = 200  # of these suffixes in a directory, for one to be looked for
 
 
@@ -97,6 +99,21 @@ FORMATS = (
         easymocap.write,
     ),
     Format("qualisys", "Qualisys' .qca.txt", "xml", qualisys.recognise, qualisys.read),
+    Format("vicon", "Vicon's .xcp", "xml", vicon.recognise, vicon.read),
+    Format(
+        "krtd",
+        "KRTD files of KWIVER or MEVA, one camera each",
+        "numbers",
+        number_lines.are_krtd,
+        number_lines.read_krtd,
+    ),
+    Format(
+        "biocv",
+        "BioCV's .calib files, one camera each",
+        "numbers",
+        number_lines.are_biocv,
+        number_lines.read_biocv,
+    ),
     Format(
         "panoptic",
         "CMU Panoptic's json",
@@ -172,8 +189,12 @@ def open_rig(path: Path, name: str | None) -> tuple[Format, Document]:
         There is none, or there are several; the message says what was tried.
     """
     if _is_directory(path):
-        return _search(path, name)
-    document = read_document(path)
+        numbers = number_lines.cameras_in(path)
+        if numbers is None:
+            return _search(path, name)
+        document = numbers
+    else:
+        document = read_document(path)
     if name is not None:
         wanted = format_called(name)
         if not (wanted.syntax == document.syntax and wanted.recognise(document.data)):
