@@ -1,10 +1,10 @@
-"""Chairs that go by a timetable, and who is on one of them, read naively from their definition."""
+"""Chairs that go by a timetable or as a feed tells, and who is on one of them, read naively."""
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
@@ -15,74 +15,129 @@ Table = Mapping[str, Any]
 Line = Float64[np.ndarray, "2 2"]
 
 
-def _chairs(table: Table, t_s: float) -> Iterator[tuple[int, float]]:
-    """Yield number and time since the start of each chair that is under way [s]."""
+class Chair(NamedTuple):
+    """A chair at one time: which one, its middle, and where it points to, of length 1."""
+
+    key: str
+    middle_m: Float64[np.ndarray, " 2"]
+    ahead: Float64[np.ndarray, " 2"]
+
+
+@lru_cache
+def coming(
+    table_text: str,
+    messages_text: str,
+    line: tuple[tuple[float, ...], ...],
+    next_s: float,
+    t_s: tuple[float, ...],
+) -> list[dict[str, float]]:
+    """Return for each time the chairs that come, each with since when [s].
+
+    A chair comes while it has not passed the line, and will have done so in `next_s`.
+
+    Parameters
+    ----------
+    table_text, messages_text
+        The volume and the messages of its feed, as JSON.
+    line, next_s
+        Two points of the line [m], and the time [s].
+    t_s
+        The times [s].
+    """
+    table, messages, line_m = json.loads(table_text), json.loads(messages_text), np.array(line)
+    passes_s = [] if "feed" in table else list(_passes_s(table, line_m, t_s[-1] + next_s))
+    found: list[dict[str, float]] = []
+    for now in t_s:
+        if "feed" in table:
+            keys = set(_told_to_come(table, messages, line_m, next_s, now))
+        else:
+            keys = {f"{n}" for n, one in enumerate(passes_s) if now < one <= now + next_s}
+        before = found[-1] if found else {}
+        found.append({key: before.get(key, now) for key in keys})
+    return found
+
+
+def _passes_s(table: Table, line_m: Line, until_s: float) -> Iterator[float]:
+    """Yield when each chair of a timetable passes the line [s]."""
+    path_s = np.arange(0.0, table["path_s"][-1], 0.001)
+    past = [one for one in path_s.tolist() if _past_m(line_m, _on_path_m(table, one)) > 0.0]
+    if not past:
+        return
+    at_s = table.get("start_s", 0.0) + past[0]
+    while at_s <= until_s:
+        yield at_s
+        if table.get("period_s") is None:
+            return
+        at_s += table["period_s"]
+
+
+def _told_to_come(
+    table: Table, messages: Sequence[Table], line_m: Line, next_s: float, t_s: float
+) -> Iterator[str]:
+    here = {one.key: one.middle_m for one in _told(messages, t_s, 0.0)}
+    for one in _told(messages, t_s, next_s):
+        if _past_m(line_m, one.middle_m) > 0.0 >= _past_m(line_m, here[one.key]):
+            yield one.key
+
+
+def _told(messages: Sequence[Table], t_s: float, ahead_s: float) -> Iterator[Chair]:
+    """Yield where chairs will be if each goes straight on as it did by its last two messages."""
+    known: dict[str, list[Table]] = {}
+    for one in messages:
+        if "volume" in one and one["t_s"] <= t_s:
+            if one.get("gone"):
+                known.pop(one["id"], None)
+            else:
+                known.setdefault(one["id"], []).append(one)
+    for key, told in known.items():
+        last_m, velocity = np.array(told[-1]["xy_m"], float), np.zeros(2)
+        if len(told) > 1:
+            way_m = last_m - np.array(told[-2]["xy_m"])
+            velocity = way_m / (told[-1]["t_s"] - told[-2]["t_s"])
+        heading_rad = math.radians(told[-1]["heading_deg"])
+        ahead = np.array([math.cos(heading_rad), math.sin(heading_rad)])
+        yield Chair(key, last_m + (t_s + ahead_s - told[-1]["t_s"]) * velocity, ahead)
+
+
+def _by_timetable(table: Table, t_s: float) -> Iterator[Chair]:
+    """Yield the chairs of a timetable that are under way."""
     start_s, period_s = table.get("start_s", 0.0), table.get("period_s")
+    path_m, path_s = np.array(table["path_m"], float), table["path_s"]
     newest = 0 if period_s is None else math.floor((t_s - start_s) / period_s)
     for number in range(max(newest - 100, 0), newest + 1):
         since_s = t_s - start_s - number * (period_s or 0.0)
-        if 0.0 <= since_s <= table["path_s"][-1]:
-            yield number, since_s
+        if 0.0 <= since_s <= path_s[-1]:
+            part = min(max(int(np.searchsorted(path_s, since_s)), 1), len(path_s) - 1)
+            way_m = path_m[part] - path_m[part - 1]
+            yield Chair(f"{number}", _on_path_m(table, since_s), way_m / np.hypot(*way_m))
 
 
-def _middle_m(table: Table, since_s: float) -> Float64[np.ndarray, " 2"]:
+def _on_path_m(table: Table, since_s: float) -> Float64[np.ndarray, " 2"]:
     path_m = np.array(table["path_m"], float)
     return np.array([np.interp(since_s, table["path_s"], path_m[:, axis]) for axis in (0, 1)])
 
 
-def _past_m(table: Table, line_m: Line, since_s: float) -> float:
-    return float(left_of_m(line_m, _middle_m(table, since_s)[None])[0])
-
-
-def coming_since_s(
-    table: Table, line_m: Line, next_s: float, t_s: Float64[np.ndarray, " time"]
-) -> list[float]:
-    """Return since when each chair comes that does so at the last of some times [s].
-
-    A chair comes while it has not passed the line, and will have done so in `next_s`.
-    """
-    now = float(t_s[-1])
-    after_s = _passes_after_s(json.dumps(table), tuple(map(tuple, line_m.tolist())))
-    if math.isnan(after_s):
-        return []
-    start_s, period_s = table.get("start_s", 0.0), table.get("period_s")
-    first = 0 if period_s is None else max(math.floor((now - start_s - after_s) / period_s), 0)
-    numbers = range(1) if period_s is None else range(first, first + 1000)
-    since = []
-    for number in numbers:
-        passes_s = start_s + number * (period_s or 0.0) + after_s
-        if passes_s > now + next_s:
-            break
-        if passes_s > now:
-            since.append(float(t_s[np.searchsorted(t_s, passes_s - next_s)]))
-    return since
-
-
-@lru_cache
-def _passes_after_s(table_text: str, line: tuple[tuple[float, ...], ...]) -> float:
-    """Return how long after its start a chair passes the line [s]; NaN where it does not."""
-    table, line_m = json.loads(table_text), np.array(line)
-    for since_s in np.arange(0.0, table["path_s"][-1], 0.001).tolist():
-        if _past_m(table, line_m, since_s) > 0.0:
-            return float(since_s)
-    return math.nan
+def _past_m(line_m: Line, middle_m: Float64[np.ndarray, " 2"]) -> float:
+    return float(left_of_m(line_m, middle_m[None])[0])
 
 
 def is_on_a_chair_past(
-    table: Table, line_m: Line, t_s: float, xyz_m: Float64[np.ndarray, "joint 3"]
+    table: Table,
+    messages: Sequence[Table],
+    line_m: Line,
+    t_s: float,
+    xyz_m: Float64[np.ndarray, "joint 3"],
 ) -> bool:
     """Tell whether a joint is inside a chair whose middle has passed the line."""
     length_m, width_m, height_m = table["size_m"]
     low_m = table.get("bottom_m", 0.0)
-    path_m, path_s = np.array(table["path_m"], float), table["path_s"]
-    for _, since_s in _chairs(table, t_s):
-        if _past_m(table, line_m, since_s) <= 0.0:
+    chairs = _told(messages, t_s, 0.0) if "feed" in table else _by_timetable(table, t_s)
+    for chair in chairs:
+        if _past_m(line_m, chair.middle_m) <= 0.0:
             continue
-        part = min(max(int(np.searchsorted(path_s, since_s)), 1), len(path_s) - 1)
-        way_m = path_m[part] - path_m[part - 1]
-        ahead = way_m / np.hypot(*way_m)
-        away_m = xyz_m[:, :2] - _middle_m(table, since_s)
-        along_m, across_m = away_m @ ahead, away_m @ np.array([-ahead[1], ahead[0]])
+        away_m = xyz_m[:, :2] - chair.middle_m
+        along_m, across_m = away_m @ chair.ahead, away_m @ np.array([-chair.ahead[1],
+                                                                     chair.ahead[0]])  # fmt: skip
         inside = (np.abs(along_m) <= length_m / 2) & (np.abs(across_m) <= width_m / 2)
         if (inside & (xyz_m[:, 2] >= low_m) & (xyz_m[:, 2] <= low_m + height_m)).any():
             return True

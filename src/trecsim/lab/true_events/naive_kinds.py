@@ -4,6 +4,7 @@ Conditions on one person take the person, those on a place everybody. Distances 
 of the documentation of the rules, written down a second time.
 """
 
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
@@ -12,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from trecsim.lab.true_events.naive_chairs import coming_since_s, is_on_a_chair_past
+from trecsim.lab.true_events.naive_chairs import coming, is_on_a_chair_past
 from trecsim.lab.true_events.naive_falls import fallen_since_s
 from trecsim.lab.true_events.naive_movement import running, wrong_way
 from trecsim.lab.true_events.naive_places import (
@@ -157,14 +158,22 @@ def _unload(at: Place, person: TruePerson) -> list[Span]:
     strip_m = np.array(at.site["zones"][at.rule["strip"]]["polygon_m"], float)
     in_strip = person.there & is_inside(strip_m, person.floor_m)
     holds, entered_s = np.zeros(len(person.t_s), bool), math.nan
+    comes = coming(
+        json.dumps(dict(at.place)),
+        json.dumps(list(map(dict, at.messages))),
+        tuple(map(tuple, line_m.tolist())),
+        at.rule.get("next_s", 3.0),
+        tuple(person.t_s.tolist()),
+    )
     for n, now in enumerate(person.t_s.tolist()):
         if not in_strip[n]:
             entered_s = math.nan
         elif math.isnan(entered_s):
             entered_s = now
-        near_s = coming_since_s(at.place, line_m, at.rule.get("next_s", 3.0), person.t_s[: n + 1])
-        waits = in_strip[n] and any(since_s >= entered_s for since_s in near_s)
-        rides = person.there[n] and is_on_a_chair_past(at.place, line_m, now, person.xyz_m[n])
+        waits = in_strip[n] and any(since_s >= entered_s for since_s in comes[n].values())
+        rides = person.there[n] and is_on_a_chair_past(
+            at.place, at.messages, line_m, now, person.xyz_m[n]
+        )
         holds[n] = waits or rides
     grave = holds & in_strip & person.lies
     return spans(person.t_s, holds, person.there, at.delays, at_once=grave)

@@ -65,7 +65,9 @@ def truth_events(
     for number, rule in enumerate(site.get("rules", [])):
         if rule["id"] in unknown or not people:
             continue
-        at = Place(rule, _place(site, rule), _messages(site, rule, feeds), site)
+        place = _place(site, rule)
+        messages = _messages(site, rule.get("feed", place.get("feed")), feeds)
+        at = Place(rule, place, messages, site)
         for happening in NAIVE_KINDS[rule["kind"]](at, people):
             told += [
                 (moment_s, number, event)
@@ -83,11 +85,11 @@ def _place(site: Mapping[str, Any], rule: Mapping[str, Any]) -> Mapping[str, Any
 
 
 def _messages(
-    site: Mapping[str, Any], rule: Mapping[str, Any], feeds: Mapping[str, str]
+    site: Mapping[str, Any], feed: str | None, feeds: Mapping[str, str]
 ) -> list[Mapping[str, Any]]:
-    if "feed" not in rule:
+    if feed is None:
         return []
-    text = feeds.get(Path(site["feeds"][rule["feed"]]["file"]).name, "")
+    text = feeds.get(Path(site["feeds"][feed]["file"]).name, "")
     return [json.loads(line) for line in text.splitlines() if line.strip()]
 
 
