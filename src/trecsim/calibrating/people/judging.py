@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.calibrating.people.body_pairs import BodyRelation
 from trecsim.calibrating.people.finding import Found, lenses_off
 from trecsim.calibrating.people.holding_out import Part
 from trecsim.calibrating.people.scale import Scale
 from trecsim.calibrating.people.steadiness import Step
+from trecsim.calibrating.people.tuning import BODY_LAGS_S
 from trecsim.calibrating.result import GOOD_DEG, NINETY, USABLE_DEG, Finding, Verdict
 
 APART = 3.5
@@ -60,6 +62,7 @@ def findings(evidence: Evidence) -> Iterator[Finding]:
     yield from _parts(evidence)
     yield from _steps(evidence)
     yield from _amount(evidence)
+    yield from _by_bodies(evidence)
     yield from _clear(evidence)
     yield from _lenses(evidence)
     yield evidence.scale.finding
@@ -170,6 +173,16 @@ def _amount(evidence: Evidence) -> Iterator[Finding]:
             f"only {evidence.recall:.0%} of what the cameras saw of people could be matched "
             "between them: people may be mistaken for each other; record with two or three people "
             "whom several cameras see at the same time",
+        )
+
+
+def _by_bodies(evidence: Evidence) -> Iterator[Finding]:
+    if any(isinstance(one, BodyRelation) for one in evidence.found.relations):
+        yield Finding(
+            "usable",
+            "nobody walked far enough to bring the clocks into step: the cameras were related by "
+            "bodies alone, and their clocks are taken to differ by less than "
+            f"{max(BODY_LAGS_S):.1f} s; let people walk for 40 s, in curves, over the whole floor",
         )
 
 
