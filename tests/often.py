@@ -3,7 +3,8 @@
 from hypothesis import settings
 
 NIGHTLY = 100  # examples of a property that says nothing else, in nightly runs
-DAILY = 25  # and in others: they are the same in every run, so that more of them find little
+DAILY = 12  # and in others: they are the same in every run, so that more of them find little
+LEAST = 3
 
 
 def is_nightly() -> bool:
@@ -12,5 +13,5 @@ def is_nightly() -> bool:
 
 
 def often(count: int) -> int:
-    """Return `count` in nightly runs (`make test-random`), in others a quarter of it."""
-    return -(-count * settings.default.max_examples // NIGHTLY)
+    """Return `count` in nightly runs (`make test-random`), in others an eighth of it."""
+    return max(-(-count * settings.default.max_examples // NIGHTLY), min(count, LEAST))

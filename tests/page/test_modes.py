@@ -20,17 +20,22 @@ VIEW = replace(
 )
 
 
-@pytest.fixture
-def page(tmp_path: Path) -> Iterator[RunningPage]:
-    with running_page(
-        data=PageData(tmp_path / "recordings", tmp_path / "ledger"), site=VIEW
-    ) as one:
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("modes")
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> Iterator[RunningPage]:
+    """Run a page for tests that leave all rules armed and no mode in force."""
+    with running_page(data=PageData(folder / "recordings", folder / "ledger"), site=VIEW) as one:
         yield one
 
 
 def test_a_mode_is_kept_entered_in_the_audit_log_and_told_to_the_tracking_process(
-    page: RunningPage, tmp_path: Path
+    page: RunningPage, folder: Path
 ) -> None:
+    page.process.requests()
     assert page.client.get("/api/mode").json()["mode"] is None
     answer = page.client.put("/api/mode", json={"mode": "repair"})
     assert answer.status_code == 200
@@ -38,12 +43,16 @@ def test_a_mode_is_kept_entered_in_the_audit_log_and_told_to_the_tracking_proces
     assert (body["mode"], body["off"]) == ("repair", ["strip"])
     assert body["chosen"]["until_s"] == pytest.approx(time.time() + LONGEST_S, abs=60.0)
     assert page.client.get("/api/mode").json() == body
+    with Ledger(folder / "ledger") as ledger:
+        kept, entry = ledger.setting(OVERRIDES), ledger.audit()[-1]
     asked = []
-    until(lambda: asked.extend(page.process.requests()) or asked)
-    assert asked[0].kind == "mode"
-    with Ledger(tmp_path / "ledger") as ledger:
-        assert ledger.setting(OVERRIDES) == Overrides.of(asked[0].body).to_json()
-        entry = ledger.audit()[-1]
+
+    def is_told() -> bool:
+        asked.extend(page.process.requests())
+        return kept in [Overrides.of(one.body).to_json() for one in asked]
+
+    until(is_told)
+    assert {one.kind for one in asked} == {"mode"}
     assert (entry.act, entry.details) == (OVERRIDES, {"mode": "repair"})
     assert page.client.put("/api/mode", json={"mode": None}).json()["chosen"] is None
 

@@ -51,14 +51,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture
-def page(folder: Path) -> Iterator[RunningPage]:
+@pytest.fixture(scope="module")
+def running(folder: Path) -> Iterator[RunningPage]:
     (folder / "site.toml").write_text(TEXT)
-    (folder / "ledger" / "draft.json").unlink(missing_ok=True)
     version = hashlib.sha256(TEXT.encode()).hexdigest()
     data = PageData(folder / "recordings", folder / "ledger", folder / "site.toml")
     with running_page(data=data, site=replace(SITE, version=version)) as page:
         yield page
+
+
+@pytest.fixture
+def page(running: RunningPage, folder: Path) -> RunningPage:
+    """Return the page with its site file as it was, and without a draft."""
+    (folder / "site.toml").write_text(TEXT)
+    running.client.delete("/api/site/draft").raise_for_status()
+    return running
 
 
 def parts(page: RunningPage) -> dict:

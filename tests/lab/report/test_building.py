@@ -119,6 +119,7 @@ def test_lengths_are_compared_with_the_tape(made: str) -> None:
     assert "36.5" in page.text
 
 
+@pytest.mark.usefixtures("blank_figures")
 def test_left_out_cameras_judge_the_uncertainty_where_there_is_no_truth(tmp_path: Path) -> None:
     walk = make_recording(tmp_path / "walk", 12)
     title = "Judged by a left-out camera"
