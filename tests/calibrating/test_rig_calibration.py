@@ -265,7 +265,8 @@ def test_the_cameras_stand_upright_above_the_lowest_corner():
 
 
 def test_the_derivatives_of_the_adjustment_are_those_of_finite_differences():
-    from trecsim.calibrating.adjustment import POSE, TIME, _Problem, no_freedom
+    from trecsim.calibrating.adjustment_problem import Problem
+    from trecsim.calibrating.adjustment_state import POSE, TIME, no_freedom
 
     _, made = calibrated(0, count=20)
     corners = dataclasses.replace(
@@ -276,10 +277,10 @@ def test_the_derivatives_of_the_adjustment_are_those_of_finite_differences():
     freedom = no_freedom(state)
     freedom.free[:, POSE] = True
     freedom.free[:, TIME:] = True
-    problem = _Problem(corners, state, freedom)
+    problem = Problem(corners, state, freedom)
     columns = len(freedom.columns)
     still = np.zeros((len(state.T_world_placement), 6))
-    _, by_camera, _, _ = problem._compare(state)
+    _, by_camera, _, _ = problem.compare(state)
     for column in range(columns):
         change = np.zeros(columns)
         change[column] = 1e-6

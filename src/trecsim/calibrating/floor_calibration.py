@@ -6,13 +6,8 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.calibrating.adjustment import (
-    Corners,
-    State,
-    adjust,
-    no_freedom,
-    placement_covariance,
-)
+from trecsim.calibrating.adjustment import adjust, placement_covariance
+from trecsim.calibrating.adjustment_state import Corners, State, no_freedom
 from trecsim.calibrating.lens_fitting import COEFFICIENT_NAMES, lens_model
 from trecsim.calibrating.result import CalibrationResult, CameraQuality, Finding, judge
 from trecsim.calibrating.world_frame import moved

@@ -6,13 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int64
 
-from trecsim.calibrating.adjustment import (
-    Corners,
-    adjust,
-    expected_error_px,
-    no_freedom,
-    predicted_px,
-)
+from trecsim.calibrating.adjustment import adjust, expected_error_px, predicted_px
+from trecsim.calibrating.adjustment_state import Corners, no_freedom
 from trecsim.calibrating.rig_fit import RigFit
 
 OUTLIER_TIMES = 6.0  # times the typical error

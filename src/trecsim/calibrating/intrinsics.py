@@ -6,14 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibrating.adjustment import (
+from trecsim.calibrating.adjustment import Adjusted, adjust
+from trecsim.calibrating.adjustment_state import (
     FIRST_COEFFICIENT,
     LENS,
-    Adjusted,
     Corners,
     Freedom,
     State,
-    adjust,
     no_freedom,
 )
 from trecsim.calibrating.board_pose import board_pose, pixels_of

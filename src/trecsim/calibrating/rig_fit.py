@@ -6,17 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.calibrating.adjustment import (
-    LENS,
-    POSE,
-    TIME,
-    Adjusted,
-    Corners,
-    State,
-    adjust,
-    no_freedom,
-    predicted_px,
-)
+from trecsim.calibrating.adjustment import Adjusted, adjust, predicted_px
+from trecsim.calibrating.adjustment_state import LENS, POSE, TIME, Corners, State, no_freedom
 from trecsim.calibrating.board_pose import other_pose
 from trecsim.calibrating.boards import Board
 from trecsim.calibrating.corner_sights import Sight, symmetry_motions

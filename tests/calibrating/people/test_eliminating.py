@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from trecsim.calibrating.people.adjusting import Adjusted, _moved, _workspace
-from trecsim.calibrating.people.kernels import eliminating
-from trecsim.calibrating.people.kernels.eliminating import Sights, Unknowns, look, reduce, trust
+from trecsim.calibrating.people.kernels.eliminating import reduce
+from trecsim.calibrating.people.kernels.looking import look, total_cost, trust
+from trecsim.calibrating.people.kernels.unknowns import Sights, Unknowns
 from trecsim.calibrating.people.observations import Observations
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tuning import BIAS_S, LEAST_VARIANCE, MOST_VARIANCE, NOISE_PX
@@ -193,8 +194,8 @@ def test_the_cost_falls_along_the_step_of_the_equations():
     normal, right = np.zeros((24, 24)), np.zeros(24)
     reduce(seen.sights, unknowns, 1.0, 0.0, normal, right, work)
     step = np.linalg.solve(normal + 1e3 * np.diag(np.diag(normal)), right)
-    before = eliminating.total_cost(seen.sights, unknowns, 1.0)
-    after = eliminating.total_cost(seen.sights, _moved(seen, unknowns, step, work, 8), 1.0)
+    before = total_cost(seen.sights, unknowns, 1.0)
+    after = total_cost(seen.sights, _moved(seen, unknowns, step, work, 8), 1.0)
     assert after < before
 
 

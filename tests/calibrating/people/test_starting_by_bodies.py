@@ -10,7 +10,7 @@ from trecsim.calibrating.people.body_pairs import Common, in_metres, sides, supp
 from trecsim.calibrating.people.body_sizes import size_of_body
 from trecsim.calibrating.people.calibrate import calibrate_people
 from trecsim.calibrating.people.epipolar import Epipolar, epipolar
-from trecsim.calibrating.people.kernels.eliminating import Unknowns
+from trecsim.calibrating.people.kernels.unknowns import Unknowns
 from trecsim.calibrating.people.priors import Priors, Upright
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tracklets import Tracklet

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibrating.people.kernels.eliminating import (
-    Eliminated,
-    Unknowns,
-    fill_in,
-    reduce,
-    total_cost,
-)
+from trecsim.calibrating.people.kernels.eliminating import reduce
+from trecsim.calibrating.people.kernels.filling_in import fill_in
+from trecsim.calibrating.people.kernels.looking import total_cost
+from trecsim.calibrating.people.kernels.unknowns import Eliminated, Unknowns
 from trecsim.calibrating.people.observations import Observations, first_guess
 from trecsim.calibrating.people.priors import Priors
 from trecsim.calibrating.people.state import RigState

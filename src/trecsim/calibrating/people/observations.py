@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.calibrating.people.camera_records import JOINTS, CameraRecord
-from trecsim.calibrating.people.kernels.eliminating import Sights, Unknowns
 from trecsim.calibrating.people.kernels.sampling import sample
 from trecsim.calibrating.people.kernels.starting import meet
+from trecsim.calibrating.people.kernels.unknowns import Sights, Unknowns
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tracklets import Tracklet
 from trecsim.calibrating.people.tuning import (

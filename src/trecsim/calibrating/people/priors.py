@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from trecsim.calibrating.people.kernels.eliminating import Unknowns
+from trecsim.calibrating.people.kernels.unknowns import Unknowns
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tuning import DRIFT_LOOSE, OFFSET_LOOSE_S
 from trecsim.geometry.rigid import rotation_vector

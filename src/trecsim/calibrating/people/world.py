@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibrating.people.kernels.eliminating import Unknowns
+from trecsim.calibrating.people.kernels.unknowns import Unknowns
 from trecsim.calibrating.people.observations import Observations
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tuning import ANKLE, EAR, EYE, SAMPLE_S, SHOULDER, WALKING

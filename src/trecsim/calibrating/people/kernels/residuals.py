@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from trecsim.calibrating.people.kernels.eliminating import certainty, look, trust
+from trecsim.calibrating.people.kernels.looking import certainty, look, trust
 from trecsim.compiler import kernel
 
 
