@@ -1,6 +1,7 @@
 """Cameras calibrated from people who walk: the whole way, on a simulated recording."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -67,6 +68,15 @@ def test_the_stature_makes_the_scale_where_no_distance_is_given():
         for one in (tall, short)
     ]
     assert apart[0] / apart[1] == pytest.approx(1.8 / 1.6, rel=1e-6)
+
+
+def test_a_distance_in_other_units_is_refused_with_what_the_people_say():
+    scene = recording()
+    apart_m = float(np.linalg.norm(scene.rig["cam1"].position_m - scene.rig["cam3"].position_m))
+    with pytest.raises(CalibrationError, match="in metres, and between these") as caught:
+        calibrate_people(scene.poses, scene.rig, distance=("cam1", "cam3", 100 * apart_m))
+    told_m = float(re.search(r"about ([\d.]+) m apart", str(caught.value))[1])
+    assert told_m == pytest.approx(apart_m, rel=0.15)
 
 
 def test_without_distance_and_stature_the_verdict_says_that_the_scale_is_a_guess():

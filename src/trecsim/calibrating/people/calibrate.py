@@ -81,7 +81,7 @@ def calibrate_people(
     refuse(recorded)
     found = find(recorded, distance=known)
     if found is None:
-        raise unrelated(recorded)
+        raise _wrong_distance(recorded, cameras, known) or unrelated(recorded)
     return told(found, recorded, cameras, distance, stature_m)
 
 
@@ -136,6 +136,24 @@ def _distance(
             f"{a!r}, {b!r}, {metres:g} m"
         )
     return Distance(first, second, metres, EXACT_M)
+
+
+def _wrong_distance(
+    recorded: tuple[CameraRecord, ...], cameras: Rig, given: Distance | None
+) -> CalibrationError | None:
+    """Return that the given distance fits nobody's size, if a rig is found without it."""
+    found = find(recorded) if given is not None else None
+    if given is None or found is None or not found.rig.state.found[[given.a, given.b]].all():
+        return None
+    scale = from_stature(bodies(found.seen, found.rig.unknowns), None)
+    centre_m = scale.factor * found.rig.state.centre_m
+    apart_m = float(np.linalg.norm(centre_m[given.a] - centre_m[given.b]))
+    a, b = (cameras.names[n] for n in (given.a, given.b))
+    return CalibrationError(
+        f"with {a!r} and {b!r} {given.metres:g} m apart nobody is of a usual size; by the people's "
+        f"stature they are about {apart_m:.1f} m apart: is the distance in metres, and between "
+        "these two cameras?"
+    )
 
 
 def _scale(
