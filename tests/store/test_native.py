@@ -1,5 +1,8 @@
 """Arrow's threads hold nothing of Python's: one that did could abort the program at its end."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -54,3 +57,26 @@ def test_arrow_reads_no_python_file(name: str, tmp_path: Path, monkeypatch: pyte
     for source in given:
         assert isinstance(source, pa.NativeFile)
         assert not isinstance(source, pa.PythonFile)
+
+
+WRITES = """
+import sys
+from pathlib import Path
+from made_tracks import walk
+from trecsim.store.tracks import tracks_writer
+for name in ("a.csv", "a.parquet"):
+    with tracks_writer(Path(sys.argv[1]) / name) as writer:
+        for one in walk(30, people=2):
+            writer.write(one)
+print("pandas" in sys.modules)
+"""
+
+
+def test_a_process_that_writes_tracks_does_not_load_pandas(tmp_path: Path) -> None:
+    path = os.pathsep.join(sys.path)
+    done = subprocess.run(
+        [sys.executable, "-c", WRITES, tmp_path], capture_output=True, text=True, check=True,
+        env={**os.environ, "PYTHONPATH": path},
+    )  # fmt: skip
+    assert done.stdout.split() == ["False"]
+    assert (tmp_path / "a.parquet").is_file()

@@ -17,6 +17,7 @@ import pyarrow as pa
 from jaxtyping import Bool, Float32, Float64, Int32, Int64, Shaped
 
 from trecsim.skeleton import Skeleton
+from trecsim.store.arrow_arrays import filled, number_array, text_array
 from trecsim.store.limits import LATEST_S
 from trecsim.store.packed_covariance import is_possible
 from trecsim.store.precision import (
@@ -88,10 +89,10 @@ def compact_table(moments: Sequence[Snapshot], skeleton: Skeleton) -> pa.Table:
     nobody = t_s[counts == 0]
     absent = np.arange(len(nobody) + len(row)) < len(nobody)
     columns = {
-        "t_s": pa.array(np.concatenate([nobody, time_s[one]])),
-        "person": pa.array(_padded(steps.person[one], nobody), mask=absent),
+        "t_s": number_array(np.concatenate([nobody, time_s[one]])),
+        "person": number_array(_padded(steps.person[one], nobody), absent),
         "joint": _coded(_padded(joint.astype(np.int16), nobody), absent, skeleton.joints),
-        "support": pa.array(_padded(steps.support[one, joint], nobody)),
+        "support": number_array(_padded(steps.support[one, joint], nobody)),
         "state": _coded(_padded(steps.state[one], nobody), absent, STATES),
         **{
             name: _decimal_array(_padded(numbers, nobody, MISSING), DECIMALS[name])
@@ -146,7 +147,7 @@ def _named(numbers: Shaped[np.ndarray, "row n"], names: Sequence[str]) -> dict[s
 
 
 def _coded(codes: np.ndarray, absent: np.ndarray, names: Sequence[str]) -> pa.DictionaryArray:
-    return pa.DictionaryArray.from_arrays(pa.array(codes, mask=absent), pa.array(names))
+    return pa.DictionaryArray.from_arrays(number_array(codes, absent), text_array(names))
 
 
 def _decimal_array(whole: Int32[np.ndarray, " row"], decimals: int) -> pa.Array:
@@ -161,7 +162,8 @@ def _decimal_array(whole: Int32[np.ndarray, " row"], decimals: int) -> pa.Array:
 def _float_array(
     numbers: Float32[np.ndarray, " row"], nobody: Float64[np.ndarray, " moment"]
 ) -> pa.Array:
-    return pa.array(_padded(numbers, nobody, np.float32(np.nan)), from_pandas=True)  # NaN is null
+    padded = _padded(numbers, nobody, np.float32(np.nan))
+    return number_array(padded, np.isnan(padded))
 
 
 def joined(tables: Iterable[pa.Table]) -> pa.Table:
@@ -174,12 +176,12 @@ def sorted_by_person(table: pa.Table) -> pa.Table:
 
     Tables of consecutive times that are sorted in this way become one that is.
     """
-    person = table["person"].fill_null(-1).to_numpy()
-    joint = table["joint"].combine_chunks().indices.fill_null(0).to_numpy()
+    person = filled(table["person"], -1)
+    joint = filled(table["joint"].combine_chunks().indices, 0)
     identities, rank = np.unique(person, return_inverse=True)
     key = rank * (int(joint.max(initial=0)) + 1) + joint
     small = np.uint16 if len(identities) and key.max() < 2**16 else np.int64  # sorts in one pass
-    return table.take(pa.array(np.argsort(key.astype(small), kind="stable")))
+    return table.take(number_array(np.argsort(key.astype(small), kind="stable")))
 
 
 def moments_in(table: pa.Table, skeleton: Skeleton) -> Iterator[Snapshot]:

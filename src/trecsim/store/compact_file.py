@@ -86,7 +86,9 @@ def write_compact_to(
 ) -> None:
     """Write tables of one schema, each as a row group, to an open file."""
     rest = iter(tables)
-    first = next(rest, COMPACT_SCHEMA.empty_table())
+    first = next(rest, None)
+    if first is None:
+        first = COMPACT_SCHEMA.empty_table()
     with compact_writer(file, info, first.schema.remove_metadata()) as writer:
         for table in chain([first], rest):
             if len(table):

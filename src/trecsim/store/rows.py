@@ -16,6 +16,7 @@ from jaxtyping import Bool, Float32, Float64, Int8, Shaped
 
 from trecsim.errors import InputError
 from trecsim.skeleton import Skeleton
+from trecsim.store.arrow_arrays import number_array, text_array
 from trecsim.store.row_faults import faults_in, raise_faults
 from trecsim.values import COASTING, CONFIRMED, PROVISIONAL, Snapshot
 
@@ -120,7 +121,7 @@ def _rounded(numbers: Float32[np.ndarray, "..."]) -> Float32[np.ndarray, "..."]:
 
 def table_of(rows: Rows, skeleton: Skeleton, *, details: bool = False) -> pa.Table:
     """Convert rows to an Arrow table of :data:`SCHEMA`, or :data:`DETAIL_SCHEMA` with details."""
-    columns = {name: pa.array(rows[name]) for name in ("t_s", "person", "sigma_m", "support")}
+    columns = {name: number_array(rows[name]) for name in ("t_s", "person", "sigma_m", "support")}
     columns["joint"] = _coded(rows["joint"], skeleton.joints)
     columns |= _split(rows["xyz_m"], ("x_m", "y_m", "z_m"))
     schema = DETAIL_SCHEMA if details else SCHEMA
@@ -131,12 +132,12 @@ def table_of(rows: Rows, skeleton: Skeleton, *, details: bool = False) -> pa.Tab
 
 
 def _coded(codes: npt.NDArray[Any], names: Sequence[str]) -> pa.DictionaryArray:
-    return pa.DictionaryArray.from_arrays(pa.array(codes), pa.array(names))
+    return pa.DictionaryArray.from_arrays(number_array(codes), text_array(names))
 
 
 def _split(numbers: npt.NDArray[Any], names: Sequence[str]) -> dict[str, pa.Array]:
     columns = np.ascontiguousarray(numbers.T)
-    return {name: pa.array(column) for name, column in zip(names, columns, strict=True)}
+    return {name: number_array(column) for name, column in zip(names, columns, strict=True)}
 
 
 def _known_state(rows: Rows) -> Int8[np.ndarray, " row"]:
