@@ -170,7 +170,7 @@ def swaying(t_s, person):
 
 
 def on_a_line(t_s, person):
-    """Return where somebody is who walks to and fro on the same straight line as the other."""
+    """Return where somebody is who walks back and forth on the same straight line as the other."""
     phase = (t_s / 4.0 + 0.37 * person) % 2.0
     return np.array([3.0 * min(phase, 2.0 - phase) - 1.5, 0.0, 0.0])
 

@@ -21,7 +21,7 @@ from trecsim.calibration.formats.opencv_yaml import parse_opencv_yaml
 from trecsim.errors import CalibrationError
 from trecsim.toml_models import bounded_toml
 
-Syntax = Literal["toml", "json", "yaml", "xml", "numbers"]
+Syntax = Literal["toml", "json", "yaml", "xml", "numbers", "pickle"]
 
 SUFFIXES_OF_NUMBERS = (".krtd", ".calib")
 """Files of one camera each that hold bare numbers."""
@@ -42,7 +42,7 @@ class Document:
         How it was written.
     data
         A mapping of plain values; of XML its root element under ``"root"``; of bare numbers the
-        array of each camera under the name of its file.
+        array of each camera under the name of its file, and of pickles its fields.
     """
 
     path: Path
@@ -138,8 +138,8 @@ def _parse(syntax: Syntax, text: str) -> Any:
             return parse_opencv_yaml(text)
         case "xml":
             return {"root": _parse_xml(text)}
-        case "numbers":
-            raise AssertionError("read_numbers reads these")
+        case "numbers" | "pickle":
+            raise AssertionError("these are read elsewhere")
 
 
 def _parse_xml(text: str) -> ElementTree.Element:
@@ -151,7 +151,7 @@ def _parse_xml(text: str) -> ElementTree.Element:
 def _garbled(path: Path, syntax: Syntax, reason: str) -> str:
     kind = {
         "toml": "TOML", "json": "JSON", "yaml": "OpenCV YAML", "xml": "XML",
-        "numbers": "numbers",
+        "numbers": "numbers", "pickle": "pickle",
     }[syntax]  # fmt: skip
     reason = " ".join(reason.split())[:200]
     return f"{path} is not a calibration trecsim can read: as {kind}, {reason}"

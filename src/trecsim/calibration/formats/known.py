@@ -11,6 +11,7 @@ from trecsim.calibration.formats import (
     easymocap,
     mc_calib,
     number_lines,
+    opencap,
     pose_tables,
     qualisys,
     single_camera,
@@ -115,6 +116,13 @@ FORMATS = (
         number_lines.read_biocv,
     ),
     Format(
+        "opencap",
+        "OpenCap's pickles, one in the folder of each camera",
+        "pickle",
+        opencap.recognise,
+        opencap.read,
+    ),
+    Format(
         "panoptic",
         "CMU Panoptic's json",
         "json",
@@ -189,10 +197,10 @@ def open_rig(path: Path, name: str | None) -> tuple[Format, Document]:
         There is none, or there are several; the message says what was tried.
     """
     if _is_directory(path):
-        numbers = number_lines.cameras_in(path)
-        if numbers is None:
+        several = number_lines.cameras_in(path) or opencap.cameras_in(path)
+        if several is None:
             return _search(path, name)
-        document = numbers
+        document = several
     else:
         document = read_document(path)
     if name is not None:
