@@ -15,6 +15,7 @@ from jaxtyping import Float64
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 _AT, _SHARE = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS  # on [0, 1]
+_NOTHING = 8.0  # standard deviations: less than 1e-15 is farther away
 _erfc = np.frompyfunc(math.erfc, 1, 1)
 
 
@@ -55,12 +56,25 @@ def behind_line_within_angle(
     s
         Where on the line a point is, counted from the foot of the mean; T has the sign of it.
     """
+    share: Float64[np.ndarray, "*n"] = np.zeros(h.shape)
+    near = h < _NOTHING  # behind others there is nothing
+    share[near] = _behind(h[near], s[near])
+    return share
+
+
+def _behind(
+    h: Float64[np.ndarray, " point"], s: Float64[np.ndarray, " point"]
+) -> Float64[np.ndarray, " point"]:
+    """Return T(h, s / h) of lines that are not far away; see `behind_line_within_angle`."""
     along = np.abs(s)
-    near = along <= h
-    direct = _direct(np.where(near, h, along), np.where(near, along, h))
-    first, second = normal_cdf(h), normal_cdf(along)
-    both = 0.5 * (first * normal_cdf(-along) + second * normal_cdf(-h))
-    share: Float64[np.ndarray, "*n"] = np.sign(s) * np.where(near, direct, both - direct)
+    is_near = along <= h
+    farther = np.where(is_near, h, along)
+    direct = np.zeros(len(h))
+    some = farther < _NOTHING
+    direct[some] = _direct(farther[some], np.where(is_near, along, h)[some])
+    above_h, above = normal_cdf(-h), normal_cdf(-along)
+    both = 0.5 * ((1.0 - above_h) * above + (1.0 - above) * above_h)
+    share: Float64[np.ndarray, " point"] = np.sign(s) * np.where(is_near, direct, both - direct)
     return share
 
 

@@ -1,15 +1,36 @@
 """The seam of the rules: a condition judges one moment."""
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool
 
 from trecsim.safety.machine import Finding
 from trecsim.safety.rule_scene import Scene
+from trecsim.skeleton import COCO17
 
 HERE = -(2**63)
 """Stands in place of a person in findings about a place."""
 LEAST = 0.01
 """Findings that are less probable need not be told [probability]."""
+
+
+def joints_in(row: Bool[np.ndarray, " joint"]) -> tuple[str, ...]:
+    """Return the names of joints, of which each is in or not.
+
+    Examples
+    --------
+    >>> joints_in(np.arange(17) < 2)
+    ('nose', 'left_eye')
+    """
+    return _names(row.tobytes())
+
+
+@lru_cache(4096)
+def _names(row: bytes) -> tuple[str, ...]:
+    return tuple(name for name, is_in in zip(COCO17.joints, row, strict=True) if is_in)
 
 
 class Judged(NamedTuple):

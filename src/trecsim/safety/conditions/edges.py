@@ -8,13 +8,12 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from trecsim.safety.ahead import Ahead, Expected
-from trecsim.safety.conditions.base import LEAST, Judged
+from trecsim.safety.conditions.base import LEAST, Judged, joints_in
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.gaussian import normal_cdf
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import LEAST_SIGMA_M
 from trecsim.safety.rule_scene import Scene
-from trecsim.skeleton import COCO17
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,17 +50,17 @@ class AtEdge:
         near[counts] = np.where(beside, normal_cdf((self.distance_m - here_m) / sigma_m), 0.0)
         beyond[counts] = np.where(beside, normal_cdf(-here_m / sigma_m), 0.0)
         from_edge_m[counts] = np.where(beside, here_m, np.inf)
-        findings = {}
-        for n in np.flatnonzero((near > LEAST).any(axis=1)):
-            grave = float(beyond[n].max())
-            there = beyond[n] if grave >= LIKELY else near[n]
-            joints = tuple(COCO17.joints[j] for j in np.flatnonzero(there >= LIKELY))
-            findings[int(scene.people.id[rows[n]])] = Finding(
-                float(near[n].max()),
-                {"distance_m": float(from_edge_m[n].min())},
-                graver=grave,
-                joints=joints,
-            )
+        nearest, grave = near.max(axis=1), beyond.max(axis=1)
+        there = np.where(grave[:, None] >= LIKELY, beyond, near) >= LIKELY
+        each = zip(
+            scene.people.id[rows].tolist(), nearest.tolist(), grave.tolist(),
+            from_edge_m.min(axis=1).tolist(), there, strict=True,
+        )  # fmt: skip
+        findings = {
+            person: Finding(sure, {"distance_m": least_m}, graver=worse, joints=joints_in(joints))
+            for person, sure, worse, least_m, joints in each
+            if sure > LEAST
+        }
         return Judged(findings)
 
     def _may_be_near(self, scene: Scene) -> Int64[np.ndarray, " near"]:

@@ -8,11 +8,10 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.safety.ahead import Ahead, Expected
-from trecsim.safety.conditions.base import HERE, LEAST, Judged
+from trecsim.safety.conditions.base import HERE, LEAST, Judged, joints_in
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule_scene import Scene
-from trecsim.skeleton import COCO17
 
 LEAST_AHEAD = 0.1
 """What is expected with less than this is not told: rules warn, and take back, at more."""
@@ -80,11 +79,15 @@ class JointInZone:
         xyz_m = scene.people.xyz_m[rows]
         inside: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
         inside[counts] = self.prism.probability(xyz_m[counts], scene.people.cov_m2[rows][counts])
-        findings = {}
-        for n in np.flatnonzero((inside > LEAST).any(axis=1)):
-            joints = tuple(COCO17.joints[j] for j in np.flatnonzero(inside[n] >= LIKELY))
-            found = Finding(float(inside[n].max()), {}, joints=joints)
-            findings[int(scene.people.id[rows[n]])] = found
+        each = zip(
+            scene.people.id[rows].tolist(), inside.max(axis=1).tolist(), inside >= LIKELY,
+            strict=True,
+        )  # fmt: skip
+        findings = {
+            person: Finding(sure, {}, joints=joints_in(joints))
+            for person, sure, joints in each
+            if sure > LEAST
+        }
         return Judged(findings)
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
