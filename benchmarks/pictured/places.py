@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from parts import by_name
 from pictured.runs import course, joint, made, tracked, truth_at, without
-from pictured.sheet import BLUE, GREY, ORANGE, TRUTH, letter, sheet
+from pictured.sheet import BLUE, GREEN, GREY, ORANGE, TRUTH, letter, sheet
 from trecsim.geometry import Camera
 from trecsim.lab.simulation import Simulation
 from trecsim.values import Poses2D, Snapshot
@@ -17,11 +18,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 SCENE, SECONDS, PERSON = "one-person", 9.0, 0
-EYE, OTHER = "cam1", "cam2"
+EYE, OTHER = "cam2", "cam1"
 WRIST, ELBOW = joint("right_wrist"), joint("right_elbow")
 FROM_S, UNTIL_S = 2.6, 5.6
 AROUND_S = (2.2, 6.4)
 AT_S = 4.6
+CHOICE = "other place of a limb"
 SIGMA_90, REGION_90 = 1.645, 4.605**0.5  # standard deviations: in one direction, in a plane
 
 
@@ -107,12 +109,12 @@ def draw_plane(axes: "Axes", arm: Arm) -> None:
         textcoords="offset points", color=GREY,
     )  # fmt: skip
     axes.set(aspect="equal", xlabel="along the ray [cm]", ylabel="across it [cm]")
-    axes.set(xlim=(-62, 48), ylim=(-38, 48))
+    axes.set(xlim=(-50, 88), ylim=(-38, 48))
     letter(axes, "A", f"Ray and forearm at {AT_S:g} s; grey: truth")
 
 
-def draw_depth(axes: "Axes", arm: Arm) -> None:
-    """Draw, over time, where the wrist is along the ray, truly and as stated."""
+def draw_depth(axes: "Axes", arm: Arm, kept: Arm) -> None:
+    """Draw, over time, where the wrist is along the ray: truly, as stated, and never moved."""
     region_cm = 100 * SIGMA_90 * arm.sigma_m()
     off_cm = -100 * arm.along(arm.truth_m[:, 0])
     other_cm = off_cm + 200 * arm.along(arm.elbow_m)
@@ -126,6 +128,10 @@ def draw_depth(axes: "Axes", arm: Arm) -> None:
     axes.plot(
         arm.t_s, np.where(alone, other_cm, np.nan), "--", color=ORANGE, label="the other place"
     )
+    axes.plot(
+        kept.t_s, -100 * kept.along(kept.truth_m[:, 0]), ":", color=GREEN, linewidth=1.6,
+        label="if it stays where it is",
+    )  # fmt: skip
     axes.axhline(0.0, color=TRUTH, linewidth=1.1, label="truth")
     axes.set(xlim=AROUND_S, xlabel="time [s]", ylabel=f"behind the truth, as {EYE} sees it [cm]")
     letter(axes, "B", f"Over time; grey: {OTHER} does not show the wrist")
@@ -134,9 +140,12 @@ def draw_depth(axes: "Axes", arm: Arm) -> None:
 def draw(path: Path) -> None:
     """Draw the picture."""
     run = made(SCENE, SECONDS)
-    arm = arm_of(run, tracked(run, poses=without(run.poses, hidden)), run.rig[EYE])
+    poses, eye = without(run.poses, hidden), run.rig[EYE]
+    arm = arm_of(run, tracked(run, poses=poses), eye)
+    with by_name()[CHOICE].off():
+        kept = arm_of(run, tracked(run, poses=poses), eye)
     with sheet(path, 8.6, 4.0) as figure:
         plane, depth = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         draw_plane(plane, arm)
-        draw_depth(depth, arm)
-        figure.legend(*depth.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        draw_depth(depth, arm, kept)
+        figure.legend(*depth.get_legend_handles_labels(), loc="outside lower center", ncols=5)
