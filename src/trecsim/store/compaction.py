@@ -161,6 +161,9 @@ def complete_segment(
             write_compact(target, groups, info)
             write_catalogue(parts, _with_people(parts, target, people, before))
         shutil.rmtree(folder)
+    # Arrow keeps what an hour of tables took, 16 MB of two people: a live site would hold it until
+    # the next hour ends.
+    pa.default_memory_pool().release_unused()
     return frozenset(people)
 
 
