@@ -107,12 +107,15 @@ def standing():
     return x
 
 
-def watched(x, seen_s, seconds, known=MODEL.postures):
-    """Let one camera, which looks from the front, see somebody for so long; return the joints.
+IN_FRONT_M = np.array([6.0, 0.0, 1.6])
+
+
+def watched(x, seen_s, seconds, known=MODEL.postures, ground_m=0.0, eye_m=IN_FRONT_M):
+    """Let one camera see somebody for so long; return the joints.
 
     `seen_s` is when another camera last saw the limbs' ends [s], counted from the beginning.
     """
-    eye = MODEL.cameras._replace(position_m=np.tile([6.0, 0.0, 1.6], (4, 1)))
+    eye = MODEL.cameras._replace(position_m=np.tile(eye_m, (4, 1)))
     R = np.broadcast_to(np.eye(N), (1, 17, N, N)) * 20.0
     c = np.tile(x[None], (1, 1, N // 3))
     tracks = kernels.Trajectories(
@@ -125,7 +128,10 @@ def watched(x, seen_s, seconds, known=MODEL.postures):
         joint_s[..., 1] = min(seen_s, t_s)
         n_seen = 1 + (t_s - joint_s[..., 1] < tuning.SUPPORT_S).astype(np.int64)
         now = kernels.Now(t_s, STEP_S, t_s - 0.35, 0.1, 0)
-        limb_places.choose_places(eye, known, tracks, joint_s, other_place, n_seen, now, 0.3)
+        limb_places.choose_places(
+            eye, known, MODEL.limbs.contact_height_m, tracks, np.array([[ground_m, 1e-4]]),
+            (joint_s, n_seen, other_place), now, 0.3,
+        )  # fmt: skip
         np.testing.assert_allclose(
             np.einsum("jnm,jm->jn", tracks.R[0], tracks.c[0]), tracks.z[0], atol=1e-9
         )
@@ -140,7 +146,7 @@ def test_a_limb_that_bends_the_wrong_way_is_moved_to_its_other_place(name):
     true = standing()
     j = COCO17.joints.index(name)
     i = [far for far, _, _ in MODEL.postures.joints.tolist()].index(j)
-    _, shift_m = shift_of(true, i, np.array([6.0, 0.0, 1.6]))
+    _, shift_m = shift_of(true, i, IN_FRONT_M)
     wrong = true.copy()
     wrong[j] += shift_m
     assert np.linalg.norm(shift_m) > tuning.PLACES_APART_M
@@ -149,6 +155,18 @@ def test_a_limb_that_bends_the_wrong_way_is_moved_to_its_other_place(name):
 
 def test_whoever_stands_as_people_do_is_left_alone():
     np.testing.assert_array_equal(watched(standing(), -np.inf, 2.0), standing())
+
+
+def test_nobody_is_moved_below_the_ground():
+    """The posture alone would move the wrist, as it does where the ground is lower."""
+    wrong, j = standing(), COCO17.joints.index("left_wrist")
+    i = [far for far, _, _ in MODEL.postures.joints.tolist()].index(j)
+    below_m = np.array([2.0, 0.0, 0.0])
+    _, shift_m = shift_of(wrong, i, below_m)
+    wrong[j] += shift_m
+    assert watched(wrong, -np.inf, 0.5, eye_m=below_m)[j, 2] < wrong[j, 2] - 0.1
+    kept = watched(wrong, -np.inf, 0.5, ground_m=wrong[j, 2] - 0.04, eye_m=below_m)
+    np.testing.assert_array_equal(kept[j], wrong[j])
 
 
 def test_what_two_cameras_see_is_never_moved():

@@ -12,7 +12,13 @@ from trecsim.fusion.kernels.curve import knots, locate
 from trecsim.fusion.kernels.information import right_side
 from trecsim.fusion.kernels.reported_covariance import last_two
 from trecsim.fusion.kernels.track_groups import Trajectories
-from trecsim.fusion.tuning import PLACE_S, PLACE_SURE, PLACES_APART_M, SUPPORT_S
+from trecsim.fusion.tuning import (
+    GROUND_MEASURE_M2,
+    PLACE_S,
+    PLACE_SURE,
+    PLACES_APART_M,
+    SUPPORT_S,
+)
 
 
 class Postures(NamedTuple):
@@ -43,21 +49,20 @@ class Postures(NamedTuple):
 
 
 @inner(allocates=True)
-def choose_places(cameras, postures, tracks, joint_s, other_place, n_seen, now, white_share):
+def choose_places(cameras, postures, contact_height_m, tracks, level, sights, now, white_share):
     """Move limbs' ends that one camera sees to their other place where postures say so, in place.
 
     Parameters
     ----------
-    cameras, postures
-        `Cameras` and `Postures`.
-    tracks
-        `Trajectories` at the time of the frame set, changed in place.
-    joint_s, n_seen
-        When each camera last supported each joint, (track, joint, cam) [s], and how many do now,
-        (track, joint).
-    other_place
-        Log likelihood ratio of the other place of each joint to the one it is in, averaged over
-        time, (track, joint), changed in place.
+    cameras, postures, contact_height_m
+        `Cameras`, `Postures`, and the height of each joint when the body rests on it, (joint,) [m].
+    tracks, level
+        `Trajectories` at the time of the frame set, changed in place; height of the ground under
+        each person and its variance, (track, 2).
+    sights
+        When each camera last supported each joint, (track, joint, cam) [s]; how many do now,
+        (track, joint); and, changed in place, the log likelihood ratio of the other place of each
+        joint to the one it is in, averaged over time, (track, joint).
     now, white_share
         `Now`, and see `Moment`.
 
@@ -66,13 +71,14 @@ def choose_places(cameras, postures, tracks, joint_s, other_place, n_seen, now, 
     The ray of the camera meets the sphere of the limb's length about its near end before and behind
     that end. The image is the same. Where the limb points, relative to the trunk and to the limb
     above, follows a von Mises-Fisher distribution whose mean depends on the limb above: knees and
-    elbows bend one way. Its log likelihood ratio is averaged over `PLACE_S`, as single moments are
-    no independent evidence; beyond `PLACE_SURE` the joint is moved, and its trajectory as that
-    implies.
+    elbows bend one way. And nobody is below the ground. The log likelihood ratio is averaged over
+    `PLACE_S`, as single moments are no independent evidence; beyond `PLACE_SURE` the joint is
+    moved, and its trajectory as that implies.
     """
     if postures.trunk.shape[0] == 0:
         return
     R, z, c, x, cov_m2 = tracks
+    joint_s, n_seen, other_place = sights
     n, weights = R.shape[2], np.empty(4)
     tmp, span = workspace(n), locate(knots(now.t_s, now), n // 3, weights)
     moment = Moment(span, weights, white_share, 0.0)
@@ -92,6 +98,9 @@ def choose_places(cameras, postures, tracks, joint_s, other_place, n_seen, now, 
             if apart_m > PLACES_APART_M:
                 body_axes(x[k], postures, i, axes)
                 ratio = log_ratio(x[k], postures, i, axes, shift_m)
+                lowest_m = level[k, 0] + contact_height_m[far]
+                now_m, then_m = x[k, far, 2] - lowest_m, x[k, far, 2] + shift_m[2] - lowest_m
+                ratio += below_ground(then_m, level[k, 1]) - below_ground(now_m, level[k, 1])
                 other_place[k, far] += (1.0 - memory) * ratio
                 if other_place[k, far] > PLACE_SURE:
                     joint = Trajectories(R[k, far], z[k, far], c[k, far], x[k, far], cov_m2[k, far])
@@ -164,6 +173,13 @@ def log_ratio(x, postures, i, axes, shift_m):
             change += axes[a, p] * (then - now)
         ratio += mean * change
     return ratio
+
+
+@inner
+def below_ground(height_m, var):
+    """Return the log likelihood of a joint's height above where the body rests on the ground."""
+    depth_m = min(height_m, 0.0)
+    return -0.5 * depth_m * depth_m / (var + GROUND_MEASURE_M2)
 
 
 @inner

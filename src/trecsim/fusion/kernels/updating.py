@@ -87,8 +87,9 @@ def update_all(
     constrain_all(tracks, bodies, n_seen, limbs, noise.white_share, prediction.now, now.elapsed_s)
     shown = Shown(cameras, noise.mirror, motion.torso, ruler, measured, taken)
     if not is_single:
+        sights = sightings.joint_s, n_seen, doubts.other_place
         choose_places(
-            cameras, postures, tracks, sightings.joint_s, doubts.other_place, n_seen, now,
+            cameras, postures, limbs.contact_height_m, tracks, bodies.level, sights, now,
             noise.white_share,
         )  # fmt: skip
     hold_distances(shown, tracks, bodies, sightings, confirmed, ranges, matches, now, is_single)
