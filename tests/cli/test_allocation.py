@@ -41,3 +41,33 @@ def test_threads_share_two_arenas(way):
     )
     arenas = len(re.findall("<heap nr=", done.stdout))
     assert (arenas <= 2) == (way == "shared")
+
+
+HELD = """
+import ctypes, os
+import sys
+from trecsim.cli.allocation import give_back
+def held_mb():
+    return int(open("/proc/self/statm").read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+libc = ctypes.CDLL(None)
+libc.malloc.restype, libc.malloc.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+libc.free.argtypes = [ctypes.c_void_p]
+before_mb = held_mb()
+blocks = [libc.malloc(100_000) for _ in range(500)]
+for block in blocks:
+    ctypes.memset(block, 1, 100_000)
+for block in blocks[:-1]:
+    libc.free(block)
+if sys.argv[1] == "given back":
+    assert give_back()
+print(held_mb() - before_mb)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such arenas")
+@pytest.mark.parametrize("way", ["given back", "kept"])
+def test_memory_that_is_free_before_what_is_in_use_is_given_back(way):
+    done = subprocess.run(
+        [sys.executable, "-c", HELD, way], capture_output=True, text=True, check=True
+    )
+    assert (float(done.stdout) < 5.0) == (way == "given back")

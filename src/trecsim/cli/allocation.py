@@ -2,9 +2,12 @@
 
 import ctypes
 import sys
+import time
+from threading import Thread
 
 _M_ARENA_MAX = -8  # of glibc's malloc.h
 _ARENAS = 2
+_EVERY_S = 60.0
 
 
 def share_arenas() -> bool:
@@ -18,3 +21,27 @@ def share_arenas() -> bool:
         return False
     mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
     return mallopt is not None and mallopt(_M_ARENA_MAX, _ARENAS) == 1
+
+
+def give_back() -> bool:
+    """Give pages that are free inside the arenas back to the system; return whether it can be done.
+
+    By itself the C library gives back only what is free at an arena's end: a single value that
+    lives there keeps the most that was ever in use.
+    """
+    if sys.platform != "linux":
+        return False
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    return trim is not None and trim(0) >= 0
+
+
+def give_back_often(every_s: float = _EVERY_S) -> None:
+    """Do so from now on, in a thread of its own, once a minute [s]."""
+    if give_back():
+        Thread(target=_giving_back, args=(every_s,), name="free memory", daemon=True).start()
+
+
+def _giving_back(every_s: float) -> None:
+    while True:
+        time.sleep(every_s)
+        give_back()
