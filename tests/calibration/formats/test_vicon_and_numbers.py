@@ -1,5 +1,7 @@
 """Vicon's .xcp, and files of bare numbers: KRTD and BioCV."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -173,3 +175,29 @@ def test_a_wrong_number_of_coefficients_is_told_with_the_camera(tmp_path):
     path = put(tmp_path, krtd(ring(1, "brown").cameras[0]) + " 1 2", "north.krtd")
     with pytest.raises(CalibrationError, match=r"'north': the distortion must have .* found 7"):
         read_rig(path, unit_m=1.0, remark=quiet)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (r'FOCAL_LENGTH="[^"]*"', 'FOCAL_LENGTH="0"'),
+        (r'FOCAL_LENGTH="[^"]*"', 'FOCAL_LENGTH="1e-300"'),
+        (r'PRINCIPAL_POINT="[^"]*"', 'PRINCIPAL_POINT="1e200 1e200"'),
+        (r'VICON_RADIAL="[^"]*"', 'VICON_RADIAL="1e300 1e300"'),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_a_lens_beyond_all_bounds_is_told_in_one_line(tmp_path, old, new):
+    content = re.sub(old, new, xcp(ring(1), lambda camera: 'VICON_RADIAL="1e-8 0"'))
+    with pytest.raises(
+        CalibrationError, match="expected a lens for the image, found FOCAL"
+    ) as said:
+        read_rig(put(tmp_path, content))
+    assert "\n" not in str(said.value)
+
+
+def test_two_files_of_one_camera_are_told_and_none_is_chosen(tmp_path):
+    put(tmp_path, text(np.eye(3)), "a.krtd")
+    put(tmp_path, text(np.eye(3)), "a.calib")
+    with pytest.raises(CalibrationError, match=r"one file of each camera, found .*a\.calib"):
+        read_rig(tmp_path)

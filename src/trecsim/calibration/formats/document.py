@@ -8,7 +8,7 @@ encoding can hide anything from the check.
 """
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -97,6 +97,25 @@ def read_numbers(path: Path) -> Float64[np.ndarray, " number"]:
         reason = f"expected 1 to {MOST_NUMBERS} finite numbers, found {len(parts)}"
         raise CalibrationError(_garbled(path, "numbers", reason))
     return found
+
+
+def cameras_by_name(folder: Path, files: Sequence[tuple[str, Path]]) -> dict[str, Path]:
+    """Return the file of each camera.
+
+    Raises
+    ------
+    CalibrationError
+        Two files are of the same camera.
+    """
+    named: dict[str, Path] = {}
+    for name, file in files:
+        if name in named:
+            raise CalibrationError(
+                f"{folder}: expected one file of each camera, found {named[name]} and {file} of "
+                f"camera {name!r}; give the folder of one recording, or delete one of them"
+            )
+        named[name] = file
+    return named
 
 
 def _read_text(path: Path) -> str:

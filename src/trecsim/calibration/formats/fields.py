@@ -72,7 +72,7 @@ class Entry:
 
     def numbers(self, key: str, shape: tuple[int, ...]) -> Float64[np.ndarray, "..."]:
         """Return an array of one shape; NaN, and a fault, if the field has another."""
-        wanted = " x ".join(map(str, shape)) + " numbers"
+        wanted = " x ".join(map(str, shape)) + " numbers" if shape else "a number"
         array = self._array(key, wanted)
         if array is None:
             return np.full(shape, np.nan)

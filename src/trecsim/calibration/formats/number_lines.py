@@ -14,10 +14,16 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibration.formats.document import SUFFIXES_OF_NUMBERS, Document, read_numbers
+from trecsim.calibration.formats.document import (
+    SUFFIXES_OF_NUMBERS,
+    Document,
+    cameras_by_name,
+    read_numbers,
+)
 from trecsim.calibration.formats.fields import Entry, Faults
 from trecsim.calibration.formats.read_options import ReadOptions
 from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
+from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 
 COEFFICIENTS = (0, 1, 2, 4, 5, 8)
@@ -28,10 +34,14 @@ Numbers = Float64[np.ndarray, " number"]
 
 def cameras_in(folder: Path) -> Document | None:
     """Return the files of numbers in a directory as one document; None if there are none."""
-    files = sorted(f for f in folder.iterdir() if f.suffix.lower() in SUFFIXES_OF_NUMBERS)
+    try:
+        files = sorted(f for f in folder.iterdir() if f.suffix.lower() in SUFFIXES_OF_NUMBERS)
+    except OSError as error:
+        raise CalibrationError(f"cannot look into {folder}: {error.strerror}") from None
     if not files:
         return None
-    return Document(folder, "numbers", {file.stem: read_numbers(file) for file in files})
+    named = cameras_by_name(folder, [(file.stem, file) for file in files])
+    return Document(folder, "numbers", {name: read_numbers(file) for name, file in named.items()})
 
 
 def are_krtd(data: Mapping[str, Any]) -> bool:
@@ -79,7 +89,7 @@ def _is_camera_matrix(nine: Float64[np.ndarray, " 9"]) -> bool:
 
 def _is_rotation(nine: Float64[np.ndarray, " 9"]) -> bool:
     R = nine.reshape(3, 3)
-    return bool(np.abs(R @ R.T - np.eye(3)).max() < 0.01)
+    return bool(np.abs(R).max() < 2 and np.abs(R @ R.T - np.eye(3)).max() < 0.01)
 
 
 def _krtd_camera(name: str, numbers: Numbers, faults: Faults, options: ReadOptions) -> CameraInFile:

@@ -4,19 +4,17 @@
 ``translation`` (millimetres) from the world to the camera. The world is that of a board that hangs
 upright, its y pointing down: the frame is turned for z to point up, as Pose2Sim does.
 
-A pickle is a program. These hold nothing but arrays of numbers and text: whatever else one asks
-for is refused before it is made.
+A pickle is a program, which is not run: see `array_pickles`.
 """
 
-import io
-import pickle
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from trecsim.calibration.formats.document import Document
+from trecsim.calibration.formats.array_pickles import UnexpectedPickleError, load_arrays
+from trecsim.calibration.formats.document import Document, cameras_by_name
 from trecsim.calibration.formats.fields import Entry, Faults
 from trecsim.calibration.formats.read_options import ReadOptions
 from trecsim.calibration.formats.rig_building import CameraInFile, build_rig
@@ -38,7 +36,8 @@ def cameras_in(folder: Path) -> Document | None:
         return None
     if len(files) > MOST_FILES:
         raise CalibrationError(f"{folder} has {len(files)} cameras of OpenCap; give one session")
-    return Document(folder, "pickle", {file.parent.name: read_pickle(file) for file in files})
+    named = cameras_by_name(folder, [(file.resolve().parent.name, file) for file in files])
+    return Document(folder, "pickle", {name: read_pickle(file) for name, file in named.items()})
 
 
 def read_pickle(path: Path) -> Mapping[str, Any]:
@@ -59,53 +58,10 @@ def read_pickle(path: Path) -> Mapping[str, Any]:
             f"{path} is no camera of OpenCap: it has more than {LARGEST_BYTES // 1024} KiB"
         )
     try:
-        found = _Arrays(io.BytesIO(data)).load()
-    except Exception as error:  # a broken pickle raises whatever it runs into
+        return load_arrays(data)
+    except UnexpectedPickleError as error:
         text = " ".join(str(error).split())[:200]
         raise CalibrationError(f"{path} is no camera of OpenCap: {text}") from None
-    if not isinstance(found, Mapping):
-        raise CalibrationError(f"{path} is no camera of OpenCap: expected names with values")
-    return found
-
-
-class _Arrays(pickle.Unpickler):
-    """Loads arrays, and nothing that can do something."""
-
-    def find_class(self, module: str, name: str) -> Any:
-        """Return what is needed for arrays."""
-        made = {
-            "numpy.core.multiarray._reconstruct": _empty,
-            "numpy._core.multiarray._reconstruct": _empty,
-            "numpy.core.numeric._frombuffer": _from_buffer,
-            "numpy._core.numeric._frombuffer": _from_buffer,
-            "numpy.ndarray": np.ndarray,
-            "numpy.dtype": _number_type,
-            "_codecs.encode": _encoded,
-        }
-        if f"{module}.{name}" not in made:
-            raise ValueError(f"it asks for {module}.{name}, expected arrays and text alone")
-        return made[f"{module}.{name}"]
-
-
-def _empty(*_: object) -> np.ndarray:
-    """Return an array whose size and type the pickle tells afterwards, from what it holds."""
-    return np.ndarray.__new__(np.ndarray, (0,), np.dtype("u1"))
-
-
-def _from_buffer(data: Any, kind: np.dtype, shape: Any, order: Any, *_: object) -> np.ndarray:
-    return np.frombuffer(bytes(data), kind).reshape(shape, order=order)
-
-
-def _number_type(kind: object, *_: object) -> np.dtype:
-    if not isinstance(kind, str) or kind.lstrip("<>=|")[:1] not in ("f", "i", "u"):
-        raise ValueError(f"expected arrays of numbers, found {str(kind)[:20]!r}")
-    return np.dtype(kind)
-
-
-def _encoded(text: object, *_: object) -> bytes:
-    if not isinstance(text, str):
-        raise TypeError("expected text")
-    return text.encode("latin1")
 
 
 def recognise(data: Mapping[str, Any]) -> bool:
@@ -120,9 +76,7 @@ def read(document: Document, options: ReadOptions) -> Rig:
     faults = Faults(document.path)
     found = []
     for name, fields in document.data.items():
-        plain = {k: v.astype(np.float64) if isinstance(v, np.ndarray) else v
-                 for k, v in fields.items()}  # fmt: skip
-        entry = Entry(f"camera {name!r}", plain, faults)
+        entry = Entry(f"camera {name!r}", fields, faults)
         height, width = entry.numbers("imageSize", (2,))
         size = entry.whole_size_px(np.array([width, height]))
         R, t = entry.numbers("rotation", (3, 3)), entry.numbers("translation", (3,))

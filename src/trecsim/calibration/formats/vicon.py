@@ -121,7 +121,15 @@ def _lens(
         k[:2] = key.numbers("VICON_RADIAL", (2,))
     if not (np.isfinite(K).all() and np.isfinite(middle).all() and k.any() and min(size) > 0):
         return np.zeros(5)
-    return _fitted(k, middle, K, size, key.label, options)
+    with np.errstate(all="ignore"):
+        A, b = _bending(k, middle, K, size)
+    if not (np.isfinite(A).all() and np.isfinite(b).all()):
+        key.fault(
+            f"expected a lens for the image, found FOCAL_LENGTH {K[0, 0]:g} with the coefficients "
+            f"{short(k)}, which bend it beyond all bounds"
+        )
+        return np.zeros(5)
+    return _fitted(A, b, key.label, options)
 
 
 def _floats(parts: list[str]) -> object:
@@ -131,14 +139,13 @@ def _floats(parts: list[str]) -> object:
         return " ".join(parts)
 
 
-def _fitted(
+def _bending(
     k: Float64[np.ndarray, " 3"],
     middle: Float64[np.ndarray, " 2"],
     K: Float64[np.ndarray, "3 3"],
     size: tuple[int, int],
-    label: str,
-    options: ReadOptions,
-) -> Float64[np.ndarray, " 5"]:
+) -> tuple[Float64[np.ndarray, "equation 5"], Float64[np.ndarray, " equation"]]:
+    """Return what each coefficient does to points of the image, and what the lens does [px]."""
     sides = [np.linspace(0.0, length - 1.0, GRID) for length in size]
     ideal_px = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     away = ideal_px - middle
@@ -152,7 +159,15 @@ def _fitted(
     basis = np.stack((*radial[:2], *tangential, radial[2]), axis=-1)
     wanted = ((seen - centre) / focal).T - ideal
     weight = focal[:, None]
-    A, b = (weight[..., None] * basis).reshape(-1, 5), (weight * wanted).ravel()
+    return (weight[..., None] * basis).reshape(-1, 5), (weight * wanted).ravel()
+
+
+def _fitted(
+    A: Float64[np.ndarray, "equation 5"],
+    b: Float64[np.ndarray, " equation"],
+    label: str,
+    options: ReadOptions,
+) -> Float64[np.ndarray, " 5"]:
     bent: Float64[np.ndarray, " 5"] = np.linalg.lstsq(A, b, rcond=None)[0]
     off_px = float(np.abs(A @ bent - b).max())
     if off_px > WORST_PX:
