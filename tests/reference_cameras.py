@@ -21,13 +21,15 @@ def corrected(info, vector, before, scale):
     cov = np.linalg.inv(info.reshape(4 * n, 4 * n) + np.diag(1.0 / first.ravel()))
     found = (cov @ vector.ravel()).reshape(n, 4)
     found[:, DELAY] -= np.median(found[:, DELAY])
-    variance = cov.diagonal().reshape(n, 4)
+    variance = cov.diagonal().reshape(n, 4).copy()
     spread = (found**2 + variance)[:, TURN] / first[:, TURN]
     scale *= (tuning.PRIOR_WEIGHT / scale + spread.sum()) / (tuning.PRIOR_WEIGHT + spread.size)
     by_chance = (cov.diagonal() - (cov**2) @ (1.0 / first.ravel())).reshape(n, 4)
     applied = found * applied_share(found, by_chance)
     hidden = min(1.0, tuning.EYES_OF_A_POINT / n) * scale * tuning.TURN_SIGMA_RAD**2
     left = np.maximum(variance[:, TILT].mean(axis=1), hidden) + tuning.LEAST_TURN_RAD**2
+    about_mean = np.eye(n) - 1.0 / n
+    variance[:, DELAY] = (about_mean @ cov[DELAY::4, DELAY::4] @ about_mean).diagonal()
     return found, variance, applied, scale, left
 
 

@@ -58,6 +58,8 @@ def correct_all(equations, learnt, scale, calibrated, corrected):
             variance[c, i] = cov[_UNKNOWNS * c + i, _UNKNOWNS * c + i]
             if i < _DELAY:
                 spread += (found[c, i] ** 2 + variance[c, i]) / prior[c, i]
+    if n > 1:
+        about_mean(cov, variance)
     scale *= (PRIOR_WEIGHT / scale + spread) / (PRIOR_WEIGHT + 3.0 * n)
     hidden = min(1.0, EYES_OF_A_POINT / n) * scale * TURN_SIGMA_RAD**2
     (K, pose, focal_px), (P, ray_of, error_px2) = calibrated, corrected
@@ -136,6 +138,25 @@ def less_median(found):
     median_s = 0.5 * (delays_s[(n - 1) // 2] + delays_s[n // 2])
     for c in range(n):
         found[c, _DELAY] -= median_s
+
+
+@inner
+def about_mean(cov, variance):
+    """Write the variances of the delays about their mean to `variance` (cam, 4).
+
+    No residual tells what all clocks are late by; it is taken off the delays found, and must not
+    make them less sure.
+    """
+    n = variance.shape[0]
+    of_mean = 0.0
+    for c in range(n):
+        for d in range(n):
+            of_mean += cov[_UNKNOWNS * c + _DELAY, _UNKNOWNS * d + _DELAY] / (n * n)
+    for c in range(n):
+        with_mean = 0.0
+        for d in range(n):
+            with_mean += cov[_UNKNOWNS * c + _DELAY, _UNKNOWNS * d + _DELAY] / n
+        variance[c, _DELAY] += of_mean - 2.0 * with_mean
 
 
 @inner
