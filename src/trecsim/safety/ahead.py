@@ -76,7 +76,7 @@ class Ahead:
     joint_m
         Joints that a camera supports now, seen from the floor point [m]; NaN for others.
     signals
-        What feeds have told so far.
+        What is known from feeds.
     """
 
     t_s: float
@@ -112,7 +112,7 @@ class Ahead:
         z_m
             Joints between these heights count [m]; None looks at the floor point alone.
         least, within_s
-            Who is surely less probable within this time may be left out [s].
+            People may be left out whose probability within this time [s] is surely below `least`.
         """
         near = self.of(np.flatnonzero(self._may_reach(polygon.corners_m)))
         if least > 0.0 and len(near.person):
@@ -122,14 +122,14 @@ class Ahead:
     def _arrivals(
         self, there: Callable[["Ahead"], Float64[np.ndarray, "person mode step"]], within_s: float
     ) -> "Arrivals":
-        """Return how probable it is to have been somewhere, of those who may be there in time.
+        """Return how probable it is that people will have been somewhere, for those who may be.
 
         Parameters
         ----------
         there
-            Returns the probability to be there at each time ahead.
+            Returns the probability of being there at each time ahead.
         within_s
-            Of who will not have been there by then, the later times are not needed [s].
+            Later times are computed only for people who may be there by then [s].
         """
         steps = int(np.searchsorted(self.ahead_s, within_s + 1e-6, side="right"))
         if not len(self.person) or steps >= len(self.ahead_s):
@@ -143,10 +143,11 @@ class Ahead:
         return Arrivals.of(late, np.concatenate([soon[rows], later], axis=2))
 
     def _at_most(self, polygon: Polygon, within_s: float) -> Float64[np.ndarray, " person"]:
-        """Return a bound of the probability to get into a polygon in time, of its nearest side.
+        """Return an upper bound of the probability of being in a polygon in time.
 
-        A point in a convex polygon is on the inner side of each of its sides; in others the bound
-        holds nearly. The body reaches as far as its farthest joint in any direction.
+        It is that of its nearest side: a point in a convex polygon is on the inner side of each of
+        its sides; in others the bound holds nearly. The body reaches as far as its farthest joint,
+        in any direction.
         """
         steps = int(np.searchsorted(self.ahead_s, within_s + 1e-6, side="right"))
         xy_m, cov_m2 = self.xy_m[:, :, :steps], self.cov_m2[:, :, :steps]
@@ -214,7 +215,7 @@ class Ahead:
         depth_m
             Who is farther beyond is on the other side [m].
         within_s
-            Of who will not have been there by then, the later times are not needed [s].
+            Later times are computed only for people who may be there by then [s].
         """
         near = self.of(np.flatnonzero(self._may_reach(edge.points_m)))
         return near._arrivals(lambda ahead: ahead._beyond(edge, depth_m), within_s)
@@ -286,7 +287,7 @@ class Arrivals:
     def mixed(
         weight: Float64[np.ndarray, "person mode"], there: Float64[np.ndarray, "person mode step"]
     ) -> Within:
-        """Return the probability to have been there by each time, over all modes."""
+        """Return the probability of having been there by each time, over all modes."""
         by: Within = np.einsum("pm,pms->ps", weight, np.maximum.accumulate(there, axis=2))
         return by
 
@@ -316,7 +317,7 @@ def ahead_of(
     is_seen: Bool[np.ndarray, " person"],
     floor_m: Float64[np.ndarray, "person 2"],
     forecasts: Forecasts,
-    signals: Signals,
+    signals: Signals | None = None,
 ) -> Ahead:
     """Return where people will be.
 
@@ -331,7 +332,7 @@ def ahead_of(
     forecasts
         Made of this moment and of what was before.
     signals
-        What feeds have told so far.
+        What is known from feeds; None where there are none.
     """
     known = {person: row for row, person in enumerate(forecasts.person.tolist())}
     rows = [row for row in np.flatnonzero(is_seen) if int(people.id[row]) in known]
@@ -345,7 +346,7 @@ def ahead_of(
     joint_m[~counts] = np.nan
     return Ahead(
         forecasts.t_s, people.id[rows], ahead_s, forecasts.weight[at], xy_m, cov_m2, joint_m,
-        signals,
+        Signals() if signals is None else signals,
     )  # fmt: skip
 
 
