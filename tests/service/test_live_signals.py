@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from trecsim.safety.signals import Signal
-from trecsim.service.live_signals import Followed, Heard
+from trecsim.service.live_signals import Followed, KeptSignals
 from trecsim.sites.feed_files import kept_signals
 
 
@@ -47,17 +47,19 @@ def test_a_file_that_comes_later_or_begins_anew_is_read_from_its_beginning(tmp_p
 
 def test_messages_are_kept_in_the_recording_as_the_rules_got_them(tmp_path: Path) -> None:
     given = [Signal("f", 4.0, "grant", "a", taken_s=4.5), Signal("f", 4.2, taken_s=4.5)]
-    heard = Heard(lambda t_s: given if t_s == 4.5 else [])
-    assert heard(4.0) == []
-    heard.keep_in(tmp_path)
-    assert heard(4.5) == given
+    source = KeptSignals(lambda t_s: given if t_s == 4.5 else [])
+    assert source(4.0) == []
+    source.keep_in(tmp_path)
+    assert source(4.5) == given
     assert kept_signals(tmp_path) == given
+    (file,) = tmp_path.glob("signals-*.jsonl")
+    assert file.stat().st_mode & 0o777 == 0o600  # who passed when is nobody else's business
 
 
 def test_a_recording_that_cannot_be_written_keeps_no_message_from_the_rules(
     tmp_path: Path,
 ) -> None:
     given = [Signal("f", 4.0, taken_s=4.5)]
-    heard = Heard(lambda t_s: given)
-    heard.keep_in(tmp_path / "gone")
-    assert heard(4.5) == heard(4.6) == given
+    source = KeptSignals(lambda t_s: given)
+    source.keep_in(tmp_path / "gone")
+    assert source(4.5) == source(4.6) == given

@@ -2,6 +2,7 @@
 
 import logging
 import math
+import os
 import threading
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -11,15 +12,16 @@ from typing import Self
 
 from trecsim.safety.signals import Signal, SignalSource, with_taken
 from trecsim.sites.feed_files import LONGEST_LINE, line_of, signal_of
+from trecsim.store.atomic import PRIVATE_FILE
 from trecsim.store.names import SIGNALS
 
 logger = logging.getLogger(__name__)
 
 LOOK_S = 0.02
-"""So often the files are looked at [s]."""
+"""Time between two looks at the files [s]."""
 MOST_WAITING = 20_000
-"""So many messages of a feed wait for the next frame set; the oldest are dropped."""
-_MOST_BYTES = 1_000_000  # that are read at once
+"""Most messages of a feed that wait for the next frame set; the oldest are dropped."""
+_MOST_BYTES = 1_000_000  # that are read at one look
 _HOUR_S = 3600.0
 
 
@@ -31,7 +33,7 @@ class Followed:
     Parameters
     ----------
     files
-        By feed.
+        The file of each feed, by its name.
     """
 
     def __init__(self, files: Mapping[str, Path]) -> None:
@@ -116,13 +118,13 @@ class _Tail:
         self._waiting.extend(line for line in lines if line.strip())
 
 
-class Heard:
-    """Passes messages of feeds on to the rules, and keeps them in the recording.
+class KeptSignals:
+    """A source of messages that also writes each of them to the recording.
 
     Parameters
     ----------
     source
-        The messages.
+        Where the messages come from.
     """
 
     def __init__(self, source: SignalSource | Followed) -> None:
@@ -158,7 +160,10 @@ class Heard:
     def _keep(self, folder: Path, t_s: float, signals: Sequence[Signal]) -> None:
         path = folder / SIGNALS.format(f"{math.floor(t_s / _HOUR_S):010d}")
         try:
-            with path.open("a", encoding="utf-8") as file:
+            handle = os.open(
+                path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE
+            )
+            with os.fdopen(handle, "a", encoding="utf-8") as file:
                 file.writelines(f"{line_of(one)}\n" for one in signals)
             self._failed = False
         except OSError as error:

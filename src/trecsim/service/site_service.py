@@ -31,7 +31,7 @@ from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
 from trecsim.service.live_inputs import LiveInputs
-from trecsim.service.live_signals import Followed, Heard
+from trecsim.service.live_signals import Followed, KeptSignals
 from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
@@ -107,9 +107,9 @@ class SiteService:
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        heard = Heard(_signals(checked.file.site, inputs))
+        signals = KeptSignals(_signals(checked.file.site, inputs))
         rules = self._rules = RuleWatch(
-            _rules_of(checked.file, checked.rig), self._put_event, heard
+            _rules_of(checked.file, checked.rig), self._put_event, signals
         )
         counting = Counting(checked.file.site)
         self._reloading = Reloading(
@@ -135,7 +135,7 @@ class SiteService:
 
         def recording(recorder: Recorder) -> None:
             monitor.take_recorder(recorder)
-            heard.keep_in(recorder.folder)
+            signals.keep_in(recorder.folder)
 
         def drawn(summary: RunSummary) -> None:
             monitor.ended = True
@@ -151,7 +151,7 @@ class SiteService:
             ending.enter_context(Pulse(judged, tuple(told)))
             if inputs is not None:
                 ending.callback(inputs.close)
-            ending.enter_context(heard)
+            ending.enter_context(signals)
             summary = run(
                 checked,
                 out,
@@ -281,7 +281,7 @@ def _left_open(checked: CheckedSite, store: SiteStore) -> list[dict[str, Any]]:
 
 
 def _signals(site: Site, inputs: LiveInputs | None) -> SignalSource | Followed:
-    """Return the messages of feeds: of recordings those of the whole files, live the new ones."""
+    """Return the messages of feeds: with recordings those of the whole files, live the new ones."""
     if inputs is None:
         return recorded(signals_of(site.feeds))
     return inputs.signals or Followed({name: one.file for name, one in site.feeds.items()})
