@@ -81,8 +81,8 @@ class CameraHealth:
         By how much it looks elsewhere than the rig says [degrees], and since when, as the people
         who are tracked tell; None where it does not.
     clock_late_ms
-        By how much its clock is late, beside what the rig says [ms], as the people who are tracked
-        tell; None while it is not known.
+        How late its clock is, in addition to what the rig says [ms], as the tracker estimates it;
+        None while it is not known.
     """
 
     state: CameraState = "down"

@@ -171,8 +171,8 @@ def test_a_vehicle_that_is_told_as_gone_hits_nobody_and_one_that_becomes_silent_
     events, faults = judged(rule, stands, told_cart(*early))
     assert told(events, "phase") == []  # it would have been here at 4 s, had it gone straight on
     assert faults == {
-        "feed carts: no position of vehicle 7 of volume told for more than 2 s, and it is not told "
-        "as gone"
+        "feed carts: no position of vehicle 7 of volume told for more than 2 s, and no message "
+        "that it is gone"
     }
 
 

@@ -1,4 +1,4 @@
-"""The messages of the feeds of a demo, dated from now on like its images."""
+"""The messages of the feeds of a demo, played live as its images are."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ class PlayedSignals:
     begins_s
         Returns the Unix time at which the scene began [s].
     every_s
-        The scene begins again after so long [s]; None never.
+        After how long the scene begins again [s]; None: it does not.
 
     Examples
     --------

@@ -61,7 +61,7 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
     )  # fmt: skip
     late = GaugeMetricFamily(
         "trecsim_camera_clock_late_seconds",
-        "By how much its clock is late, beside what the rig says.", labels=["camera"],
+        "How late its clock is, in addition to what the rig says.", labels=["camera"],
     )  # fmt: skip
     for name, camera in health.cameras.items():
         if camera.clock_late_ms is not None:

@@ -107,9 +107,9 @@ def _texts(desk: DraftDesk) -> Iterator[str]:
 
 def _configuration(recording: Path) -> dict[str, Any] | None:
     """Return the site file as it was when a recording was made; None where it is not known."""
-    path = recording / "summary.json"
     from trecsim.sites.ruled import RULED
 
+    path = recording / "summary.json"
     with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
         if path.stat().st_size <= _LARGEST_SUMMARY:
             kept = dict(json.loads(path.read_bytes())["configuration"])

@@ -166,7 +166,7 @@ class RuleEngine:
         snapshot
             The moment; one that is not later than the last is left out.
         signals
-            Messages of feeds that have come since the last moment.
+            Messages of feeds since the last moment.
         """
         self._signals.take(signals)
         if not snapshot.t_s > self._last_s:

@@ -15,7 +15,7 @@ from jaxtyping import Float64
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 _AT, _SHARE = 0.5 * (_NODES + 1.0), 0.5 * _WEIGHTS  # on [0, 1]
-_NOTHING = 8.0  # standard deviations: less than 1e-15 is farther away
+_NOTHING = 8.0  # standard deviations; the probability beyond is below 1e-15
 _erfc = np.frompyfunc(math.erfc, 1, 1)
 
 
@@ -57,7 +57,7 @@ def behind_line_within_angle(
         Where on the line a point is, counted from the foot of the mean; T has the sign of it.
     """
     share: Float64[np.ndarray, "*n"] = np.zeros(h.shape)
-    near = h < _NOTHING  # behind others there is nothing
+    near = h < _NOTHING  # beyond farther lines the probability is 0
     share[near] = _behind(h[near], s[near])
     return share
 

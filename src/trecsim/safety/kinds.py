@@ -172,7 +172,7 @@ _SECONDS = {"gt": 0.0, "le": 86400.0}
 
 _GATE = (
     Key("feed", str, "The feed that says who may pass.", names="feed"),
-    Key("window_s", float, "How long a grant holds if the door is not shut before [s].", 5.0,
+    Key("window_s", float, "How long a grant is valid if the door is not shut before [s].", 5.0,
         {"gt": 0.0, "le": LONGEST_S}),
     Key("direction", Literal["in", "out"],
         'The authorised direction; "in" is from the right of the line to its left.', "in"),
@@ -301,29 +301,28 @@ _ALL = (
     Kind(
         "lift.unload",
         "A joint that a camera supports is inside a chair that has passed the line, or somebody is "
-        "still in the strip for whom the next chair is less than `next_s` from the line; who lies "
-        "there counts at once, with a higher severity.",
-        "functions of chairlift monitors that are sold; 3 s and delay: ours",
+        "still in the strip when the next chair is less than `next_s` from the line; a person who "
+        "lies there counts at once, with a higher severity.",
+        "functions of commercial chairlift monitors; 3 s and delay: ours",
         _unloading, place="volume", on_delay_s=0.3,
         keys=(
-            Key("line", str, "Where riders have to be off the chair; its left is behind it.",
+            Key("line", str, "Where riders have to be off; chairs pass from its right to its left.",
                 names="line"),
-            Key("strip", str, "The zone that has to be free when the next chair comes.",
+            Key("strip", str, "The zone that has to be clear when the next chair comes.",
                 names="zone"),
-            Key("next_s", float, "So near is the next chair [s].", 3.0,
+            Key("next_s", float, "How long before the line a chair counts as coming [s].", 3.0,
                 {"gt": 0.0, "le": 60.0}),
         ),
     ),
     Kind(
         "access.tailgate",
-        "Somebody crosses the line in the authorised direction while a grant holds that others "
-        "have used up.",
+        "Somebody crosses the line in the authorised direction while all valid grants are used up.",
         "one credential, two bodies; 5 s: ours",
         _tailgated, place="line", at_once=True, keys=_GATE,
     ),
     Kind(
         "access.unauthorised",
-        "Somebody crosses the line while no grant holds, or against the authorised direction.",
+        "Somebody crosses the line while no grant is valid, or against the authorised direction.",
         "5 s: ours",
         _unauthorised, place="line", at_once=True,
         keys=(

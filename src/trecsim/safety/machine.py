@@ -189,17 +189,18 @@ def judged(
     likely_s = None
     if found.probability >= LIKELY:
         likely_s = before.likely_s if before.likely_s is not None else t_s
-    if holds:
+    if holds:  # `replace` costs several times as much, for each rule and person
         now = Episode(
-            before.phase, True, likely_s, before.since_s, None, t_s, before.level, before.free_s,
-            found,
+            before.phase, holds=True, likely_s=likely_s, since_s=before.since_s, off_s=None,
+            known_s=t_s, level=before.level, free_s=before.free_s, finding=found,
         )  # fmt: skip
     else:
         off_s = t_s if found.until_s is None else min(found.until_s, t_s)
         off_s = off_s if before.off_s is None else before.off_s
         now = Episode(
-            before.phase, False, likely_s, before.since_s, off_s, before.known_s, before.level,
-            before.free_s, before.finding,
+            before.phase, holds=False, likely_s=likely_s, since_s=before.since_s, off_s=off_s,
+            known_s=before.known_s, level=before.level, free_s=before.free_s,
+            finding=before.finding,
         )  # fmt: skip
     if before.phase in ("idle", "pending"):
         return _waited(now, timing, t_s, found)

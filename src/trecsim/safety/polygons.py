@@ -22,7 +22,7 @@ LEAST_SIGMA_M = 1e-6
 """Uncertainty of a point that is stated to be exact [m]."""
 _LEAST_M2 = {n: LEAST_SIGMA_M**2 * np.eye(n) for n in (2, 3)}
 SURE = 5.5
-"""So many standard deviations from every side the probability is 0 or 1 to 1e-7."""
+"""At so many standard deviations from every side the probability is 0 or 1, to 1e-7."""
 _SLICES, _SLICE_WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 Points = Float64[np.ndarray, "point 2"]

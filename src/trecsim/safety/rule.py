@@ -49,7 +49,7 @@ class Key:
     limits
         Constraints, as pydantic calls them: {"gt": 0}.
     names
-        What its value is the name of: another place, or a feed; None where it is no name.
+        Of what kind of place, or of a feed, its value is the name; None where it is no name.
     """
 
     name: str
@@ -97,7 +97,7 @@ class Kind:
     can_warn
         Whether its condition looks ahead, so that it can warn early.
     spares_exclusions
-        Whether it does not count in exclusion volumes.
+        Whether exclusion volumes apply to it.
     """
 
     name: str
@@ -142,7 +142,7 @@ class Rule:
     others
         Places that its own keys name, by key.
     exclusions
-        Volumes in which it does not count, as beds.
+        Exclusion volumes in which it does not fire, such as beds.
     """
 
     id: str

@@ -23,16 +23,16 @@ theirs were, is the same body under another identity [s, m]."""
 
 
 class Extent(NamedTuple):
-    """Where the joints of a person are that a camera supports, with the errors that they may have.
+    """Bounds, for each seen person, of the joints that a camera supports.
 
     Attributes
     ----------
     low_m, high_m
-        The least and the greatest x and y of what counts [m]; NaN where nothing does.
+        The least and the greatest x and y with `reach_m` added [m]; NaN where no joint counts.
     middle_m, radius_m
-        The circle around the means [m].
+        A circle around the means of the joints [m].
     reach_m
-        So far from its mean a joint may be [m].
+        How far from its mean a joint may be, `SURE` standard deviations [m].
     """
 
     low_m: Float64[np.ndarray, "seen 2"]
@@ -63,7 +63,7 @@ class Scene:
     ahead
         Where they will be, for rules that warn early; None when nobody looks ahead now.
     signals
-        What feeds have told so far.
+        What is known from feeds.
     """
 
     people: Snapshot
@@ -110,7 +110,8 @@ class Scene:
         xy_m = np.where(counts[..., None], self.people.xyz_m[rows, :, :2], np.nan)
         cov_m2 = self.people.cov_m2
         variance_m2 = np.nan_to_num(cov_m2[rows, :, 0, 0]) + np.nan_to_num(cov_m2[rows, :, 1, 1])
-        reach_m = SURE * np.sqrt(np.where(counts, variance_m2, 0.0).max(axis=1) + LEAST_SIGMA_M)
+        variance_m2 = np.where(counts, variance_m2, 0.0).max(axis=1) + 2.0 * LEAST_SIGMA_M**2
+        reach_m = SURE * np.sqrt(variance_m2)
         low_m = np.fmin.reduce(xy_m, axis=1)
         high_m = np.fmax.reduce(xy_m, axis=1)
         radius_m = 0.5 * np.hypot(*(high_m - low_m).T)
@@ -166,7 +167,7 @@ class Memory:
     Parameters
     ----------
     signals
-        What feeds have told; None where there are no feeds.
+        What is known from feeds; None where there are none.
     """
 
     def __init__(self, signals: Signals | None = None) -> None:

@@ -1,11 +1,11 @@
-"""What other systems say about a site: who may pass, which door is shut, where vehicles are.
+"""Messages of other systems about a site: who may pass, which door is shut, where vehicles are.
 
 A feed is a series of messages of one system. The rules get each message once, with the first frame
-set at or after its arrival. What they conclude depends on the messages and on these times alone, so
-a recording that keeps both gives the same events as the live site.
+set at or after its arrival. Their events depend on the messages and on these times alone, so a
+recording that keeps both gives the same events as the live site.
 
 A feed that does not work has a fault: no message for `silent_s`, too many messages, or a message
-that cannot be read. Rules that need the feed then judge nothing and say so.
+that cannot be read. Rules on this feed then do not judge, and report the fault.
 """
 
 import math
@@ -17,14 +17,15 @@ from typing import Literal, NamedTuple
 from trecsim.safety.vehicle import Vehicle
 
 LONGEST_S = 600.0
-"""Grants are kept for so long [s]; no rule lets one hold longer."""
+"""How long grants are kept [s]; `window_s` of a rule may not be longer."""
 MOST_GRANTS = 10_000
-"""Of one line; the oldest are dropped."""
+"""Most grants of one line that are kept; the oldest are dropped."""
 MOST_VEHICLES = 1000
+"""Most vehicles of one volume; messages of further ones are ignored."""
 WITHIN_S = 1.0
-"""Messages are counted over so long, to find a flood [s]."""
+"""Time over which messages are counted, to find a flood [s]."""
 DISTRUST_S = 10.0
-"""For so long after a flood or an unreadable message a feed counts as faulty [s]."""
+"""How long a feed counts as faulty after a flood or an unreadable message [s]."""
 
 What = Literal["alive", "grant", "closed", "volume", "gone", "unreadable"]
 
@@ -38,21 +39,21 @@ class Signal:
     feed
         Name of the feed.
     t_s
-        The time of what it tells, on the clock of the frame sets [s].
+        When what it reports happened, on the clock of the frame sets [s].
     what
-        "alive" says nothing but that the feed works; "grant" lets people cross a line; "closed"
-        ends all grants of a line; "volume" tells where a vehicle is, "gone" that it has left;
-        "unreadable" stands for a message that cannot be read.
+        "alive": the feed works, nothing else; "grant": people may cross a line; "closed": all
+        grants of a line end; "volume": the position of a vehicle; "gone": it has left;
+        "unreadable": a message that cannot be read.
     about
         Name of the line or the volume.
     taken_s
         The time of the frame set with which the rules got it [s]; NaN before that.
     people
-        So many people may cross.
+        How many people may cross.
     vehicle
         Which of the vehicles that share the name of the volume.
     xy_m, heading_rad
-        Where its middle is [m], and where it points to, if that is told [rad].
+        Position of its middle [m], and its heading, if given [rad].
     note
         What is wrong with an unreadable message.
     """
@@ -84,7 +85,7 @@ class Feed:
     name
         Its name.
     silent_s
-        Without a message for so long it is silent [s]; 0 never.
+        It is silent after so long without a message [s]; 0: never.
     most_per_s
         More messages in a second are a flood.
     """
@@ -100,13 +101,13 @@ class Grant(NamedTuple):
     Attributes
     ----------
     number
-        Counts the grants of a line.
+        Number of the grant among those of its line, from 1.
     t_s
-        From when on it holds [s].
+        From when on it is valid [s].
     closed_s
         When the door was shut [s]; infinity while it is open.
     people
-        So many people may cross.
+        How many people may cross.
     """
 
     number: int
@@ -115,13 +116,27 @@ class Grant(NamedTuple):
     people: int
 
     def holds(self, t_s: float, window_s: float) -> bool:
-        """Tell whether it lets people cross at a time, if it holds for so long [s]."""
+        """Tell whether it is valid at a time [s], if grants of its line are for `window_s` [s]."""
         return self.t_s <= t_s <= min(self.t_s + window_s, self.closed_s)
 
 
 @dataclass(slots=True, eq=False)
-class _Heard:
-    """What has come of one feed."""
+class _FeedState:
+    """What is known from the messages of one feed.
+
+    Attributes
+    ----------
+    feed
+        The feed.
+    last_s, recent
+        When the last message was taken, and when those of the last `WITHIN_S` were [s].
+    distrusted_s, note
+        When the last flood or unreadable message was [s], and what was wrong.
+    grants, numbers
+        By line: its grants, and how many there have been.
+    vehicles
+        By volume and name of the vehicle.
+    """
 
     feed: Feed
     last_s: float = -math.inf
@@ -140,7 +155,7 @@ class _Heard:
         if len(self.recent) > self.feed.most_per_s * WITHIN_S:
             self.recent.popleft()
             self._distrust(one, f"more than {self.feed.most_per_s:g} messages in a second")
-            if one.what == "grant":
+            if one.what == "grant":  # a flood of grants must not open the gate to everybody
                 return
         if one.what == "unreadable":
             self._distrust(one, one.note)
@@ -190,47 +205,47 @@ def _closed(grant: Grant, t_s: float) -> Grant:
 
 
 class Signals:
-    """What the feeds of a site have told so far.
+    """What is known from the messages of the feeds of a site.
 
     Parameters
     ----------
     feeds
-        The feeds. What comes of others is not kept.
+        The feeds. Messages of others are ignored.
     """
 
     def __init__(self, feeds: Sequence[Feed] = ()) -> None:
-        self._heard: dict[str, _Heard] = {}
+        self._states: dict[str, _FeedState] = {}
         self.change(feeds)
 
     def change(self, feeds: Sequence[Feed]) -> None:
-        """Take other feeds from now on; those with a known name keep what they have told."""
-        before, self._heard = self._heard, {}
+        """Take other feeds from now on; those with a known name keep their state."""
+        before, self._states = self._states, {}
         for feed in feeds:
-            heard = before.get(feed.name) or _Heard(feed)
-            heard.feed = feed
-            self._heard[feed.name] = heard
+            state = before.get(feed.name) or _FeedState(feed)
+            state.feed = feed
+            self._states[feed.name] = state
 
     def take(self, signals: Iterable[Signal]) -> None:
         """Take messages, each with the time at which the rules got it."""
         for one in signals:
-            heard = self._heard.get(one.feed)
-            if heard is not None:
-                heard.take(one)
+            state = self._states.get(one.feed)
+            if state is not None:
+                state.take(one)
 
     def fault(self, feed: str, t_s: float) -> str | None:
         """Return why nothing can be concluded from a feed at a time [s]; None if it works."""
-        heard = self._heard.get(feed)
-        return f"there is no feed {feed}" if heard is None else heard.fault(t_s)
+        state = self._states.get(feed)
+        return f"there is no feed {feed}" if state is None else state.fault(t_s)
 
     def grants(self, feed: str, line: str) -> Sequence[Grant]:
         """Return the grants of a line of the last `LONGEST_S`, in the order of the messages."""
-        heard = self._heard.get(feed)
-        return () if heard is None else tuple(heard.grants.get(line, ()))
+        state = self._states.get(feed)
+        return () if state is None else tuple(state.grants.get(line, ()))
 
     def vehicles(self, feed: str, volume: str) -> Mapping[str, Vehicle]:
-        """Return the vehicles that a feed has told of and that are not gone, by their names."""
-        heard = self._heard.get(feed)
-        return {} if heard is None else heard.vehicles.get(volume, {})
+        """Return the vehicles of a volume that a feed has named and that are not gone, by name."""
+        state = self._states.get(feed)
+        return {} if state is None else state.vehicles.get(volume, {})
 
 
 def recorded(signals: Iterable[Signal]) -> SignalSource:
@@ -239,7 +254,7 @@ def recorded(signals: Iterable[Signal]) -> SignalSource:
     Parameters
     ----------
     signals
-        Those without `taken_s` come with the first frame set at or after the time that they tell.
+        Those without `taken_s` come with the first frame set at or after their own time.
 
     Examples
     --------

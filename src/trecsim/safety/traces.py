@@ -97,7 +97,7 @@ class Moved(NamedTuple):
 
     @property
     def step(self) -> int:
-        """So many samples before and after a time its velocity is measured over."""
+        """Number of samples before and after a time over which its velocity is measured."""
         took_s = max(float(self.t_s[-1] - self.t_s[0]), 1e-9)
         return max(1, math.ceil(0.5 * BASE_S * (len(self.t_s) - 1) / took_s))
 
@@ -126,7 +126,7 @@ class Fastest(NamedTuple):
 
 
 def fastest(windows: Sequence[Moved]) -> Fastest:
-    """Return how far and how fast several people moved; all that have as many samples at once."""
+    """Return how far and how fast several people moved; equal numbers of samples go together."""
     farthest_m, speed_mps, median_mps = ([0.0] * len(windows) for _ in range(3))
     groups: dict[tuple[int, int], list[int]] = {}
     for number, moved in enumerate(windows):

@@ -1,10 +1,10 @@
-"""A vehicle whose position other systems tell."""
+"""A vehicle whose position comes from another system."""
 
 import math
 from typing import NamedTuple, Optional
 
 LOST_S = 2.0
-"""A position that is older is not known any more [s]."""
+"""Age from which on a position is out of date [s]."""
 
 
 class Vehicle(NamedTuple):
@@ -19,7 +19,7 @@ class Vehicle(NamedTuple):
     velocity_mps
         From the last two positions [m/s]; 0 where the one before is older than `LOST_S`.
     heading_rad
-        Where it points to, from +x towards +y [rad]: as told, else where it moves to.
+        Its heading, from +x towards +y [rad]: as given, else its direction of motion.
     """
 
     first_s: float

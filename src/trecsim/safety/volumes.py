@@ -1,4 +1,4 @@
-"""Boxes that move over the floor, by a timetable or as a feed tells: vehicles, chairs of a lift."""
+"""Boxes that move over the floor, by a timetable or a feed: vehicles, chairs of a lift."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -32,9 +32,9 @@ class Boxes(Protocol):
         t_s
             The time [s].
         margin_m
-            Each is wider by so much on all sides [m].
+            By how much each is widened on all sides [m].
         after_s
-            Only those that have been on their way for so long [s].
+            Only those are returned that have been on their way for so long [s].
         """
         ...
 
@@ -51,7 +51,7 @@ class Moving(Protocol):
     """A place that moves."""
 
     def told(self, signals: Signals) -> Boxes:
-        """Return its boxes, given what feeds have told so far."""
+        """Return its boxes, by what is known from feeds."""
         ...
 
     def fault(self, signals: Signals, t_s: float) -> str | None:
@@ -117,7 +117,7 @@ class Volume:
         }
 
     def _launch(self, started_s: float) -> str:
-        """Return which of the boxes one is that started at a time [s]."""
+        """Return the key of the box that started at a time [s]."""
         if self.period_s is None or len(self.path_s) == 1:
             return "0"
         return str(round((started_s - self.start_s) / self.period_s))
@@ -148,7 +148,7 @@ class Volume:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FedVolume:
-    """Boxes whose places a feed tells: vehicles of the same size.
+    """Boxes whose positions come from a feed: vehicles of the same size.
 
     Attributes
     ----------
@@ -164,12 +164,12 @@ class FedVolume:
     bottom_m: float
 
     def told(self, signals: Signals) -> Boxes:
-        """Return the boxes of the vehicles that the feed has told of; see `Moving`."""
+        """Return the boxes of the vehicles of the feed; see `Moving`."""
         z_m = (self.bottom_m, self.bottom_m + self.size_m[2])
         return _ToldBoxes(dict(signals.vehicles(self.feed, self.name)), self.size_m, z_m)
 
     def fault(self, signals: Signals, t_s: float) -> str | None:
-        """Return what is wrong with the feed, or which vehicle has become silent; see `Moving`."""
+        """Return what is wrong with the feed, or which vehicle is silent; see `Moving`."""
         wrong = signals.fault(self.feed, t_s)
         if wrong is not None:
             return wrong
@@ -180,7 +180,7 @@ class FedVolume:
         named = f"vehicle {lost[0]}" if lost[0] else "the vehicle"
         return (
             f"feed {self.feed}: no position of {named} of volume {self.name} for more than "
-            f"{LOST_S:g} s, and it is not told as gone"
+            f"{LOST_S:g} s, and no message that it is gone"
         )
 
 

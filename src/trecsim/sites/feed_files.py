@@ -1,9 +1,9 @@
 """Messages of feeds as lines of JSON: read one, read the file of a feed, read those of a recording.
 
-A line is an object with `t_s`, the time of what it tells [s], and at most one of `grant` (the name
-of a line), `closed` (the name of a line) and `volume` (the name of a volume). With none of them it
-only says that the feed works. A `grant` may have `people`, a `volume` has `xy_m` or `gone`, and may
-have `id` and `heading_deg`.
+A line is an object with `t_s`, the time of what it reports [s], and at most one of `grant` (the
+name of a line), `closed` (the name of a line) and `volume` (the name of a volume). With none of
+them it only says that the feed works. A `grant` may have `people`, a `volume` has `xy_m` or
+`gone`, and may have `id` and `heading_deg`.
 """
 
 import json

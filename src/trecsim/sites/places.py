@@ -1,4 +1,4 @@
-"""Tables of a site file that say where something is, and which feeds tell what moves."""
+"""Tables of a site file for places, and for feeds of messages about them."""
 
 from itertools import combinations, pairwise
 from typing import Annotated, Self
@@ -64,14 +64,14 @@ class EdgeTable(Table):
 
 
 class FeedTable(Table):
-    """A feed: messages of another system, as of access control or of vehicles."""
+    """A feed: messages of another system, such as access control or vehicles."""
 
     file: FilePath
-    """Its messages, one line of JSON each; live, what is appended while the site runs."""
+    """File of messages, a line of JSON each; live, those that are appended while the site runs."""
     silent_s: Annotated[float, Field(ge=0.0, le=86400.0)] = 30.0
-    """Without a message for so long the feed is silent, and no rule relies on it [s]; 0: never."""
+    """Rules do not rely on the feed after so long without a message [s]; 0: they always do."""
     most_per_s: Annotated[float, Field(gt=0.0, le=10_000.0)] = 100.0
-    """More messages in a second are a flood, and rules do not rely on the feed for 10 s."""
+    """After more messages in a second, a flood, rules do not rely on the feed for 10 s."""
 
 
 class VolumeTable(Table):
@@ -101,7 +101,7 @@ class VolumeTable(Table):
     heading_deg: Annotated[float, Field(ge=-360.0, le=360.0)] | None = None
     """Its heading [degrees]: 0 is +x, 90 is +y; that of its way, if not given."""
     feed: str | None = None
-    """The feed that tells where it is, in place of a timetable."""
+    """The feed with its positions, in place of a timetable."""
 
     @model_validator(mode="after")
     def _has_a_timetable(self) -> Self:

@@ -31,16 +31,16 @@ class Ruled(Table):
     lines: dict[Name, LineTable] = Field(default_factory=dict)
     """Directed lines on the floor, by name; the page draws them."""
     exclusions: dict[Name, ZoneTable] = Field(default_factory=dict)
-    """Beds, benches, sofas, by name: nobody is told as fallen or down whose hips are in there."""
+    """Beds, benches, sofas, by name: rules on falls do not fire while the hips are in there."""
     portals: dict[Name, LineTable] = Field(default_factory=dict)
-    """Ways in and out of the site, by name; "in" is into it. The report of a day counts who came
-    by which and left by which."""
+    """Ways in and out of the site, by name; "in" is into it. The report of a day counts people by
+    the portals through which they came and left."""
     edges: dict[Name, EdgeTable] = Field(default_factory=dict)
     """Edges of drops, by name; the page draws them."""
     volumes: dict[Name, VolumeTable] = Field(default_factory=dict)
     """Boxes that move by a timetable or by a feed, by name."""
     feeds: Annotated[dict[Name, FeedTable], Field(max_length=50)] = Field(default_factory=dict)
-    """Messages of other systems, by name: of access control, of vehicles."""
+    """Messages of other systems, by name, such as access control and vehicles."""
     rules: Annotated[list[AnyRule], Field(max_length=MOST_RULES)] = Field(default_factory=list)
     """What to tell of the people: see the kinds of rules."""
 

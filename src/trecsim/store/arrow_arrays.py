@@ -1,7 +1,7 @@
-"""Arrow arrays of NumPy's.
+"""Arrow arrays made of NumPy arrays, and back, without `pyarrow.array` and ``to_numpy``.
 
-`pyarrow.array`, ``to_numpy`` and others import pandas where it is installed, to see whether what
-they are given is a Series: 0.3 s and 40 MB for every process that writes tracks.
+Those import pandas where it is installed, to see whether their argument is a Series: 0.3 s and
+40 MB for every process that writes tracks.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from jaxtyping import Bool, Shaped
 def number_array(
     numbers: Shaped[np.ndarray, " row"], missing: Bool[np.ndarray, " row"] | None = None
 ) -> pa.Array:
-    """Return numbers as an Arrow array of their type, without a copy.
+    """Return numbers as an Arrow array of their type; contiguous ones are not copied.
 
     Parameters
     ----------

@@ -66,7 +66,7 @@ class DaySummary:
     lines
         For each line the crossings in and out.
     portals
-        For each portal by which people came, how many left by which.
+        For each portal through which people came, how many left through which.
     remarks
         What the page says of its limits.
     """

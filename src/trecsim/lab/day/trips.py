@@ -1,4 +1,4 @@
-"""By which portal people came, and by which they left."""
+"""Portals through which people came and left."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,10 +28,10 @@ class Passage(NamedTuple):
 
 
 def trips(passages: Iterable[Passage]) -> dict[tuple[str, str], int]:
-    """Return how many people came by one portal and left by another one.
+    """Return how many people came through one portal and left through another or the same one.
 
-    A trip begins when somebody comes in, or is first seen inside, and ends when they leave. Who is
-    not seen to come or to leave, as of those whose track breaks, counts as `NOT_SEEN` there.
+    A trip begins when somebody comes in and ends when they leave. `NOT_SEEN` stands for the portal
+    where the beginning or the end is not seen, such as after a track has broken.
 
     Examples
     --------

@@ -1,6 +1,6 @@
-"""Scores of early warnings against the truth: were they right, how long before, how reliable.
+"""Scores of early warnings against the ground truth: lead time, Brier score, reliability.
 
-A probability is reliable where what is told with it happens as often as it says.
+Probabilities are reliable if what is warned of with 0.8 happens in 80 % of the cases.
 """
 
 import math
@@ -14,12 +14,13 @@ import numpy as np
 from trecsim.lab.evaluation.event_episodes import EpisodeTold, event_data_of
 
 WITHIN_S = (1.0, 2.0, 4.0)
-"""Events tell the probabilities within these times [s]."""
+"""Events state the probabilities within these times [s]."""
 BEGUN_S = 0.5
-"""What began so long before its warning counts as foretold, with no lead [s]."""
+"""An episode that began this long before its warning still counts as warned of, with lead 0 [s]."""
 FASTEST_MPS, APART_M = 3.0, 1.5
-"""The true person is no farther from the warned one than this, and this speed times the time."""
+"""A warning matches an episode within `APART_M`, plus `FASTEST_MPS` times the time between."""
 BINS = 5
+"""Number of bins of the probability, of equal width."""
 
 
 class Warned(NamedTuple):
@@ -30,7 +31,7 @@ class Warned(NamedTuple):
     rule, told_s, floor_m
         Which rule gave it, when [s], and where the person was [m].
     within
-        Probability that it happens within each of `WITHIN_S`; NaN where it is not told.
+        Probability that it happens within each of `WITHIN_S`; NaN where it is not stated.
     """
 
     rule: str
@@ -45,9 +46,9 @@ class Bin(NamedTuple):
     Attributes
     ----------
     low, high
-        The probabilities.
+        Limits of the probability.
     number
-        How many warnings.
+        Number of warnings.
     told, happened
         The mean of their probabilities, and the share that happened.
     """
@@ -68,9 +69,9 @@ class Horizon:
     within_s
         The time [s].
     count
-        How many warnings tell it.
+        Number of warnings that state a probability for it.
     brier
-        Mean squared difference of probability and outcome; NaN of none.
+        Mean squared difference of probability and outcome; NaN without warnings.
     told, happened
         The mean of the probabilities, and the share that happened.
     bins
@@ -94,7 +95,7 @@ class WarningScores:
     given, came_true
         How many there are, and how many of them happened within the longest time.
     leads_s
-        How long before the true beginning each of these was told [s].
+        How long before the true beginning each of these was given [s].
     horizons
         By time.
     """
@@ -116,7 +117,7 @@ class WarningScores:
                     "brier": one.brier,
                     "told": one.told,
                     "happened": one.happened,
-                    "reliability": [a_bin._asdict() for a_bin in one.bins],
+                    "reliability": [row._asdict() for row in one.bins],
                 }
                 for one in self.horizons
             },

@@ -1,4 +1,4 @@
-"""Chairs that go by a timetable or as a feed tells, and who is on one of them, read naively."""
+"""A naive reading of chairs that go by a timetable or a feed, and of who is on one of them."""
 
 import json
 import math
@@ -136,8 +136,8 @@ def is_on_a_chair_past(
         if _past_m(line_m, chair.middle_m) <= 0.0:
             continue
         away_m = xyz_m[:, :2] - chair.middle_m
-        along_m, across_m = away_m @ chair.ahead, away_m @ np.array([-chair.ahead[1],
-                                                                     chair.ahead[0]])  # fmt: skip
+        along_m = away_m @ chair.ahead
+        across_m = away_m @ np.array([-chair.ahead[1], chair.ahead[0]])
         inside = (np.abs(along_m) <= length_m / 2) & (np.abs(across_m) <= width_m / 2)
         if (inside & (xyz_m[:, 2] >= low_m) & (xyz_m[:, 2] <= low_m + height_m)).any():
             return True

@@ -18,7 +18,7 @@ LEAST = 0.01
 
 
 def joints_in(row: Bool[np.ndarray, " joint"]) -> tuple[str, ...]:
-    """Return the names of joints, of which each is in or not.
+    """Return the names of the joints for which the row is true.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class Judged(NamedTuple):
     memory
         What the condition wants to be given at the next moment.
     fault
-        Why it could not judge this moment, as a feed is silent; all episodes stay as they are.
+        Why it could not judge this moment, such as a silent feed; all episodes stay as they are.
     """
 
     findings: Mapping[int, Finding]

@@ -64,9 +64,9 @@ class AtEdge:
         return Judged(findings)
 
     def _may_be_near(self, scene: Scene) -> Int64[np.ndarray, " near"]:
-        """Return which of the seen people are not surely on the safe side, far enough away.
+        """Return which of the seen people may have a joint near the edge or beyond it.
 
-        The distance from the edge changes by no more than the way that one goes.
+        Between two points the distance from the edge differs by no more than they are apart.
         """
         extent = scene.extent
         middle_m, _ = self.edge.nearest(np.nan_to_num(extent.middle_m, nan=np.inf))

@@ -24,7 +24,7 @@ class Fallen:
     polygon
         Where it counts; None for everywhere.
     exclusions
-        Where it does not: the hips of somebody who lies on a bed are in one of these.
+        Where it does not count: beds and benches, as prisms that hold the hips of who lies there.
     """
 
     polygon: Polygon | None
@@ -94,7 +94,7 @@ def _hips_down(scene: Scene, row: int) -> float:
 
 
 def _may_be_down(scene: Scene) -> list[bool]:
-    """Return of whom it is not sure that the hips are not on the floor."""
+    """Return for each person whether the hips may be on the floor."""
     body = scene.body
     low: list[bool] = (body.hip_m[:, 2] < DOWN_HIP_M + SURE * body.hip_sigma_m[:, 2]).tolist()
     return low

@@ -1,4 +1,4 @@
-"""Conditions on a gate that another system opens: who passes without a permission of their own."""
+"""Conditions on a gate that another system opens: people who pass without a grant of their own."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,7 +16,7 @@ from trecsim.safety.signals import Grant
 
 
 class _Use(NamedTuple):
-    """What a grant has been used for.
+    """How far a grant has been used.
 
     Attributes
     ----------
@@ -32,7 +32,15 @@ class _Use(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Gate:
-    """What the rules on a gate remember."""
+    """What a rule on a gate remembers.
+
+    Attributes
+    ----------
+    passed
+        Where people are with respect to the line.
+    used
+        By number of the grant, who has crossed on it.
+    """
 
     passed: Crossed = field(default_factory=Crossed)
     used: Mapping[int, _Use] = field(default_factory=dict)
@@ -47,11 +55,9 @@ class _Passing:
     person, sure, at, direction
         Who, how surely, where and when, and in which direction.
     why
-        "granted", or what the rules tell.
-    grant
-        Of one who followed another: the grant that was used up.
-    ahead
-        Who crossed on it before.
+        "granted", or the kind of violation.
+    grant, ahead
+        Of a tailgater: the used-up grant, and who crossed on it last.
     """
 
     person: int
@@ -65,25 +71,25 @@ class _Passing:
 
 @dataclass(frozen=True, slots=True)
 class GatePassed:
-    """Somebody crosses the line of a gate without a permission of their own.
+    """Somebody crosses the line of a gate without a grant of their own.
 
-    A grant lets `people` cross from its time on, for `window_s` or until the door is shut. Each
-    crossing in the authorised direction uses the oldest grant that holds at that time and is not
-    used up. With none left, but with one that holds and is used up, somebody follows somebody else:
-    "tailgate". With none that holds, or in the other direction: "unauthorised".
+    A grant lets `people` people cross from its time on, for `window_s` or until the door is shut.
+    Each crossing in the authorised direction uses the oldest grant that is valid at that time and
+    not used up. If all valid grants are used up, it is "tailgate"; if no grant is valid, or in the
+    other direction, it is "unauthorised".
 
     Attributes
     ----------
     line, name
-        The line of the gate, and what it is called in the messages.
+        The line of the gate, and its name in the messages.
     feed
         The feed with the grants.
     window_s
-        So long a grant holds [s].
+        How long a grant is valid [s].
     direction
         The authorised direction.
     tells
-        Which crossings are told.
+        Which crossings this rule reports.
     way_back
         Whether the other direction is open to everybody.
     delay_s, p_on
@@ -129,7 +135,7 @@ class GatePassed:
         at: Place,
         direction: Direction,
     ) -> _Passing:
-        """Return on what grounds somebody has passed, and note the use of a grant."""
+        """Return whether and why somebody might pass, and enter the use of a grant in `used`."""
         if direction != self.direction:
             why: Literal["granted", "unauthorised"]
             why = "granted" if self.way_back == "free" else "unauthorised"
@@ -149,6 +155,7 @@ class GatePassed:
 
 
 def _recent(grants: Sequence[Grant], used: Mapping[int, _Use]) -> Iterator[int]:
+    """Return the used grants that are still known; older ones are forgotten."""
     return (grant.number for grant in grants if grant.number in used)
 
 

@@ -59,7 +59,7 @@ class Running:
             is_far = far_m >= LEAST_SHARE * self.speed_mps * took_s
             if not is_far or took_s < LEAST_S - 1e-6 or not mps > self.speed_mps:
                 continue
-            # When running ends, the finding says since when; of others it is not needed.
+            # Whoever ran at the last moment gets a finding, too: it says when the running ended.
             if person in ran or self._sure(moved, median_mps) > LEAST:
                 findings[person] = self._found(moved, inside[row])
         running = (one for one, found in findings.items() if found.probability > LEAST)

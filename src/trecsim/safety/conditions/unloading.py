@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from trecsim.safety.conditions.base import LEAST, Judged
+from trecsim.safety.conditions.base import LEAST, Judged, joints_in
 from trecsim.safety.conditions.falls import lies
-from trecsim.safety.conditions.vehicles import inside_boxes, joints_inside
+from trecsim.safety.conditions.vehicles import inside_boxes
 from trecsim.safety.directed_lines import Line
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Polygon
@@ -16,12 +16,12 @@ from trecsim.safety.rule_scene import Scene
 from trecsim.safety.volumes import Boxes, Moving
 
 STEP_S = 0.2
-"""So finely it is looked ahead for chairs that turn away soon behind the line [s]."""
+"""Step of the search for chairs that will be beyond the line [s]: they may turn away soon."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Seen:
-    """What is remembered: since when people are in the strip, and chairs near [s]."""
+    """What is remembered: since when people are in the strip, and since when chairs come [s]."""
 
     entered_s: Mapping[int, float] = field(default_factory=dict)
     near_s: Mapping[str, float] = field(default_factory=dict)
@@ -31,9 +31,8 @@ class _Seen:
 class Unloading:
     """Somebody is on a chair that has passed the line, or in the strip when the next one comes.
 
-    A chair comes while it has not passed the line and will have done so in `next_s`. Somebody in
-    the strip counts who was there when it began to come: its own riders get there later. Graver:
-    somebody lies there.
+    A chair comes during the last `next_s` before it passes the line. People count who were in the
+    strip when it began to come; its own riders enter the strip later. Graver: somebody lies there.
 
     Attributes
     ----------
@@ -42,9 +41,9 @@ class Unloading:
     line
         Where people have to be off: a chair whose middle is on its left has passed it.
     strip
-        The part of the floor that has to be free.
+        The part of the floor that has to be clear.
     next_s
-        So near is the next chair [s].
+        How long before it passes the line a chair comes [s].
     """
 
     volume: Moving
@@ -73,7 +72,7 @@ class Unloading:
         return sorted(key for key in will if passed.get(key, 0.0) <= 0.0)
 
     def _passed_m(self, chairs: Boxes, t_s: float) -> dict[str, float]:
-        """Return how far the middle of each chair is behind the line [m]."""
+        """Return how far beyond the line the middle of each chair is [m]; negative before it."""
         middles_m = chairs.middles_m(t_s)
         if not middles_m:
             return {}
@@ -114,7 +113,7 @@ class Unloading:
         measures = {"past_line_m": max(passed_m.values())}
         return {
             int(scene.people.id[scene.seen[n]]): Finding(
-                float(inside[n].max()), measures, joints=joints_inside(inside[n])
+                float(inside[n].max()), measures, joints=joints_in(inside[n] >= LIKELY)
             )
             for n in np.flatnonzero((inside > LEAST).any(axis=1))
         }

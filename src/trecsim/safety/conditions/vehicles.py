@@ -8,12 +8,11 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.safety.ahead import Ahead, Expected
-from trecsim.safety.conditions.base import LEAST, Judged
+from trecsim.safety.conditions.base import LEAST, Judged, joints_in
 from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Prism
 from trecsim.safety.rule_scene import Scene
 from trecsim.safety.volumes import Moving
-from trecsim.skeleton import COCO17
 
 
 def inside_boxes(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen joint"]:
@@ -29,11 +28,6 @@ def inside_boxes(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen 
         found[counts] = box.probability(xyz_m, cov_m2)
         inside[near] = np.maximum(inside[near], found)
     return inside
-
-
-def joints_inside(inside: Float64[np.ndarray, " joint"]) -> tuple[str, ...]:
-    """Return the names of the joints that are more likely inside than not."""
-    return tuple(COCO17.joints[j] for j in np.flatnonzero(inside >= LIKELY))
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +56,7 @@ class NearVolume:
         findings = {}
         for n in np.flatnonzero((near > LEAST).any(axis=1)):
             grave = float(hit[n].max())
-            joints = joints_inside(hit[n] if grave >= LIKELY else near[n])
+            joints = joints_in((hit[n] if grave >= LIKELY else near[n]) >= LIKELY)
             found = Finding(float(near[n].max()), {}, graver=grave, joints=joints)
             findings[int(scene.people.id[scene.seen[n]])] = found
         return Judged(findings)
@@ -99,6 +93,6 @@ class OnVolume:
         inside = inside_boxes(scene, volume.boxes(scene.t_s, after_s=self.after_s))
         findings = {}
         for n in np.flatnonzero((inside > LEAST).any(axis=1)):
-            found = Finding(float(inside[n].max()), {}, joints=joints_inside(inside[n]))
+            found = Finding(float(inside[n].max()), {}, joints=joints_in(inside[n] >= LIKELY))
             findings[int(scene.people.id[scene.seen[n]])] = found
         return Judged(findings)
