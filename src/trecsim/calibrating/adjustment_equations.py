@@ -5,7 +5,19 @@ from jaxtyping import Float64, Int64
 
 
 class Equations:
-    """Linearised equations: those of cameras and boards, and those of each placement."""
+    """Normal equations of cameras and boards, and of each placement.
+
+    Attributes
+    ----------
+    matrix, slope
+        Of the unknowns of cameras and boards: (column, column) and (column,).
+    own, own_slope
+        Of the pose of each placement: (placement, 6, 6) and (placement, 6).
+    mixed
+        Coupling of the two: (placement, column, 6).
+    slope_of
+        The part of `slope` from each placement: (placement, column).
+    """
 
     def __init__(self, unknowns: int, placements: int) -> None:
         self.matrix = np.zeros((unknowns, unknowns))

@@ -24,7 +24,17 @@ CLOSEST = 1e-6  # depth over which points are divided, at the least [m]
 
 
 class Problem:
-    """Corners and choices of one adjustment, and what is computed from them."""
+    """Corners and choices of one adjustment, and what is computed from them.
+
+    Parameters
+    ----------
+    corners
+        Sorted by placement, camera and board.
+    start
+        The state to begin with, and about which priors are centred.
+    freedom
+        What is estimated.
+    """
 
     def __init__(self, corners: Corners, start: State, freedom: Freedom) -> None:
         self.corners = corners
@@ -151,7 +161,11 @@ class Problem:
         Float64[np.ndarray, "corner 2 6"],
         Float64[np.ndarray, "corner 2 6"],
     ]:
-        """Return the residuals, and the derivatives of the prediction."""
+        """Return the residuals [px], and the derivatives of the prediction.
+
+        The derivatives are by the unknowns of the camera, by the pose of the board on its assembly,
+        and by the pose of the placement.
+        """
         c = self.corners
         T_board = state.T_assembly_board[c.board]
         T_placement = state.T_world_placement[c.placement]

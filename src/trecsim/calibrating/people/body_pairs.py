@@ -1,7 +1,7 @@
-"""Cameras related by the bodies that both see: for recordings in which nobody walks far.
+"""Relative poses of cameras from the bodies that both see, where nobody walks far.
 
-Where tracks on the floor are too short to tell how two cameras stand to each other, the joints of
-one body do: arms and legs move, and each is seen from two sides.
+If tracks on the floor are too short to find how two cameras stand to each other, the joints of one
+body show it: arms and legs move, and two cameras see them from different sides.
 """
 
 from dataclasses import dataclass
@@ -18,6 +18,7 @@ from trecsim.calibrating.people.epipolar import (
     Turns,
     depths,
     epipolar,
+    rays_of,
     sampson,
     trust,
 )
@@ -33,11 +34,12 @@ from trecsim.calibrating.people.tuning import (
     SHOULDER,
     STATURE_M,
 )
+from trecsim.geometry.rigid import inverse
 
 SHOULDERS, HIPS, ANKLES = [5, 6], [11, 12], [15, 16]
-MOMENTS = 16  # of a pair of tracklets
-FEWEST = 60  # key points in common
-OTHER_RAD = 0.45  # relations that differ by more are other ones
+MOMENTS = 16  # at which a pair of tracklets is compared
+FEWEST = 60  # key points that both must show for a comparison
+OTHER_RAD = 0.45  # two relations that differ by more are rivals, not the same one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,15 +51,15 @@ class BodyRelation:
     a, b
         Numbers of the cameras.
     score
-        Key points in common that fit, as if each were seen for its share of a second.
+        Weighted number of key points that fit; a lag lowers it.
     rival
-        Score of the best relation that is clearly another one.
+        Score of the best relation that differs by more than `OTHER_RAD`.
     lag_s
-        What is added to stamps of b to have those of a [s].
+        What is added to time stamps of b to get those of a [s].
     T_b_a
-        The rigid motion from camera a to camera b, lengths by the size of the bodies [m].
+        The rigid motion from camera a to camera b, with the scale of a usual body [m].
     up, ankles_m
-        The vertical, and a point on the plane of the ankles, in camera a.
+        The vertical, and a point at the height of the ankles [m], in the frame of camera a.
     """
 
     a: int
@@ -72,14 +74,22 @@ class BodyRelation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Common:
-    """Two tracklets at the same moments: joints in the planes z = 1, (moment, joint, 2)."""
+    """Two tracklets, sampled at the same moments.
+
+    Attributes
+    ----------
+    tracks
+        The tracklets, of two cameras.
+    one, other
+        Their joints, in the planes z = 1 of the cameras; NaN where unseen.
+    """
 
     tracks: tuple[Tracklet, Tracklet]
     one: Float64[np.ndarray, "moment joint 2"]
     other: Float64[np.ndarray, "moment joint 2"]
 
     def clashes(self, other: "Common") -> bool:
-        """Return whether both cannot be right: one tracklet beside two at the same time."""
+        """Return whether both cannot be right: they give one tracklet two partners at a time."""
         return any(
             self.tracks[k] is other.tracks[k] and _overlap(self.tracks[1 - k], other.tracks[1 - k])
             for k in (0, 1)
@@ -87,13 +97,9 @@ class Common:
 
     @property
     def rays(self) -> tuple[Rays, Rays]:
-        """The joints that both show."""
+        """The rays of the joints that both show."""
         both = np.isfinite(self.one + self.other).all(axis=-1)
-        first, second = (
-            np.concatenate((z[both], np.ones((int(both.sum()), 1))), axis=1)
-            for z in (self.one, self.other)
-        )
-        return first, second
+        return rays_of(self.one[both]), rays_of(self.other[both])
 
 
 def relate_by_bodies(
@@ -101,7 +107,7 @@ def relate_by_bodies(
 ) -> BodyRelation | None:
     """Return how two cameras stand to each other by the bodies that both see; None if unknown.
 
-    Stamps are believed unless another lag explains clearly more.
+    A lag other than 0 is taken only if it explains clearly more.
     """
     tried: list[tuple[float, float, Epipolar, Common]] = []
     for lag_s in BODY_LAGS_S:
@@ -148,9 +154,9 @@ def in_common(
 
 
 def refined(guess: Epipolar, pairs: list[Common]) -> tuple[Epipolar, float]:
-    """Return the geometry fitted to all pairs of tracklets that are one person each, and its score.
+    """Return the geometry, fitted again to all pairs that are one person each, and its score.
 
-    The score counts the key points that fit.
+    The score is the weighted number of key points that fit.
     """
     own, score = supporting(guess, pairs)
     if len(own) < 2:
@@ -163,9 +169,9 @@ def refined(guess: Epipolar, pairs: list[Common]) -> tuple[Epipolar, float]:
 
 
 def supporting(guess: Epipolar, pairs: list[Common]) -> tuple[list[Common], float]:
-    """Return the pairs of tracklets most of whose key points fit, and how many of these do.
+    """Return the pairs of tracklets that fit, the best first, and their weighted key points.
 
-    The best come first; nobody is two people at a time.
+    A tracklet is in no two of them at the same time.
     """
     fits = []
     for pair in pairs:
@@ -186,7 +192,7 @@ def _overlap(one: Tracklet, other: Tracklet) -> bool:
 
 
 def sides(pair: Common) -> tuple[Turns, Shifts]:
-    """Return first guesses: the second camera looks at the body from any side."""
+    """Return first guesses, one for each side from which the second camera may see the body."""
     (A, near), (B, far) = _facing(pair.one), _facing(pair.other)
     angle = 2.0 * np.pi * (np.arange(SIDES) + 0.5) / SIDES
     around = np.zeros((SIDES, 3, 3))
@@ -202,7 +208,10 @@ def sides(pair: Common) -> tuple[Turns, Shifts]:
 def _facing(
     z: Float64[np.ndarray, "moment joint 2"],
 ) -> tuple[Float64[np.ndarray, "3 3"], float]:
-    """Return body to camera, the body's x towards the camera and z up, and the distance."""
+    """Return the rotation from body to camera, and the distance in lengths of the trunk.
+
+    The body's x points to the camera, its z from hips to shoulders.
+    """
     with np.errstate(all="ignore"):
         top, low = (_middle(z, pair) for pair in (SHOULDERS, HIPS))
         known = np.isfinite(top + low).all(axis=1)
@@ -229,9 +238,9 @@ def _middle(z: Float64[np.ndarray, "moment joint n"], pair: list[int]) -> np.nda
 def in_metres(
     guess: Epipolar, pair: Common
 ) -> tuple[Float64[np.ndarray, "4 4"], Float64[np.ndarray, " 3"], Float64[np.ndarray, " 3"]]:
-    """Return the motion with lengths as the body has them, and vertical and ankles in camera a."""
-    rays = _padded(pair.one).reshape(-1, 3)
-    near, _ = depths(rays, _padded(pair.other).reshape(-1, 3), guess.R[None], guess.t[None])
+    """Return the motion with the scale of a usual body, and vertical and ankles in camera a [m]."""
+    rays = rays_of(pair.one).reshape(-1, 3)
+    near, _ = depths(rays, rays_of(pair.other).reshape(-1, 3), guess.R[None], guess.t[None])
     xyz = (rays * near[0][:, None]).reshape(-1, JOINTS, 3)
     shoulders, hips, ankles = (_middle(xyz, part) for part in (SHOULDERS, HIPS, ANKLES))
     sizes = [
@@ -248,11 +257,8 @@ def in_metres(
     return T, up, factor * np.nanmedian(low, axis=0)
 
 
-def _padded(z: Float64[np.ndarray, "moment joint 2"]) -> Float64[np.ndarray, "moment joint 3"]:
-    return np.concatenate((z, np.ones((*z.shape[:2], 1))), axis=-1)
-
-
 def _apart(one: Epipolar, other: Epipolar) -> float:
+    """Return the angle between two rotations or baselines, whichever is larger [rad]."""
     cosine = (np.trace(one.R @ other.R.T) - 1.0) / 2.0
     turn = float(np.arccos(np.clip(cosine, -1.0, 1.0)))
     return max(turn, float(np.arccos(np.clip(one.t @ other.t, -1.0, 1.0))))
@@ -260,10 +266,8 @@ def _apart(one: Epipolar, other: Epipolar) -> float:
 
 def reversed_relation(one: BodyRelation) -> BodyRelation:
     """Return the relation the other way round."""
-    T = np.eye(4)
-    T[:3, :3] = one.T_b_a[:3, :3].T
-    T[:3, 3] = -T[:3, :3] @ one.T_b_a[:3, 3]
     R, t = one.T_b_a[:3, :3], one.T_b_a[:3, 3]
     return BodyRelation(
-        one.b, one.a, one.score, one.rival, -one.lag_s, T, R @ one.up, R @ one.ankles_m + t
-    )
+        one.b, one.a, one.score, one.rival, -one.lag_s, inverse(one.T_b_a), R @ one.up,
+        R @ one.ankles_m + t,
+    )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The first rig by bodies alone: cameras joined one after the other by what both see of people."""
+"""The first rig from bodies alone: a spanning tree over the relations of pairs of cameras."""
 
 from itertools import combinations
 
@@ -17,7 +17,7 @@ from trecsim.calibrating.people.tracklets import Tracklet
 def start_by_bodies(
     records: tuple[CameraRecord, ...], per_camera: list[list[Tracklet]]
 ) -> tuple[tuple[BodyRelation, ...], RigState]:
-    """Return how cameras are related by bodies, and the rig; cameras not reached are not found."""
+    """Return the relations by bodies, and the rig; cameras without a relation are not found."""
     relations = tuple(
         found
         for a, b in combinations(range(len(records)), 2)

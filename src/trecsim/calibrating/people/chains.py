@@ -19,8 +19,8 @@ from trecsim.calibrating.people.tuning import (
 )
 from trecsim.geometry.rigid import inverse
 
-LARGEST = 1.8  # over the usual size, and as much below it: what two cameras place as one person
-UNEQUAL = 0.35  # of the logarithm of the size: rays that meet by chance place bodies of any size
+LARGEST = 1.8  # bodies larger than the usual one by this factor, or smaller, are no single person
+UNEQUAL = 0.35  # standard deviation of the logarithm of a body's size; chance matches have any size
 OVERLAPPING_S = 0.15  # tracklets of one camera may have so much in common and be one person
 
 
@@ -35,7 +35,7 @@ class Candidate:
     apart_m, common_s
         How far apart they are [m], over how much time in common [s].
     unequal
-        Logarithm of the size of the body that both place together, over the usual one.
+        Logarithm of the ratio of the body that both triangulate to the usual size.
     """
 
     first: int
@@ -63,9 +63,9 @@ def chains(
     records, state
         What the cameras saw, and how they stand.
     by_rays
-        Whether viewing rays of all joints must meet, and place a body of usual size.
+        Whether viewing rays of all joints must meet, in a body of usual size.
     by_floor
-        Whether places on the floor must agree; not where the floor is hardly known.
+        Whether positions on the floor must agree; False if the floor is hardly known.
     looser
         By how much the limits grow, for a rig that may be wrong.
     """
@@ -91,7 +91,7 @@ def chains(
 
 
 def _doubt(one: Candidate, scale_m: float) -> float:
-    """Return by how much two tracklets are unlike one person; the least first."""
+    """Return a cost of taking two tracklets for one person."""
     return (
         one.apart_m / scale_m
         + 0.5 / float(np.sqrt(one.common_s))
@@ -122,10 +122,10 @@ def apart_on_floor(one: Places, other: Places) -> tuple[float, float]:
 def _rays_apart(
     a: Tracklet, b: Tracklet, records: tuple[CameraRecord, ...], state: RigState
 ) -> tuple[float, float]:
-    """Return how far the joints' viewing rays pass each other [m], and how unusual the body is.
+    """Return the distance of the joints' viewing rays [m], and the logarithm of the body's size.
 
-    The first is the median over time of the median over the joints; the second the logarithm of
-    the body's size over the usual one.
+    The distance is the median over time of the median over the joints; the size is relative to the
+    usual one.
     """
     t_a, t_b = state.time_s(a.camera, a.t_s), state.time_s(b.camera, b.t_s)
     at = np.searchsorted(t_b, t_a)

@@ -1,8 +1,8 @@
-"""How two cameras stand to each other, by joints that both show: robust epipolar geometry.
+"""Robust epipolar geometry of two cameras, from the joints that both see.
 
-A pair of cameras that see the same body has five unknowns, its rotation and the direction of its
-baseline. Bodies are upright and cameras roughly so: what is unknown at first is from which side
-the second camera looks, so all sides are tried at once.
+A pair of cameras that see the same body has five unknowns: its rotation and the direction of its
+baseline. Bodies are upright and cameras roughly so. From which side the second camera looks is
+unknown at first, so `SIDES` directions around the body are tried at once.
 """
 
 from dataclasses import dataclass
@@ -11,25 +11,29 @@ import numpy as np
 from jaxtyping import Float64
 
 Turns = Float64[np.ndarray, "trial 3 3"]
+"""Rotations from the first camera to the second, one for each guess."""
 Shifts = Float64[np.ndarray, "trial 3"]
+"""Translations from the first camera to the second, of length 1."""
 Rays = Float64[np.ndarray, "point 3"]
+"""Viewing rays, with z = 1."""
 
 SIDES = 16  # first guesses, around the body
+# Scale of the robust weights at each Gauss-Newton step: wide at first, as guesses are far off.
 STAGES = (0.06, 0.06, 0.03, 0.03, 0.02, 0.02, 0.014, 0.014, 0.01, 0.01, 0.01, 0.01)
 NOISE = STAGES[-1]  # error of a key point over its distance: 3 to 5 cm at 4 m, bias included
-LITTLE = 1e-6
+LITTLE = 1e-6  # step of the numerical derivatives; information that keeps equations solvable
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Epipolar:
-    """How a second camera stands to a first one.
+    """The pose of a second camera relative to a first one, up to scale.
 
     Attributes
     ----------
     R, t
-        Points of the first camera to those of the second; the length of `t` is unknown, and 1.
+        Take points of the first camera to those of the second; the length of `t`, unknown, is 1.
     support
-        By how many key points, each by how well it fits.
+        Number of key points that fit, each counted with its weight.
     turn_sd_rad
         Standard deviation of the rotation [rad].
     """
@@ -41,12 +45,12 @@ class Epipolar:
 
 
 def epipolar(p: Rays, q: Rays, R: Turns, t: Shifts) -> Epipolar | None:
-    """Return the epipolar geometry that the most key points fit; None if nothing converges.
+    """Return the epipolar geometry that the most key points fit; None if no guess converges.
 
     Parameters
     ----------
     p, q
-        The same joints in both cameras, in their planes z = 1.
+        Rays of the same joints in both cameras.
     R, t
         First guesses.
     """
@@ -74,7 +78,7 @@ def trust(off: Float64[np.ndarray, "*n"], noise: float = NOISE) -> Float64[np.nd
 
 
 def sampson(p: Rays, q: Rays, R: Turns, t: Shifts) -> Float64[np.ndarray, "trial point"]:
-    """Return by how much each pair of rays fails to meet, as a distance in the planes z = 1."""
+    """Return the signed Sampson distance of each pair of rays, in the planes z = 1."""
     E = np.cross(t[:, None, :], np.swapaxes(R, 1, 2)).swapaxes(1, 2)
     by_p, by_q = p @ E.swapaxes(1, 2), q @ E
     length2 = (by_p[..., :2] ** 2).sum(axis=-1) + (by_q[..., :2] ** 2).sum(axis=-1)
@@ -85,7 +89,7 @@ def sampson(p: Rays, q: Rays, R: Turns, t: Shifts) -> Float64[np.ndarray, "trial
 def in_front(
     p: Rays, q: Rays, R: Turns, t: Shifts, weight: Float64[np.ndarray, "trial point"]
 ) -> Float64[np.ndarray, " trial"]:
-    """Return which share of the fitting key points lies in front of both cameras."""
+    """Return the weighted share of key points that lie in front of both cameras."""
     near, far = depths(p, q, R, t)
     there = (near > 0.0) & (far > 0.0)
     share: Float64[np.ndarray, " trial"] = (weight * there).sum(axis=1) / weight.sum(axis=1)
@@ -101,6 +105,11 @@ def depths(
     at, qt = (a * t[:, None]).sum(-1), (q * t[:, None]).sum(-1)
     det = aa * qq - aq * aq + 1e-12
     return (aq * qt - qq * at) / det, (aa * qt - aq * at) / det
+
+
+def rays_of(z: Float64[np.ndarray, "*place 2"]) -> Float64[np.ndarray, "*place 3"]:
+    """Return the rays through places in the plane z = 1."""
+    return np.concatenate((z, np.ones((*z.shape[:-1], 1))), axis=-1)
 
 
 def _linearised(

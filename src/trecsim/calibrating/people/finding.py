@@ -51,8 +51,8 @@ class Found:
     levels
         Vertical and height of each camera; None where it saw too little.
     relations
-        Pairs of cameras whose floor tracks agree; where those tell nothing, pairs that see the
-        same bodies.
+        Pairs of cameras whose floor tracks agree; if there are none, pairs that see the same
+        bodies.
     seen
         What was adjusted.
     rig
@@ -75,8 +75,8 @@ def start(
 ) -> tuple[list[Tracklet], tuple[Level | None, ...], Relations, RigState]:
     """Return tracklets, levels, relations, and the rig before the adjustment.
 
-    Tracks on the floor tell lags of many seconds, and who is who among many. Where nobody walks
-    far enough for that, the bodies themselves relate cameras whose clocks are nearly in step.
+    Tracks on the floor give lags of many seconds, and match many people. If nobody walks far
+    enough for that, bodies relate the cameras, provided that the clocks nearly agree.
     """
     per_camera = [tracklets(record, c) for c, record in enumerate(records)]
     levels = tuple(level(record, own) for record, own in zip(records, per_camera, strict=True))

@@ -80,7 +80,7 @@ def observations(
 def spacing(
     tracks: list[Tracklet], chain: Int64[np.ndarray, " tracklet"], state: RigState
 ) -> float:
-    """Return how far apart moments are taken [s]: of long ones fewer."""
+    """Return the spacing of the moments that are used [s]: wider for long recordings."""
     total_s = 0.0
     for person in range(int(chain.max(initial=-1)) + 1):
         own = [tracks[k] for k in np.flatnonzero(chain == person)]

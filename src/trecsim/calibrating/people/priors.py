@@ -55,7 +55,7 @@ class Priors:
     clock_sd
         Standard deviations of offset [s] and drift.
     upright
-        The vertical, where joints that keep their height need not tell it.
+        The vertical, where the heights of joints do not determine it.
     """
 
     root: int
@@ -194,7 +194,7 @@ class Priors:
         return np.array([one.metres - length]), np.array([one.sd_m]), J
 
     def _stood(self, now: Unknowns, known: Upright) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Keep the vertical."""
+        """Return residual, standard deviation and derivatives of the vertical."""
         at, up = self.root * self.own, now.T[self.root, :3, 2]
         J = np.zeros((3, len(now.T) * self.own))
         J[:, at : at + 3] = -np.cross(np.eye(3), up)  # a turn w moves the vertical by w x up

@@ -62,15 +62,15 @@ LEAST_MATCHED_S = 2.0
 
 # Pairs of cameras related by bodies, where tracks on the floor are too short.
 BODY_OVERLAP_S = 0.6
-"""Two tracklets that have less time in common are not compared [s]."""
+"""Least time that two tracklets must have in common to be compared [s]."""
 BODY_LAGS_S = (0.0, -0.15, 0.15, -0.3, 0.3)
-"""Clocks may differ by no more than about this [s]: short recordings come from cameras in step."""
+"""Lags that are tried [s]: a short recording is used only if the clocks nearly agree."""
 BODY_FITS = 0.45
-"""Mean weight from which on the key points of two tracklets are those of one person."""
+"""Least mean weight of the key points of two tracklets to be of one person."""
 BODY_TURN_SD_DEG = 12.0
-"""A relation whose rotation is less sure is none: a body that keeps still and is far away."""
+"""Largest standard deviation of a relation's rotation; still or distant bodies exceed it."""
 BODY_TILT_RAD = 0.1
-"""Standard deviation of the vertical that a body shows, who may lean [rad]."""
+"""Standard deviation of the vertical that a body shows: people may lean [rad]."""
 
 # Association.
 CHAIN_FLOOR_M = 0.6
@@ -84,7 +84,7 @@ CHAIN_OVERLAP_S = 0.6
 SAMPLE_S = 0.3
 """Spacing of the moments that are adjusted [s]."""
 FEWEST_SAMPLES = 40
-"""Of fewer moments of people, the spacing shrinks, to `REFIT_SAMPLE_S` at least."""
+"""If there would be fewer moments, the spacing shrinks, down to `REFIT_SAMPLE_S`."""
 MOST_SAMPLES = 700
 """Of more moments of people, the spacing grows; time is thinned, never the joints."""
 WINDOW_S = 0.12

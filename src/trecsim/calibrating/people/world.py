@@ -105,7 +105,7 @@ def in_the_room(state: RigState, found: Bodies, scale: float, floor: float) -> R
 
 
 def lowered(state: RigState, floor_m: float) -> RigState:
-    """Return the rig in a frame whose z = 0 is what was at a height before [m]."""
+    """Return the rig in a frame whose z = 0 is at the height `floor_m` of the present one [m]."""
     changed = state.copy()
     changed.T[:, :3, 3] += floor_m * state.T[:, :3, 2]
     return changed
