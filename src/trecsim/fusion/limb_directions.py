@@ -1,4 +1,4 @@
-"""Which directions limbs take: a knee bends backwards, an elbow forwards."""
+"""The distribution of the directions of limbs: a knee bends backwards, an elbow forwards."""
 
 from typing import NamedTuple
 

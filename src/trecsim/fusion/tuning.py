@@ -136,9 +136,10 @@ GROUND_MEASURE_M2: Final = 0.03**2
 GROUND_MEASURE_S: Final = 0.5
 SLOPE_M2PS: Final = 0.02**2
 STAIRS_M2PS: Final = 0.15**2
-# Where one camera sees the end of a limb, it may be before or behind the other end. Which place is
-# likelier is averaged over this time [s]; from this log likelihood ratio on (3 to 1, as where it is
-# now is the likelier one before postures are looked at) it is moved. Nearer places are one [m].
+# The end of a limb that one camera alone sees may be before or behind the other end. The log
+# likelihood ratio of the two places is averaged over this time [s]; the joint is moved when it is
+# above this (odds of 3 to 1, since the present place is likelier a priori). Places that are closer
+# together count as one [m].
 PLACE_S: Final = 0.1
 PLACE_SURE: Final = 1.0
 PLACES_APART_M: Final = 0.2

@@ -1,4 +1,4 @@
-"""Which of two places a limb's end is in: one camera's ray meets the limb's sphere twice."""
+"""The two places of a limb's end that one camera alone sees: its ray meets the sphere twice."""
 
 import math
 from typing import NamedTuple
@@ -71,9 +71,9 @@ def choose_places(cameras, postures, contact_height_m, tracks, level, sights, no
     The ray of the camera meets the sphere of the limb's length about its near end before and behind
     that end. The image is the same. Where the limb points, relative to the trunk and to the limb
     above, follows a von Mises-Fisher distribution whose mean depends on the limb above: knees and
-    elbows bend one way. And nobody is below the ground. The log likelihood ratio is averaged over
-    `PLACE_S`, as single moments are no independent evidence; beyond `PLACE_SURE` the joint is
-    moved, and its trajectory as that implies.
+    elbows bend one way. A place below the ground is less likely. The log likelihood ratio is
+    averaged over `PLACE_S`, since errors of consecutive frame sets are correlated; above
+    `PLACE_SURE` the joint is moved, and its trajectory with it.
     """
     if postures.trunk.shape[0] == 0:
         return
@@ -111,9 +111,9 @@ def choose_places(cameras, postures, contact_height_m, tracks, level, sights, no
 
 @inner
 def other_place_of(x, postures, i, origin_m, shift_m):
-    """Write how far the end of limb `i` is from its other place to `shift_m` (3,); return how far.
+    """Write the way to the other place of limb `i`'s end to `shift_m` (3,); return its length.
 
-    `x` are a person's joints, (joint, 3), `origin_m` is the camera's place, (3,).
+    `x` are a person's joints, (joint, 3), `origin_m` is the camera's place, (3,), both in [m].
     """
     far, near, _ = postures.joints[i]
     length_m = along_m = 0.0
@@ -151,7 +151,11 @@ def body_axes(x, postures, i, axes):
 
 @inner
 def log_ratio(x, postures, i, axes, shift_m):
-    """Return the log likelihood ratio of the other place of a limb's end to the one it is in."""
+    """Return the log likelihood ratio of the other place of limb `i`'s end to the present one.
+
+    `x` are a person's joints, (joint, 3) [m], `axes` those of `body_axes`, `shift_m` is the way to
+    the other place, (3,) [m].
+    """
     far, near, before = postures.joints[i]
     upper_m = length_m = other_m = 0.0
     for p in range(3):
@@ -177,7 +181,10 @@ def log_ratio(x, postures, i, axes, shift_m):
 
 @inner
 def below_ground(height_m, var):
-    """Return the log likelihood of a joint's height above where the body rests on the ground."""
+    """Return the log likelihood of a height [m] above where the joint rests on the ground.
+
+    `var` is the variance of the ground's height [m^2].
+    """
     depth_m = min(height_m, 0.0)
     return -0.5 * depth_m * depth_m / (var + GROUND_MEASURE_M2)
 
