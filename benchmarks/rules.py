@@ -176,7 +176,7 @@ def _judged(
     made = simulate(scene, seed)
     messages = "".join(feeds.values())
     engine = RuleEvents(
-        judging.rules_of_site(site), signals=judging.signals_in(messages, "tickets")
+        judging.rules_of_site(site), signals=judging.signals_in(messages, gate_room.FEED_NAME)
     )
     events = [event for one in judging.tracked(made, overrides) for event in engine.step(one)]
     told = [one for one in episodes_of(events) if not one.is_warning]

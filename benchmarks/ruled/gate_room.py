@@ -6,7 +6,7 @@ bed, which is nothing, and one falls beside it or onto it.
 """
 
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, cast
 
 import numpy as np
 
@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
 SECONDS, FPS = 40.0, 20.0
 ROOM_M = (10.0, 8.0, 3.0)  # width, depth, height of the cameras
-FEED = "tickets.jsonl"
+FEED_NAME, FEED = "tickets", "tickets.jsonl"
+"""The feed of the ticket reader in the site file, and its file."""
 GATE_S, CHAIR_S = 5.5, 8.0
 """From one who passes to the next, and from chair to chair [s]."""
 _CHAIR_START_S, _CHAIR_MPS = 1.0, 1.2
@@ -33,7 +34,7 @@ points_m = [[0.0, 0.9], [0.0, -0.9]]
 points_m = [[0.2, -1.6], [0.2, -3.4]]
 [exclusions.bed]
 polygon_m = [[0.8, 1.6], [4.4, 1.6], [4.4, 3.6], [0.8, 3.6]]
-[feeds.tickets]
+[feeds.{FEED_NAME}]
 file = "{FEED}"
 silent_s = 12.0
 [volumes.chair]
@@ -143,7 +144,9 @@ def at_the_bed(rng: np.random.Generator) -> "list[Visit]":
 
     lies = [Walk(((2.6, 2.6),), 0.9), Lie(_u(rng, 13.0, 16.0), "back"), Walk(((4.8, 2.6),), 0.9)]
     beside = (_u(rng, -3.2, -1.6), _u(rng, 2.2, 2.8))
-    falls = Fall(_u(rng, 3.0, 6.0), str(rng.choice(("left", "right"))), _u(rng, 0.7, 1.1))  # type: ignore[arg-type]
+    lies_s = _u(rng, 3.0, 6.0)
+    side = cast('Literal["left", "right"]', str(rng.choice(("left", "right"))))
+    falls = Fall(lies_s, side, _u(rng, 0.7, 1.1))
     fell = _visit((-4.6, 2.0), [Walk((beside,), 1.0), falls, Walk(((-4.6, 2.0),), 0.9)], 3.0)
     return [_visit((4.8, 2.6), lies, 1.0), fell]
 

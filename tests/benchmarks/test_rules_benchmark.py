@@ -57,7 +57,7 @@ def test_at_the_gate_nobody_walks_through_anybody_and_the_rules_tell_all_that_is
     apart_m = np.linalg.norm(hips_m[:, None] - hips_m[None], axis=-1)
     apart_m[np.arange(len(hips_m)), np.arange(len(hips_m))] = np.nan
     assert np.nanmin(apart_m) > 0.45
-    signals = judging.signals_in(room.messages, "tickets")
+    signals = judging.signals_in(room.messages, gate_room.FEED_NAME)
     engine = RuleEvents(judging.rules_of_site(gate_room.SITE), signals=signals)
     told = [event for one in moments(list(xyz_m), t_s) for event in engine.step(one)]
     true = truth_events(gate_room.SITE, t_s, xyz_m, {gate_room.FEED: room.messages})

@@ -115,9 +115,9 @@ def test_videos_are_looked_at_though_the_rig_cannot_be_read(site: Path) -> None:
 
 
 @pytest.mark.parametrize("key", ["notify", "alerts"])
-def test_what_is_to_come_is_not_taken_for_a_slip(site: Path, key: str) -> None:
+def test_keys_for_alerts_of_other_programs_lead_to_outputs(site: Path, key: str) -> None:
     told = faults_of(site, "[sources.cam1]", f"[{key}.x]\n[sources.cam1]")
-    assert "not in this version of trecsim" in told
+    assert "events are sent by [[outputs]]" in told
     assert "did you mean" not in told
 
 

@@ -24,10 +24,10 @@ def share_arenas() -> bool:
 
 
 def give_back() -> bool:
-    """Give pages that are free inside the arenas back to the system; return whether it can be done.
+    """Return free pages inside the arenas to the system; return whether this can be done.
 
-    By itself the C library gives back only what is free at an arena's end: a single value that
-    lives there keeps the most that was ever in use.
+    By itself the C library returns only what is free at the end of an arena: one value in use there
+    keeps all before it.
     """
     if sys.platform != "linux":
         return False
@@ -36,7 +36,7 @@ def give_back() -> bool:
 
 
 def give_back_often(every_s: float = _EVERY_S) -> None:
-    """Do so from now on, in a thread of its own, once a minute [s]."""
+    """Do so now, and then every `every_s` seconds, in a thread of its own."""
     if give_back():
         Thread(target=_giving_back, args=(every_s,), name="free memory", daemon=True).start()
 

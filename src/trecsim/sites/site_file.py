@@ -193,13 +193,15 @@ PosesPlace = Annotated[
     PosesTable, BeforeValidator(_file_table, json_schema_input_type=str | PosesTable)
 ]
 
-LATER = "not in this version of trecsim"
 NOT_YET = {
     **dict.fromkeys(
         ("reconnect_s", "reconnect"),
         "a lost camera is tried again by itself, after 0.5 s and then at longer intervals",
     ),
-    **dict.fromkeys(("alerts", "notify"), f"alerts are {LATER}"),
+    **dict.fromkeys(
+        ("alerts", "notify"),
+        "events are sent by [[outputs]], to a file, an MQTT broker, a web service or by mail",
+    ),
 }
 
 

@@ -21,7 +21,7 @@ KINDS = re.compile(r"[<>=|]?(f[248]|[iu][1248])")
 """Numbers that arrays may hold."""
 MOST_DIMENSIONS = 4
 LONGEST = 2**16
-"""Of the sides of an array."""
+"""Largest side of an array."""
 
 
 class UnexpectedPickleError(Exception):
@@ -46,6 +46,8 @@ class _Name:
 
 @dataclass(slots=True, eq=False)
 class _Machine:
+    """The stack, the marks in it (how many values are below each), and the memo of a pickle."""
+
     stack: list[Any] = field(default_factory=list)
     marks: list[int] = field(default_factory=list)
     memo: dict[int, Any] = field(default_factory=dict)
