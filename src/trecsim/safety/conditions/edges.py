@@ -25,7 +25,7 @@ class AtEdge:
     edge
         The edge.
     distance_m
-        So near is near [m].
+        Distance that counts as near [m].
     depth_m
         Joints that are farther beyond the edge are on the other side of the drop [m].
     """

@@ -39,7 +39,7 @@ class NearVolume:
     volume
         The volume.
     distance_m
-        So near is near [m].
+        Distance that counts as near [m].
     """
 
     volume: Moving
