@@ -21,7 +21,7 @@ from trecsim.safety.modes import Mode, Overrides, rules_off
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
 from trecsim.safety.signals import Feed, SignalSource, recorded
-from trecsim.sites.feed_files import signals_of
+from trecsim.sites.feed_files import name_remarks, signals_of
 from trecsim.sites.mode_tables import modes_of
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
@@ -229,9 +229,13 @@ def assess(
     moments = every_moment(tracks)
     first = list(islice(moments, 1))
     start_s = _start_s(start, read.timezone, first)
-    signals = recorded(signals_of(read.feeds, tracks))
-    events = RuleEvents(rule_set(read.name, read, rig, start_s), signals=signals)
-    remarks = [*rule_remarks(read.rules), *_schedule_remarks(read, first, start_s)]
+    signals = signals_of(read.feeds, tracks)
+    events = RuleEvents(rule_set(read.name, read, rig, start_s), signals=recorded(signals))
+    remarks = [
+        *rule_remarks(read.rules),
+        *name_remarks(signals, read.lines, read.volumes),
+        *_schedule_remarks(read, first, start_s),
+    ]
     if not read.rules:
         remarks.append(f"{site}: there are no [[rules]], so there are no events")
     tally = _Tally(progress)

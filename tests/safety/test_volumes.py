@@ -1,6 +1,7 @@
 """Moving volumes: where they are when, who is hit by them, and who is warned of them."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from made_paths import bodies_on, events_of, line, moments, site_with, times, told
 from trecsim.assessing import RuleEvents, rule_set
-from trecsim.safety.signals import Signal, recorded
+from trecsim.safety.signals import Feed, Signal, Signals, recorded
 from trecsim.safety.volumes import Volume
 from trecsim.sites.recorded_site import RecordedSite
 from trecsim.toml_models import parsed
@@ -100,6 +101,10 @@ def test_who_is_still_on_the_chair_behind_the_place_to_leave_is_told() -> None:
         ("path_m = [[0, 0], [1, 0]]\n", "expected a time for each of the 2 points"),
         ("path_m = [[0, 0], [1, 0]]\npath_s = [1, 1]\n", "times that grow"),
         ("path_m = [[0, 0]]\nsize_m = [0, 1, 1]\n", "size_m"),
+        (
+            "path_m = [[0, 0], [1, 0]]\npath_s = [0, 9]\nperiod_s = 1e-9\n",
+            "period_s: expected at most 100 boxes on their way at once, found one each 1e-09 s",
+        ),
     ],
 )
 def test_a_timetable_that_cannot_be_is_told(keys: str, told: str) -> None:
@@ -187,7 +192,22 @@ def test_a_volume_counts_once_it_has_been_told_for_so_long() -> None:
 def test_a_volume_has_either_a_timetable_or_a_feed_that_exists() -> None:
     with pytest.raises(AssertionError, match="expected either feed or a timetable"):
         site_with(FED + "path_m = [[0.0, 0.0]]\n")
+    for key in ("heading_deg = 0.0", "start_s = 5.0", "path_s = [0.0]"):
+        with pytest.raises(AssertionError, match=f"found feed and {key.split()[0]}"):
+            site_with(FED + key + "\n")
     with pytest.raises(AssertionError, match="where it goes, or feed, found neither"):
         site_with("[volumes.told]\nsize_m = [2.0, 1.0, 1.5]\n")
     with pytest.raises(AssertionError, match="there is no feed 'cats'; did you mean 'carts'"):
         site_with(FED.replace('feed = "carts"', 'feed = "cats"'))
+
+
+def test_a_position_from_the_future_is_a_fault_and_does_not_hide_the_next_ones() -> None:
+    rule = ON_TOLD.format("ttc.vehicle", "")
+    stands = walking(line((0.0, 0.0), (0.0, 0.0)))
+    live = [replace(one, taken_s=one.t_s) for one in told_cart(*EVERY)]
+    ahead = replace(live[0], t_s=1e6)
+    _, faults = judged(rule, stands, [ahead, *live[1:]])
+    assert faults == {"feed carts: a position is of 1000000.0 s after it came; check its clock"}
+    signals = Signals([Feed("carts")])
+    signals.take([ahead, live[5]])
+    assert signals.vehicles("carts", "told")["7"].t_s == live[5].t_s

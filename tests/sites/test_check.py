@@ -159,3 +159,13 @@ def test_settings_by_their_earlier_names_are_remarked(site: Path) -> None:
 def test_more_joints_than_a_body_has_are_refused_with_their_line(site: Path) -> None:
     told = faults_of(site, "[sources.cam1]", "[fusion]\nmin_joints = 18\n[sources.cam1]")
     assert "line 6: fusion: min_joints = 18 leaves nobody" in told
+
+
+def test_files_of_feeds_are_looked_at(site: Path) -> None:
+    place = "[lines.left]\npoints_m = [[0.0, 0.0], [1.0, 0.0]]\n"
+    site.write_text(site.read_text() + place + '[feeds.gate]\nfile = "gate.jsonl"\n')
+    assert "gate.jsonl cannot be read: No such file" in check_site(site).remarks[-1]
+    (site.parent / "gate.jsonl").write_text('{"t_s": 1, "grant": "lfet"}\n')
+    assert "feed gate tells of line 'lfet'" in check_site(site).remarks[-1]
+    assert "feeds.gate.file: expected a file with messages" in faults_of(site, "gate.jsonl", ".")
+    assert "found one with a NUL" in faults_of(site, 'file = "."', 'file = "a\\u0000b"')

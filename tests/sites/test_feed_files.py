@@ -9,8 +9,11 @@ import pytest
 from trecsim.errors import InputError
 from trecsim.safety.signals import Signal
 from trecsim.sites.feed_files import (
+    LONGEST_LINE,
+    _bounded,
     kept_signals,
     line_of,
+    name_remarks,
     read_feed,
     recorded_signal,
     signal_of,
@@ -71,6 +74,26 @@ def test_a_message_is_read_and_comes_back_from_a_recording(line: str) -> None:
             '{"t_s": 1, "volume": "a", "xy_m": [1, "b"]}',
             "expected xy_m as a number of at most 10000, found 'b'",
         ),
+        (
+            '{"t_s": 1, "grant": "a\\u001b[31m"}',
+            "expected grant as the name of a place, found 'a\\x1b[31m'",
+        ),
+        (
+            '{"t_s": 1, "volume": "a", "id": "\\ud800", "xy_m": [1, 2]}',
+            "expected id as a number or up to 64 letters, found '\\ud800'",
+        ),
+        (
+            '{"t_s": 1, "volume": "a", "id": "' + "\u00fc" * 1500 + '", "xy_m": [1, 2]}',
+            "expected id as a number or up to 64 letters, found '" + "\u00fc" * 39,
+        ),
+        (
+            '{"t_s": 1, "volume": "a", "xy_m": [1, 2], "gone": "yes"}',
+            "expected gone as true or false, found 'yes'",
+        ),
+        (
+            '{"t_s": 1, "' + "\u200b" * 1300 + '": 1}',
+            "unknown key '" + "\\u200b" * 6 + "\\u2 in a message",
+        ),
         ('{"t_s": 1, "grant": "' + "a" * 5000 + '"}', "a message is longer than 4096 bytes"),
     ],
 )
@@ -110,3 +133,35 @@ def test_what_a_recording_has_kept_counts_in_place_of_the_file(tmp_path: Path) -
     (folder / "signals-0000000003.jsonl").write_text("{}\n", encoding="utf-8")
     with pytest.raises(InputError, match="a kept message of a feed is damaged"):
         kept_signals(folder)
+
+
+def test_a_line_without_end_is_one_wrong_message_and_the_next_ones_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "f.jsonl"
+    path.write_bytes(b'{"t_s": 3}\n' + b"x" * 100_000 + b'\n{"t_s": 4, "grant": "a"}\n')
+    found = read_feed("f", path)
+    assert [(one.t_s, one.what) for one in found] == [
+        (3.0, "alive"), (3.0, "unreadable"), (4.0, "grant"),
+    ]  # fmt: skip
+    with path.open("rb") as file:
+        assert max(map(len, _bounded(file))) <= LONGEST_LINE + 2
+
+
+def test_a_kept_message_that_is_still_being_written_is_left_out(tmp_path: Path) -> None:
+    line = line_of(Signal("f", 1.0, "grant", "a", taken_s=1.0))
+    (tmp_path / "signals-0000000000.jsonl").write_text(f"{line}\n{line[:20]}", encoding="utf-8")
+    assert len(kept_signals(tmp_path)) == 1
+
+
+def test_places_in_messages_that_the_site_file_lacks_are_remarked() -> None:
+    told = [
+        Signal("f", 1.0), Signal("f", 1.0, "grant", "lfet"), Signal("f", 2.0, "closed", "lfet"),
+        Signal("f", 1.0, "grant", "left"), Signal("f", 1.0, "gone", "cart"),
+    ]  # fmt: skip
+    assert list(name_remarks(told, ["left"], [])) == [
+        "feed f tells of line 'lfet', which the site file does not have, and no rule heeds these "
+        "messages; did you mean 'left'?",
+        "feed f tells of volume 'cart', which the site file does not have, and no rule heeds these "
+        "messages; it has no [volumes.NAME]",
+    ]
+    many = [Signal("f", 1.0, "grant", str(n)) for n in range(99)]
+    assert len(list(name_remarks(many, ["left"], []))) == 11

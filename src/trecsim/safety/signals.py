@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
-from trecsim.safety.vehicle import Vehicle
+from trecsim.safety.vehicle import LOST_S, Vehicle
 
 LONGEST_S = 600.0
 """How long grants are kept [s]; `window_s` of a rule may not be longer."""
@@ -180,6 +180,10 @@ class _FeedState:
         grants.append(Grant(number, one.t_s, math.inf, one.people))
 
     def _move(self, one: Signal) -> None:
+        ahead_s = one.t_s - one.taken_s
+        if ahead_s > LOST_S:  # it would hide all later positions
+            self._distrust(one, f"a position is of {ahead_s:.1f} s after it came; check its clock")
+            return
         there = self.vehicles.setdefault(one.about, {})
         if one.what == "gone" or one.xy_m is None:
             there.pop(one.vehicle, None)

@@ -12,7 +12,8 @@ from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.signals import Signals
 from trecsim.safety.vehicle import LOST_S, Vehicle
 
-_MOST = 100  # that are on their way at the same time
+MOST = 100
+"""Boxes that are on their way at the same time."""
 
 
 @runtime_checkable
@@ -132,7 +133,7 @@ class Volume:
                 yield since_s
         elif since_s >= 0.0:
             newest_s = since_s % self.period_s
-            count = min(int((min(since_s, took_s) - newest_s) // self.period_s) + 1, _MOST)
+            count = min(int((min(since_s, took_s) - newest_s) // self.period_s) + 1, MOST)
             yield from (newest_s + n * self.period_s for n in range(max(count, 0)))
 
     def _at_m(self, since_s: float) -> Float64[np.ndarray, " 2"]:

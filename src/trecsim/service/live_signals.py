@@ -115,7 +115,7 @@ class _Tail:
         self._read_to += len(new)
         *lines, rest = (self._rest + new).split(b"\n")
         self._rest = rest[: LONGEST_LINE + 1]  # longer ones are unreadable in any case
-        self._waiting.extend(line for line in lines if line.strip())
+        self._waiting.extend(line[: LONGEST_LINE + 1] for line in lines if line.strip())
 
 
 class KeptSignals:

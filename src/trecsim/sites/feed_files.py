@@ -8,16 +8,17 @@ them it only says that the feed works. A `grant` may have `people`, a `volume` h
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from trecsim.errors import InputError
 from trecsim.safety.signals import Signal
 from trecsim.sites.places import FeedTable
 from trecsim.store.names import SIGNALS
+from trecsim.toml_models.toml_reading import nearest
 
 LONGEST_LINE = 4096
 """A longer line is no message [bytes]."""
@@ -27,9 +28,11 @@ _KEYS: Mapping[str, frozenset[str]] = {
     "closed": frozenset({"t_s", "closed"}),
     "volume": frozenset({"t_s", "volume", "id", "xy_m", "heading_deg", "gone"}),
 }
+_LONGEST_NAME = 64
 _MOST_PEOPLE = 1000
 _FURTHEST_M = 1e4
 _LATEST_S = 1e11
+_MOST_REMARKS = 10
 
 
 class _WrongMessageError(Exception):
@@ -82,7 +85,7 @@ def _signal(feed: str, given: Mapping[str, Any]) -> Signal:
     what = kinds[0] if kinds else "alive"
     unknown = sorted(given.keys() - _KEYS[what])
     if unknown:
-        raise _WrongMessageError(f"unknown key {unknown[0]!r} in a message")
+        raise _WrongMessageError(f"unknown key {unknown[0]!r:.40} in a message")
     t_s = _number(given, "t_s", _LATEST_S)
     if what == "grant":
         return Signal(feed, t_s, "grant", _name(given, what), people=_people(given))
@@ -94,8 +97,11 @@ def _signal(feed: str, given: Mapping[str, Any]) -> Signal:
 
 
 def _vehicle(feed: str, t_s: float, given: Mapping[str, Any]) -> Signal:
-    name, vehicle = _name(given, "volume"), str(given.get("id", ""))
-    if given.get("gone", False) is True:
+    name, vehicle = _name(given, "volume"), _vehicle_name(given.get("id", ""))
+    gone = given.get("gone", False)
+    if not isinstance(gone, bool):
+        raise _WrongMessageError(f"expected gone as true or false, found {gone!r:.40}")
+    if gone:
         return Signal(feed, t_s, "gone", name, vehicle=vehicle)
     xy_m = given.get("xy_m")
     if not isinstance(xy_m, list) or len(xy_m) != 2:
@@ -117,9 +123,20 @@ def _number(given: Mapping[str, Any], key: str, most: float) -> float:
 
 
 def _name(given: Mapping[str, Any], key: str) -> str:
-    if not isinstance(given[key], str):
-        raise _WrongMessageError(f"expected {key} as the name of a place, found {given[key]!r:.40}")
-    return str(given[key])
+    name = given[key]
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME or not name.isprintable():
+        raise _WrongMessageError(f"expected {key} as the name of a place, found {name!r:.40}")
+    return name
+
+
+def _vehicle_name(given: object) -> str:
+    """Return the name of a vehicle: messages and logs quote it, recordings keep it."""
+    name = str(given) if type(given) is int else given
+    if not isinstance(name, str) or len(name) > _LONGEST_NAME or not name.isprintable():
+        raise _WrongMessageError(
+            f"expected id as a number or up to {_LONGEST_NAME} letters, found {given!r:.40}"
+        )
+    return name
 
 
 def _people(given: Mapping[str, Any]) -> int:
@@ -186,7 +203,8 @@ def kept_signals(recording: Path) -> list[Signal]:
         When a file cannot be read.
     """
     kept = sorted(recording.glob(SIGNALS.format("*"))) if recording.is_dir() else []
-    return list(_readable(chain.from_iterable(_lines(path) for path in kept), recording))
+    whole = chain.from_iterable(_lines(path, ended=True) for path in kept)
+    return list(_readable(whole, recording))
 
 
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
@@ -220,10 +238,48 @@ def _readable(lines: Iterable[bytes], folder: Path) -> Iterator[Signal]:
             raise InputError(f"{folder}: a kept message of a feed is damaged: {wrong}") from None
 
 
-def _lines(path: Path) -> Iterator[bytes]:
+def name_remarks(
+    signals: Iterable[Signal], lines: Collection[str], volumes: Collection[str]
+) -> Iterator[str]:
+    """Yield which places messages name that a site file does not have: no rule heeds these.
+
+    Parameters
+    ----------
+    signals
+        The messages.
+    lines, volumes
+        The names in the site file.
+    """
+    known = {"line": lines, "volume": volumes}
+    kinds = {"grant": "line", "closed": "line", "volume": "volume", "gone": "volume"}
+    told = sorted({(one.feed, kinds[one.what], one.about) for one in signals if one.what in kinds})
+    unknown = [one for one in told if one[2] not in known[one[1]]]
+    for feed, kind, name in unknown[:_MOST_REMARKS]:
+        hint = nearest(name, known[kind]) if known[kind] else f"it has no [{kind}s.NAME]"
+        yield (
+            f"feed {feed} tells of {kind} {name!r}, which the site file does not have, and no rule "
+            f"heeds these messages; {hint}"
+        )
+    if len(unknown) > _MOST_REMARKS:
+        yield f"feeds tell of {len(unknown) - _MOST_REMARKS} more places that are not there"
+
+
+def _bounded(file: BinaryIO) -> Iterator[bytes]:
+    """Yield the lines of a file; of one that is too long the beginning, too long as well."""
+    while line := file.readline(LONGEST_LINE + 2):
+        rest = line
+        while len(rest) > LONGEST_LINE + 1 and not rest.endswith(b"\n"):
+            rest = file.readline(LONGEST_LINE + 2)
+        yield line
+
+
+def _lines(path: Path, *, ended: bool = False) -> Iterator[bytes]:
+    """Yield the lines of a file; if they have to be ended, not one that is still being written."""
     try:
         with path.open("rb") as file:
-            yield from (line for line in map(bytes.strip, file) if line)
+            for line in _bounded(file):
+                if line.strip() and (not ended or line.endswith(b"\n")):
+                    yield line.strip()
     except OSError as error:
         raise InputError(
             f"{path}: the messages of a feed cannot be read: {error.strerror}"

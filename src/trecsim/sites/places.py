@@ -1,11 +1,13 @@
 """Tables of a site file for places, and for feeds of messages about them."""
 
 from itertools import combinations, pairwise
+from pathlib import Path
 from typing import Annotated, Self
 from zoneinfo import ZoneInfo
 
 from pydantic import AfterValidator, Field, model_validator
 
+from trecsim.safety.volumes import MOST
 from trecsim.toml_models import FilePath, Table
 
 _FURTHEST_M = 1e4
@@ -63,10 +65,16 @@ class EdgeTable(Table):
         return self
 
 
+def _no_folder(path: Path) -> Path:
+    if path.is_dir():
+        raise ValueError(f"expected a file with messages, found the folder {path}")
+    return path
+
+
 class FeedTable(Table):
     """A feed: messages of another system, such as access control or vehicles."""
 
-    file: FilePath
+    file: Annotated[FilePath, AfterValidator(_no_folder)]
     """File of messages, a line of JSON each; live, those that are appended while the site runs."""
     silent_s: Annotated[float, Field(ge=0.0, le=86400.0)] = 30.0
     """Rules do not rely on the feed after so long without a message [s]; 0: they always do."""
@@ -106,8 +114,8 @@ class VolumeTable(Table):
     @model_validator(mode="after")
     def _has_a_timetable(self) -> Self:
         if self.feed is not None:
-            keys = ("path_m", "period_s", "heading_deg")
-            timetable = [key for key in keys if getattr(self, key)]
+            keys = ("path_m", "path_s", "start_s", "period_s", "heading_deg")
+            timetable = [key for key in keys if key in self.model_fields_set]
             if timetable:
                 raise ValueError(
                     f"expected either feed or a timetable, found feed and {', '.join(timetable)}"
@@ -122,6 +130,11 @@ class VolumeTable(Table):
             )
         if any(after <= before for before, after in pairwise(self.path_s)):
             raise ValueError("path_s: expected times that grow from point to point")
+        if self.period_s is not None and self.path_s[-1] > MOST * self.period_s:
+            raise ValueError(
+                f"period_s: expected at most {MOST} boxes on their way at once, found one each "
+                f"{self.period_s:g} s, each on its way for {self.path_s[-1]:g} s"
+            )
         return self
 
 

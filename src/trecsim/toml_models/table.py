@@ -52,6 +52,8 @@ def beside_the_file(path: Path, info: Any) -> Path:
     info
         Of pydantic; the folder is in the context of validation.
     """
+    if "\0" in str(path):
+        raise ValueError("expected a path, found one with a NUL character")
     folder: Path = (info.context or {}).get("folder", Path())
     return folder / path.expanduser()
 

@@ -210,6 +210,18 @@ def test_without_kept_events_the_rules_are_judged_on_the_recordings(folder: Path
     assert "No events were kept" in made.remarks[0]
 
 
+def test_a_rule_that_could_not_be_judged_is_told_in_the_report(folder: Path) -> None:
+    gate = (
+        '[lines.left]\npoints_m = [[0.0, 0.0], [1.0, 0.0]]\n[feeds.gate]\nfile = "gate.jsonl"\n'
+        '[[rules]]\nid = "tail"\nkind = "access.tailgate"\nline = "left"\nfeed = "gate"\n'
+    )
+    (folder / "site.toml").write_text(TEXT + gate)
+    made = day_report(folder / "site.toml", folder / "recordings", folder / "day.html")
+    said = "Rule tail could not judge some of the time, and told nothing of it: feed gate has sent"
+    assert any(remark.startswith(said) for remark in made.remarks)
+    assert said in (folder / "day.html").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -176,11 +176,17 @@ def _alerts(
             "the recordings. Nobody has acknowledged or closed them."
         )
     told: list[Mapping[str, Any]] = []
+    failed: dict[str, str] = {}
     for recording in held:
         signals = recorded_signals(kept_signals(recording.folder))
         engine = RuleEvents(rule_set(site.name, site, rig), signals=signals)
         for moment in snapshots(recording.folder, *span_s):
             told += engine.step(moment)
+            failed.update(engine.faults)
+    remarks += [
+        f"Rule {rule} could not judge some of the time, and told nothing of it: {why}"
+        for rule, why in sorted(failed.items())
+    ]
     return alerts_of(told)
 
 
