@@ -6,7 +6,8 @@ von Mises-Fisher distribution whose mean depends on the limb above are those tha
 likelier than the others (logistic regression). They are fitted to the clips of DeepMimic, and
 tried on those of Bandai Namco, which come from other people and another laboratory.
 
-Run: ``python benchmarks/posture_fit.py`` prints the table of ``trecsim.fusion.limb_directions``
+Run: ``python benchmarks/posture_fit.py`` prints the weights that it finds, and how good they are
+beside those in use (``trecsim.fusion.limb_directions``)
 """
 
 from collections.abc import Iterable
@@ -16,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from harness.options import shared_data
-from trecsim.fusion import tuning
+from trecsim.fusion import limb_directions, tuning
 from trecsim.skeleton import COCO17
 
 FITTED, TRIED = "dm_*.npz", "bn*.npz"
@@ -97,8 +98,16 @@ def fitted(some: Array) -> Array:
     return weights
 
 
+def in_use(chain: tuple[str, ...]) -> Array:
+    """Return the weights of a limb that the fusion uses, in the order of `features`."""
+    known = limb_directions.postures(COCO17)
+    limb = known.joints[:, 0].tolist().index(COCO17.joints.index(f"left_{chain[-1]}"))
+    both = [known.mean[limb], known.mean_by_upper[limb].ravel()]
+    return np.concatenate(both[: len(chain) - 1])
+
+
 def main() -> None:
-    """Fit each limb, and print its weights and how good they are."""
+    """Fit each limb, and print its weights and how good they are, beside those in use."""
     folder = shared_data("mocap")
     for chain in CHAINS:
         rng = np.random.default_rng(0)
@@ -111,13 +120,15 @@ def main() -> None:
         print(f"{' -> '.join(chain)}: mean {weights[:3].tolist()}")
         if len(weights) > 3:
             print(f"  by the limb above {weights[3:].reshape(3, 3).tolist()}")
-        for name, some in zip(("fitted", "tried on others"), both, strict=True):
-            ratio = some @ weights
-            right, wrong = (ratio > 0).mean(), (ratio < -tuning.PLACE_SURE).mean()
-            print(
-                f"  {name}: {len(some)} places, true one likelier in {100 * right:.1f} %, "
-                f"the other one by more than {tuning.PLACE_SURE:g} in {100 * wrong:.1f} %"
-            )
+        for name, some in zip(("on the clips of the fit", "on others"), both, strict=True):
+            print(f"  {name}: {len(some)} places")
+            for which, used in (("these weights", weights), ("those in use", in_use(chain))):
+                ratio = some @ used
+                right, wrong = (ratio > 0).mean(), (ratio < -tuning.PLACE_SURE).mean()
+                print(
+                    f"    {which}: true one likelier in {100 * right:.1f} %, the other one by more "
+                    f"than {tuning.PLACE_SURE:g} in {100 * wrong:.1f} %"
+                )
 
 
 if __name__ == "__main__":
