@@ -133,6 +133,32 @@ ARGUMENTS = {
     "a lag that is no number": (["track", "rig.toml", "walk.poses.jsonl", "--lag-s", "nan"], "lag"),
     "no such directory": (["track", "rig.toml", "walk.poses.jsonl", "--out", "no/t.csv"], "no/t"),
     "an unknown suffix": (["track", "rig.toml", "walk.poses.jsonl", "--out", "t.xls"], "t.xls"),
+    "a report in place of the rig": (
+        [
+            "calibrate",
+            "people",
+            "walk.poses.jsonl",
+            "--intrinsics",
+            "rig.toml",
+            "--out",
+            "t.toml",
+            "--report",
+            "./t.toml",
+        ],
+        "--report: t.toml is the rig file to write; give another name",
+    ),
+    "a rig in place of its intrinsics": (
+        [
+            "calibrate",
+            "people",
+            "walk.poses.jsonl",
+            "--intrinsics",
+            "rig.toml",
+            "--out",
+            "./rig.toml",
+        ],
+        "--out: rig.toml is the file of the intrinsics, whose poses would be lost",
+    ),
     "a file that is no tracks": (["export", "rig.toml", "t.csv"], "rig.toml"),
     "a broken recording": (["export", "broken.parquet", "t.csv"], "broken.parquet"),
 }

@@ -53,6 +53,13 @@ def people(
 
     if not out.name.lower().endswith(".toml"):
         raise InputError(f"--out: expected a rig file that ends in .toml, got {out}")
+    if out.exists() and intrinsics.exists() and out.samefile(intrinsics):
+        raise InputError(
+            f"--out: {out} is the file of the intrinsics, whose poses would be lost; give another "
+            "name"
+        )
+    if report is not None:
+        refuse_report_over_rig(report, out)
     cameras = read_intrinsics(intrinsics)
     images = read_poses(poses, rig_cameras=cameras.names, fps=fps, remark=note)
     made = calibrate_people(images, cameras, distance=distance, stature_m=stature_m)
@@ -70,6 +77,12 @@ def people(
     if made.result.verdict == "wrong":
         note(f"{out} is written, but do not use it: {made.result.reasons[0]}")
     finish(made.result.summary(), json, told(out, made.result))
+
+
+def refuse_report_over_rig(report: Path, out: Path) -> None:
+    """Refuse a report that would take the place of the rig file, which is written before it."""
+    if report.resolve() == out.resolve():
+        raise InputError(f"--report: {report} is the rig file to write; give another name")
 
 
 def told(out: Path, result: "CalibrationResult") -> str:

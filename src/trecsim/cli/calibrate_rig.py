@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from trecsim.cli.board_options import BoardOptions
+from trecsim.cli.calibrate_people import refuse_report_over_rig
 from trecsim.cli.terminal import finish, note, progress_bar
 from trecsim.errors import CalibrationError, ConfigError
 
@@ -74,6 +75,8 @@ def rig(
 
     wanted = _boards(board.read(), boards, double_sided)
     sources = board_sources(images)
+    page = report or out.with_suffix(".html")
+    refuse_report_over_rig(page, out)
     known = read_intrinsics(intrinsics)
     cameras = [_camera(known, source, intrinsics) for source in sources]
     if len(cameras) < 2:
@@ -84,7 +87,6 @@ def rig(
     together = "back" if double_sided else "found" if fixed_together else ""
     made = _calibrate(sources, cameras, wanted, views, together, most_offset_s)
     write_rig(made.rig, out, format="trecsim")
-    page = report or out.with_suffix(".html")
     write_calibration_report(
         page,
         "Rig",

@@ -110,6 +110,12 @@ def test_nothing_told_and_nothing_true_has_no_scores(tmp_path: Path) -> None:
     assert math.isnan(result.total.f1)
 
 
+EVENT = (
+    '{"data": {"event": "e", "phase": "new", "rule": {"id": "r", "kind": "line.cross"}, '
+    '"t_start_s": 1.5, "direction": "in", "people": []}}'
+)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -117,6 +123,15 @@ def test_nothing_told_and_nothing_true_has_no_scores(tmp_path: Path) -> None:
         ('{"data": 3}', "line 1: expected an event with data"),
         ('{"data": {"phase": "new"}}', "line 1: expected the event of a rule"),
         ("[" * 100_000, "line 1: expected one JSON object"),
+        (
+            EVENT.replace("1.5", "NaN"),
+            "line 1: .*expected t_start_s as a time in seconds, found nan",
+        ),
+        (EVENT.replace("1.5", "9" * 400), "line 1: .*expected t_start_s as a time in seconds"),
+        (EVENT.replace("1.5", "null"), "line 1: .*expected t_start_s as a time in seconds"),
+        (EVENT.replace('"in"', "[1]"), "line 1: .*expected direction as text"),
+        (EVENT.replace("[]", "[5]"), "line 1: expected the event of a rule"),
+        (EVENT.replace("[]", '[{"floor_m": [1]}]'), "line 1: expected the event of a rule"),
     ],
 )
 def test_a_line_that_is_no_event_is_told_with_its_number(

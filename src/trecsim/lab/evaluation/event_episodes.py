@@ -10,6 +10,8 @@ from trecsim.errors import InputError
 from trecsim.store.atomic import opened_for_reading
 
 LONGEST_LINE = 1 << 20  # bytes
+LATEST_S = 1e11
+"""No event is later [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +62,7 @@ def read_episodes(path: Path) -> list[EpisodeTold]:
     for number, data in event_data_of(path):
         try:
             _take(episodes, data)
-        except (KeyError, TypeError, ValueError) as error:
+        except (LookupError, TypeError, ValueError, AttributeError) as error:
             what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
             raise InputError(
                 f"{path}: line {number}: expected the event of a rule, as in events.jsonl: {what}"
@@ -108,20 +110,25 @@ def _take(episodes: dict[str, EpisodeTold], data: Mapping[str, Any]) -> None:
     if phase == "update" and known.is_warning and not data.get("predicted", False):
         episodes[identity] = _begun(data)  # what was predicted has begun
     elif phase == "end":
-        episodes[identity] = replace(known, end_s=_number(data["t_end_s"]))
+        episodes[identity] = replace(known, end_s=_time_s(data, "t_end_s"))
 
 
 def _begun(data: Mapping[str, Any]) -> EpisodeTold:
     rule = data["rule"]
-    start_s = float(data["t_start_s"])
-    detect_s, end_s = data.get("t_detect_s"), data.get("t_end_s")
+    start_s = _time_s(data, "t_start_s")
+    if start_s is None:
+        raise ValueError("expected t_start_s as a time in seconds, found null")
+    detect_s = _time_s({"t_detect_s": None, **data}, "t_detect_s")
+    direction = data.get("direction")
+    if not isinstance(direction, str | None):
+        raise TypeError(f"expected direction as text, found {direction!r:.40}")
     return EpisodeTold(
         rule=str(rule["id"]),
         kind=str(rule["kind"]),
-        direction=data.get("direction"),
+        direction=direction,
         start_s=start_s,
-        detect_s=start_s if detect_s is None else float(detect_s),
-        end_s=None if end_s is None else _number(end_s),
+        detect_s=start_s if detect_s is None else detect_s,
+        end_s=_time_s({"t_end_s": None, **data}, "t_end_s"),
         floor_m=_floor_m(data.get("people") or []),
         is_warning=bool(data.get("predicted", False)),
     )
@@ -134,5 +141,10 @@ def _floor_m(people: Any) -> tuple[float, float] | None:
     return float(xy_m[0]), float(xy_m[1])
 
 
-def _number(value: Any) -> float | None:
-    return None if value is None else float(value)
+def _time_s(data: Mapping[str, Any], key: str) -> float | None:
+    value = data[key]
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LATEST_S:
+        raise ValueError(f"expected {key} as a time in seconds, found {value!r:.40}")
+    return float(value)
