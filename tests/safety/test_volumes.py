@@ -10,7 +10,7 @@ import pytest
 from made_paths import bodies_on, events_of, line, moments, site_with, times, told
 from trecsim.assessing import RuleEvents, rule_set
 from trecsim.safety.signals import Feed, Signal, Signals, recorded
-from trecsim.safety.volumes import Volume
+from trecsim.safety.volumes import FedVolume, Volume
 from trecsim.sites.recorded_site import RecordedSite
 from trecsim.toml_models import parsed
 from trecsim.toml_models.toml_reading import examined
@@ -211,3 +211,11 @@ def test_a_position_from_the_future_is_a_fault_and_does_not_hide_the_next_ones()
     signals = Signals([Feed("carts")])
     signals.take([ahead, live[5]])
     assert signals.vehicles("carts", "told")["7"].t_s == live[5].t_s
+
+
+def test_a_vehicle_whose_clock_is_a_little_ahead_has_its_box_at_once() -> None:
+    signals = Signals([Feed("carts")])
+    signals.take([replace(told_cart((10.5, 0.0))[0], taken_s=10.0)])
+    told_now = FedVolume("told", "carts", (2.0, 1.0, 1.5), 0.0).told(signals)
+    assert len(told_now.boxes(10.0)) == len(told_now.middles_m(10.0)) == 1
+    assert told_now.boxes(10.0, after_s=0.1) == []

@@ -131,7 +131,9 @@ def test_what_a_recording_has_kept_counts_in_place_of_the_file(tmp_path: Path) -
     assert signals_of(feeds, folder) == signals_of(feeds, folder / "tracks.parquet")
     assert [one.t_s for one in signals_of(feeds, folder)] == [3600.0, 7200.0]
     (folder / "signals-0000000003.jsonl").write_text("{}\n", encoding="utf-8")
-    with pytest.raises(InputError, match="a kept message of a feed is damaged"):
+    with pytest.raises(
+        InputError, match=r"signals-0000000003\.jsonl: message 1, .* is damaged: .*; restore"
+    ):
         kept_signals(folder)
 
 

@@ -198,7 +198,7 @@ class _ToldBoxes:
         return [
             _box(np.array(one.at(t_s)), one.heading_rad, self.size_m, self.z_m, margin_m)
             for one in self.vehicles.values()
-            if t_s - one.first_s >= after_s
+            if max(t_s - one.first_s, 0.0) >= after_s  # its clock may be ahead
         ]
 
     def middles_m(self, t_s: float) -> dict[str, Float64[np.ndarray, " 2"]]:

@@ -203,8 +203,7 @@ def kept_signals(recording: Path) -> list[Signal]:
         When a file cannot be read.
     """
     kept = sorted(recording.glob(SIGNALS.format("*"))) if recording.is_dir() else []
-    whole = chain.from_iterable(_lines(path, ended=True) for path in kept)
-    return list(_readable(whole, recording))
+    return list(chain.from_iterable(map(_kept, kept)))
 
 
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
@@ -230,12 +229,15 @@ def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> li
     return kept or list(chain.from_iterable(read))
 
 
-def _readable(lines: Iterable[bytes], folder: Path) -> Iterator[Signal]:
-    for line in lines:
+def _kept(path: Path) -> Iterator[Signal]:
+    for number, line in enumerate(_lines(path, ended=True), 1):
         try:
             yield recorded_signal(line)
         except (_WrongMessageError, KeyError) as wrong:
-            raise InputError(f"{folder}: a kept message of a feed is damaged: {wrong}") from None
+            raise InputError(
+                f"{path}: message {number}, which a live site has kept, is damaged: {wrong}; "
+                "restore the file, or delete that line"
+            ) from None
 
 
 def name_remarks(
