@@ -25,13 +25,13 @@ class _Directions(NamedTuple):
 # dances, kicks, lying down and getting up), so that the true place of a limb's end is likelier than
 # the other one on the ray of a camera anywhere around the person.
 _LIMBS = {
-    ("hip", "knee"): _Directions((1.4, 0.3, -2.7)),
-    ("shoulder", "elbow"): _Directions((-0.1, 2.0, -2.7)),
+    ("hip", "knee"): _Directions((1.4, 0.3, -2.8)),
+    ("shoulder", "elbow"): _Directions((0.0, 1.6, -3.0)),
     ("hip", "knee", "ankle"): _Directions(
-        (-0.5, -0.1, -2.5), ((0.3, -0.2, 0.7), (0.0, 0.1, -0.1), (-0.9, 0.0, 1.7))
+        (-0.4, -0.2, -2.5), ((0.4, -0.1, 0.7), (-0.1, 0.0, -0.1), (-1.0, 0.0, 1.7))
     ),
     ("shoulder", "elbow", "wrist"): _Directions(
-        (1.3, 0.4, -1.5), ((1.2, 0.8, -0.7), (-0.8, 0.3, -0.1), (0.6, -0.2, 1.6))
+        (1.2, 0.2, -1.7), ((1.0, 0.8, -0.5), (-0.8, 0.3, -0.1), (0.7, -0.3, 1.9))
     ),
 }
 
