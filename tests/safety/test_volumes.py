@@ -101,6 +101,7 @@ def test_who_is_still_on_the_chair_behind_the_place_to_leave_is_told() -> None:
         ("path_m = [[0, 0], [1, 0]]\n", "expected a time for each of the 2 points"),
         ("path_m = [[0, 0], [1, 0]]\npath_s = [1, 1]\n", "times that grow"),
         ("path_m = [[0, 0]]\nsize_m = [0, 1, 1]\n", "size_m"),
+        ("path_m = [[0, 0]]\nstart_s = -1e300\n", "start_s"),
         (
             "path_m = [[0, 0], [1, 0]]\npath_s = [0, 9]\nperiod_s = 1e-9\n",
             "period_s: expected at most 100 boxes on their way at once, found one each 1e-09 s",

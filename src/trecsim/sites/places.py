@@ -16,6 +16,7 @@ Point = Annotated[tuple[_Coordinate, _Coordinate], Field(strict=False)]
 """x and y on the floor [m]."""
 
 _MOST_POINTS = 1000
+_LATEST_S = 1e11
 
 
 class ZoneTable(Table):
@@ -102,7 +103,7 @@ class VolumeTable(Table):
         list[Annotated[float, Field(ge=0.0, le=86400.0)]], Field(max_length=_MOST_POINTS)
     ] = Field(default_factory=lambda: [0.0])
     """When it is at each of these points, from its start on [s]."""
-    start_s: float = 0.0
+    start_s: Annotated[float, Field(ge=-_LATEST_S, le=_LATEST_S)] = 0.0
     """When it starts, in the time of the recording, or Unix time [s]."""
     period_s: Annotated[float, Field(gt=0.0, le=86400.0)] | None = None
     """After so long the next one starts [s]; there is only one, if not given."""
