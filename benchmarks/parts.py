@@ -115,7 +115,7 @@ PARTS: dict[str, tuple[Part, ...]] = {
     "the body": (
         Part("other place of a limb", "its end stays before or behind the other end for good",
              (WRIST_ERROR, (TWO, "error")),
-             changes={"kernels.updating.choose_places": instead.nothing}),
+             model=instead.no_postures),
         Part("lengths of limbs", "nothing holds a body together", ((TWO, "error"), PCP_2),
              model=instead.no_limbs),
         Part("lengths hold joints that cameras see", "only those that fewer than two see", (ERROR,),

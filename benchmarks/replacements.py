@@ -208,6 +208,11 @@ def same_common(model: Model) -> Model:
     return replace(model, noise=model.noise._replace(common_m2=mean_m2))
 
 
+def no_postures(model: Model) -> Model:
+    """Return the model without any knowledge of postures."""
+    return replace(model, postures=model.postures._replace(trunk=np.empty(0, np.int64)))
+
+
 def no_limbs(model: Model) -> Model:
     """Return a model in which limbs have any length."""
     slack_m2 = np.full_like(model.limbs.slack_m2, ALWAYS)
