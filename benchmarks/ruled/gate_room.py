@@ -1,6 +1,6 @@
 """A gate with a ticket reader, a lift that unloads, and a bed, drawn at random: site and people.
 
-People pass the gate one by one: with a ticket, without one, right behind somebody who has one, or
+People pass the gate one by one: with a ticket, without one, close behind a person with one, or
 the wrong way out. Riders get off a chair and leave the strip, or stay in it. One lies down on the
 bed, which is nothing, and one falls beside it or onto it.
 """
@@ -89,7 +89,7 @@ def _visit(start_m: tuple[float, float], actions: list[Any], enter_s: float) -> 
 
 
 def _crosses_s(visit: "Visit") -> float:
-    """Return when the hips of somebody are on the line of the gate [s]."""
+    """Return when a person's hips are on the line of the gate [s]."""
     from trecsim.lab.simulation.body_shape import body
 
     t_s = np.arange(0.0, SECONDS, 0.02)
@@ -139,7 +139,7 @@ def off_the_chairs(rng: np.random.Generator) -> "list[Visit]":
 
 
 def at_the_bed(rng: np.random.Generator) -> "list[Visit]":
-    """Return somebody who lies down on the bed for a while, and somebody who falls."""
+    """Return a person who lies down on the bed for a while, and one who falls."""
     from trecsim.lab.simulation.actions import Fall, Lie, Walk
 
     lies = [Walk(((2.6, 2.6),), 0.9), Lie(_u(rng, 13.0, 16.0), "back"), Walk(((4.8, 2.6),), 0.9)]

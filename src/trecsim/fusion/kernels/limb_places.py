@@ -95,18 +95,19 @@ def choose_places(cameras, postures, contact_height_m, tracks, level, sights, no
             if n_seen[k, far] < 1:
                 continue
             apart_m = other_place_of(x[k], postures, i, cameras.position_m[camera], shift_m)
-            if apart_m > PLACES_APART_M:
-                body_axes(x[k], postures, i, axes)
-                ratio = log_ratio(x[k], postures, i, axes, shift_m)
-                lowest_m = level[k, 0] + contact_height_m[far]
-                now_m, then_m = x[k, far, 2] - lowest_m, x[k, far, 2] + shift_m[2] - lowest_m
-                ratio += below_ground(then_m, level[k, 1]) - below_ground(now_m, level[k, 1])
-                other_place[k, far] += (1.0 - memory) * ratio
-                if other_place[k, far] > PLACE_SURE:
-                    joint = Trajectories(R[k, far], z[k, far], c[k, far], x[k, far], cov_m2[k, far])
-                    move_joint(joint, shift_m, moment, tmp)
-                    right_side(R[k, far], c[k, far], z[k, far])
-                    other_place[k, far] *= -1.0
+            if not apart_m > PLACES_APART_M:
+                continue
+            body_axes(x[k], postures, i, axes)
+            ratio = log_ratio(x[k], postures, i, axes, shift_m)
+            height_m = x[k, far, 2] - level[k, 0] - contact_height_m[far]
+            ratio += below_ground(height_m + shift_m[2], level[k, 1])
+            ratio -= below_ground(height_m, level[k, 1])
+            other_place[k, far] += (1.0 - memory) * ratio
+            if other_place[k, far] > PLACE_SURE:
+                joint = Trajectories(R[k, far], z[k, far], c[k, far], x[k, far], cov_m2[k, far])
+                move_joint(joint, shift_m, moment, tmp)
+                right_side(R[k, far], c[k, far], z[k, far])
+                other_place[k, far] *= -1.0
 
 
 @inner
