@@ -37,7 +37,7 @@ demo: .venv/installed-demo page  ## Run a simulated site with its live page (20 
 	$(BIN)/trecsim demo
 	@command -v trecsim > /dev/null || echo "to use trecsim in this shell: . $(BIN)/activate"
 
-test: .venv/installed-test page  ## Run all tests, the same each time (4 min on 2 cores).
+test: .venv/installed-test page  ## Run all tests, the same each time (10 min on 2 cores).
 	$(BIN)/python tests/compile_kernels.py
 	$(PYTEST)
 
