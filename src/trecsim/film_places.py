@@ -1,6 +1,7 @@
 """What belongs to tracks and is shown with them: rig, videos, zones, events, forecasts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,9 +9,7 @@ import numpy as np
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
 from trecsim.films.filming import FilmInput
-from trecsim.sites.recorded_site import read_without_rig
-from trecsim.sites.site_reading import read_site
-from trecsim.sources.masks import Polygon
+from trecsim.geometry import Rig
 from trecsim.store.names import RIG
 
 
@@ -44,36 +43,39 @@ def film_input(
         When something given is missing or wrong.
     """
     folder = tracks if tracks.is_dir() else tracks.parent
-    given = dict(videos or {})
-    zones: dict[str, np.ndarray] = {}
-    lines: dict[str, np.ndarray] = {}
-    masks_px: Mapping[str, Sequence[Polygon]] = {}
     rig = rig or _beside(folder, RIG)
     cameras = read_rig(rig) if rig is not None else None
-    if site is not None:
-        ruled = read_without_rig(site)
-        zones = {name: np.array(zone.polygon_m, float) for name, zone in ruled.zones.items()}
-        lines = {name: np.array(line.points_m, float) for name, line in ruled.lines.items()}
-        lines |= {name: np.array(edge.points_m, float) for name, edge in ruled.edges.items()}
-        if cameras is None and ruled.rig is not None:
-            cameras = ruled.rig.read(lambda remark: None)
-        if ruled.sources:
-            sources = read_site(site).site.sources
-            masks_px = {name: one.mask_px for name, one in sources.items()}
-            recorded = {name: one.video for name, one in sources.items() if one.video is not None}
-            given = given or recorded
+    stage = _of_site(site, cameras) if site is not None else FilmInput(cameras)
+    given = dict(videos or {}) or stage.videos
     for name, path in given.items():
         if not path.is_file():
             raise InputError(f"video of {name}: there is no file {path}")
-    return FilmInput(
-        cameras,
-        given,
-        masks_px,
-        zones,
-        lines,
-        events or _beside(folder, "events.jsonl"),
-        forecasts or _beside(folder, "forecast.jsonl"),
+    return replace(
+        stage,
+        videos=given,
+        events=events or _beside(folder, "events.jsonl"),
+        forecasts=forecasts or _beside(folder, "forecast.jsonl"),
     )
+
+
+def _of_site(site: Path, cameras: Rig | None) -> FilmInput:
+    """Return what a site file names: rig, videos, masks, zones, lines and edges."""
+    from trecsim.sites.recorded_site import read_without_rig
+    from trecsim.sites.site_reading import read_site
+
+    ruled = read_without_rig(site)
+    lines = {name: np.array(line.points_m, float) for name, line in ruled.lines.items()}
+    lines |= {name: np.array(edge.points_m, float) for name, edge in ruled.edges.items()}
+    zones = {name: np.array(zone.polygon_m, float) for name, zone in ruled.zones.items()}
+    if cameras is None and ruled.rig is not None:
+        cameras = ruled.rig.read(lambda remark: None)
+    shown = FilmInput(cameras, zones=zones, lines=lines)
+    if not ruled.sources:
+        return shown
+    sources = read_site(site).site.sources
+    recorded = {name: one.video for name, one in sources.items() if one.video is not None}
+    masks_px = {name: one.mask_px for name, one in sources.items()}
+    return replace(shown, videos=recorded, masks_px=masks_px)
 
 
 def _beside(folder: Path, name: str) -> Path | None:

@@ -20,7 +20,7 @@ from trecsim.films.alerts import open_at, read_alerts
 from trecsim.films.bodies_drawn import person_colour
 from trecsim.films.camera_tiles import CameraTile
 from trecsim.films.filming import FilmInput
-from trecsim.films.people_at import PeopleAt
+from trecsim.films.people_at import Lookup
 from trecsim.films.predicted import Predicted
 from trecsim.films.scene3d import eye_on
 from trecsim.films.stage import stage_around
@@ -45,6 +45,10 @@ def standing(folder: Path) -> tuple[Path, np.ndarray]:
     return recorded(folder / "tracks.csv", {1: xyz_m}, t_s), xyz_m
 
 
+def floor_of(xyz_m: np.ndarray) -> np.ndarray:
+    return xyz_m[0, 15:, :2].mean(axis=0)
+
+
 def grey_video(path: Path, frames: int = 50) -> Path:
     return write_video(path, [np.full((270, 480, 3), GREY, np.uint8)] * frames)
 
@@ -52,11 +56,12 @@ def grey_video(path: Path, frames: int = 50) -> Path:
 @pytest.mark.parametrize("lens", ["none", "brown", "fisheye"])
 def test_skeletons_are_where_the_lens_puts_them(lens: str, tmp_path: Path) -> None:
     tracks, xyz_m = standing(tmp_path)
-    lookup = PeopleAt(collect(read_tracks(tracks)))
+    lookup = Lookup(collect(read_tracks(tracks)))
     for camera in ring(3, lens):
         video = VideoFile(grey_video(tmp_path / f"{camera.name}.mp4"), camera.name)
-        tile = CameraTile(camera, video, 480, 270)
-        image = tile.draw(1.0, lookup)
+        tile = CameraTile(camera, video, [1.0])
+        image = np.zeros((270, 480, 3), np.uint8)
+        tile.draw(image, lookup)
         tile.close()
         wanted = (camera.project(xyz_m[25]) + 0.5) * [480 / 1920, 270 / 1080] - 0.5
         for joint in (5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16):
@@ -70,18 +75,37 @@ def test_skeletons_are_where_the_lens_puts_them(lens: str, tmp_path: Path) -> No
 def test_people_are_drawn_where_they_were_when_the_image_was_taken(tmp_path: Path) -> None:
     t_s = np.arange(50) / RATE_HZ
     tracks = recorded(tmp_path / "t.csv", {1: walking_m(t_s)}, t_s)
-    lookup = PeopleAt(collect(read_tracks(tracks)))
-    (one,) = lookup.at(1.017)
-    np.testing.assert_allclose(one.xyz_m, walking_m(np.array([1.017]))[0], atol=2e-3)
+    lookup = Lookup(collect(read_tracks(tracks)))
+    people = lookup.at(1.017)
+    np.testing.assert_allclose(people.xyz_m, walking_m(np.array([1.017])), atol=2e-3)
 
 
 def test_nobody_is_shown_in_a_gap(tmp_path: Path) -> None:
     tracks, _, _ = two_walkers(tmp_path)
-    lookup = PeopleAt(collect(read_tracks(tracks)))
-    assert [one.person for one in lookup.at(1.0)] == [3, 7]
-    assert [one.person for one in lookup.at(2.0)] == [3]
-    assert np.isnan(lookup.at(3.3)[0].xyz_m[0]).all()
-    assert lookup.at(9.0) == []
+    lookup = Lookup(collect(read_tracks(tracks)))
+    assert [lookup.at(t_s).person for t_s in (1.0, 2.0, 9.0)] == [(3, 7), (3,), ()]
+    assert np.isnan(lookup.at(3.3).xyz_m[0, 0]).all()
+
+
+def test_a_single_moment_is_shown(tmp_path: Path) -> None:
+    t_s = np.array([5.0])
+    tracks = recorded(tmp_path / "t.csv", {1: walking_m(t_s)}, t_s)
+    assert Lookup(collect(read_tracks(tracks))).at(5.0).person == (1,)
+    assert render(tracks, tmp_path / "p.png", None, SMALL).people == 1
+
+
+def test_paths_are_interrupted_where_nobody_was_tracked(tmp_path: Path) -> None:
+    t_s = np.concatenate([np.arange(25), np.arange(125, 150)]) / RATE_HZ
+    tracks = recorded(tmp_path / "t.csv", {1: walking_m(t_s)}, t_s)
+    lookup = Lookup(collect(read_tracks(tracks)))
+    path_m = lookup.path_m(1)
+    broken = np.isnan(path_m).all(axis=1)
+    assert broken.sum() == 1
+    before = lookup.path_rows(1, 0.0, 2.0)
+    assert np.isfinite(path_m[before]).all()
+    np.testing.assert_allclose(path_m[before][-1], floor_of(walking_m(t_s[24:25])), atol=0.05)
+    after = lookup.path_rows(1, 2.0, 9.0)
+    assert broken[after].tolist() == [True, *[False] * (after.stop - after.start - 1)]
 
 
 def test_a_film_decodes_to_the_frames_that_were_asked_for(tmp_path: Path) -> None:

@@ -84,6 +84,23 @@ def test_frames_without_a_time_go_on_at_the_rate_with_a_remark(tmp_path, caplog)
     assert "20 frames carry no time" in message
 
 
+@pytest.mark.parametrize("name", ["a.mp4", "a.mkv", "a.ts", "a.avi", "late.mp4"])
+def test_from_a_later_time_on_come_the_same_pictures(name, tmp_path, caplog):
+    start_ms = 10_000 if name.startswith("late") else 0
+    t_ms = None if name.endswith(".avi") else [start_ms + 40 * number for number in range(250)]
+    path = write_video(tmp_path / name, numbered(250), t_ms=t_ms, b_frames=2)
+    video = VideoFile(path, "cam")
+    whole = {round(picture.t_s, 3): picture.frame().image for picture in video.pictures()}
+    from_s = start_ms / 1000 + 7.5
+    late = {round(picture.t_s, 3): picture.frame().image for picture in video.pictures(from_s)}
+    wanted = [t_s for t_s in whole if t_s >= from_s]
+    assert [t_s for t_s in late if t_s >= from_s] == wanted
+    assert all(np.array_equal(late[t_s], whole[t_s]) for t_s in late)
+    if not name.endswith((".avi", ".ts")):  # without an index, read from the beginning
+        assert len(wanted) < len(late) < len(wanted) + 25
+    assert not caplog.records
+
+
 def test_avi_counts_its_frames_and_so_do_we(tmp_path, caplog):
     path = write_video(tmp_path / "old.avi", numbered(20), b_frames=2)
     with caplog.at_level(logging.WARNING):

@@ -8,9 +8,10 @@ from typing import Any
 
 from trecsim.export.placing import placed
 from trecsim.extras import needed
-from trecsim.films.strokes import Image
+from trecsim.films.strokes import Image, opencv
 
 _QUALITY = "23"
+_NARROW, _BT601 = 1, 6  # 16 to 235; as H.273 counts
 _LARGEST_DENOMINATOR = 1001
 
 
@@ -36,9 +37,10 @@ def write_film(path: Path, frames: Iterable[Image], rate_hz: float, size: tuple[
         When PyAV is not installed, or the disk has no room.
     """
     with placed([path]) as (place,), _opened(place, rate_hz, size) as (container, stream):
-        av = needed("films need PyAV", "render", "av")
+        av, cv = needed("films need PyAV", "render", "av"), opencv()
         for image in frames:
-            picture = av.VideoFrame.from_ndarray(image, format="rgb24")
+            planes = cv.cvtColor(image, cv.COLOR_RGB2YUV_I420)
+            picture = av.VideoFrame.from_numpy_buffer(planes, format="yuv420p")
             container.mux(stream.encode(picture))
         container.mux(stream.encode(None))
 
@@ -53,4 +55,6 @@ def _opened(place: Path, rate_hz: float, size: tuple[int, int]) -> Iterator[tupl
         stream.pix_fmt = "yuv420p"
         stream.options = {"preset": "superfast", "crf": _QUALITY}
         stream.thread_type = "AUTO"
+        context = stream.codec_context  # what the conversion makes, so that players need not guess
+        context.color_range, context.colorspace = _NARROW, _BT601
         yield container, stream

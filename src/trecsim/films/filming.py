@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from trecsim.films.alerts import Alert, Alerts, open_at, read_alerts
 from trecsim.films.camera_tiles import CameraTile
 from trecsim.films.film_layout import Layout, layout
 from trecsim.films.film_writer import write_film
-from trecsim.films.people_at import PeopleAt
+from trecsim.films.people_at import Lookup
 from trecsim.films.plan2d import Plan2D
 from trecsim.films.predicted import Predicted
 from trecsim.films.scene3d import Scene3D
@@ -23,7 +23,6 @@ from trecsim.films.strokes import (
     ALARM,
     FAINT,
     INK,
-    PAPER,
     WARNING,
     Image,
     Pen,
@@ -31,7 +30,7 @@ from trecsim.films.strokes import (
     opencv,
 )
 from trecsim.geometry import Rig
-from trecsim.sources import VideoFile
+from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.masks import Polygon
 from trecsim.store.atomic import atomic_write
 from trecsim.store.tracks import read_tracks
@@ -40,6 +39,7 @@ PICTURES = (".png", ".jpg", ".jpeg")
 FILMS = (".mp4",)
 _FASTEST_HZ = 60.0
 _USUAL_HZ = 25.0
+_AHEAD = 3  # images drawn before they are encoded
 
 Progress = Callable[[int, int | None], None]
 
@@ -174,24 +174,25 @@ def render(
             f"{out}: expected {', '.join(FILMS)} for a film or {', '.join(PICTURES)} for a picture"
         )
     opencv()
-    lookup = PeopleAt(collect(read_tracks(tracks)))
+    lookup = Lookup(collect(read_tracks(tracks)))
     if not lookup.motion.people:
         raise InputError(f"{tracks}: nobody is in these tracks, so there is nothing to show")
     times_s, rate_hz = _times(lookup, settings, ending in PICTURES)
     with ExitStack() as stack:
         camera = _Projector(lookup, shown, settings, times_s, stack)
-        images = camera.images(times_s, progress)
+        images = camera.images(times_s)
         if ending in PICTURES:
             _write_picture(out, next(images))
         else:
-            write_film(out, images, rate_hz, camera.size)
+            drawn = stack.enter_context(closing(prefetched(images, _AHEAD)))
+            write_film(out, _counted(drawn, len(times_s), progress), rate_hz, camera.size)
     people = {
-        one.person for t_s in times_s[:: max(len(times_s) // 500, 1)] for one in lookup.at(t_s)
+        one for t_s in times_s[:: max(len(times_s) // 500, 1)] for one in lookup.at(t_s).person
     }
     return Filmed(out, len(times_s), rate_hz, times_s[0], times_s[-1], len(people), camera.cameras)
 
 
-def _times(lookup: PeopleAt, settings: FilmSettings, picture: bool) -> tuple[list[float], float]:
+def _times(lookup: Lookup, settings: FilmSettings, picture: bool) -> tuple[list[float], float]:
     """Return the moments to show [s], and the frame rate."""
     motion = lookup.motion
     last_s = max(float(one.t_s[-1]) for one in motion.people)
@@ -210,7 +211,7 @@ def _times(lookup: PeopleAt, settings: FilmSettings, picture: bool) -> tuple[lis
     return [from_s + number / rate_hz for number in range(count)], rate_hz
 
 
-def _moment(lookup: PeopleAt, settings: FilmSettings, last_s: float) -> float:
+def _moment(lookup: Lookup, settings: FilmSettings, last_s: float) -> float:
     first_s = lookup.motion.t0_s
     if settings.at_s is not None:
         if not 0.0 <= settings.at_s <= last_s - first_s:
@@ -220,7 +221,7 @@ def _moment(lookup: PeopleAt, settings: FilmSettings, last_s: float) -> float:
             )
         return first_s + settings.at_s
     some = np.linspace(first_s, last_s, 41)
-    counts = [len(lookup.at(t_s)) for t_s in some.tolist()]
+    counts = [len(lookup.at(t_s).person) for t_s in some.tolist()]
     most = np.flatnonzero(np.array(counts) == max(counts))
     return float(some[most[len(most) // 2]])
 
@@ -230,7 +231,7 @@ class _Projector:
 
     def __init__(
         self,
-        lookup: PeopleAt,
+        lookup: Lookup,
         shown: FilmInput,
         settings: FilmSettings,
         times_s: list[float],
@@ -239,27 +240,25 @@ class _Projector:
         self.size = (settings.width // 2 * 2, settings.height // 2 * 2)
         self._empty = blank(*self.size)
         self._lookup = lookup
-        self._trail_s = settings.trail_s
         self._alerts: list[Alert] = read_alerts(shown.events) if shown.events else []
         self._predicted = Predicted(shown.forecasts)
         probes = [VideoFile(path, name) for name, path in shown.videos.items()]
         aspects = [one.size_px[0] / one.size_px[1] for one in probes]
         self._layout: Layout = layout(*self.size, aspects)
-        self._tiles = _tiles(shown, probes, self._layout)
+        self._tiles = _tiles(shown, probes, self._layout, times_s)
         for tile in self._tiles:
             stack.callback(tile.close)
         floor_m = lookup.floor_m(times_s[0] - settings.trail_s, times_s[-1])
         stage = stage_around(floor_m, shown.rig, shown.zones, shown.lines)
-        self._scene = Scene3D(stage, self._layout.scene.width, self._layout.scene.height)
-        self._plan = Plan2D(stage, self._layout.plan.width, self._layout.plan.height)
+        scene, plan, trail_s = self._layout.scene, self._layout.plan, settings.trail_s
+        self._scene = Scene3D(stage, scene.width, scene.height, lookup, trail_s)
+        self._plan = Plan2D(stage, plan.width, plan.height, lookup, trail_s)
         self.cameras = tuple(tile.camera.name for tile in self._tiles)
 
-    def images(self, times_s: list[float], progress: Progress | None) -> Iterator[Image]:
+    def images(self, times_s: list[float]) -> Iterator[Image]:
         """Yield one image per moment."""
-        for number, t_s in enumerate(times_s, 1):
+        for t_s in times_s:
             yield self._image(t_s)
-            if progress is not None:
-                progress(number, len(times_s))
 
     def _image(self, t_s: float) -> Image:
         image = self._empty.copy()
@@ -267,19 +266,14 @@ class _Projector:
         alerts = open_at(self._alerts, t_s)
         parts = self._layout
         for tile, box in zip(self._tiles, parts.tiles, strict=True):
-            image[box.slices] = tile.draw(t_s, self._lookup)
-        image[parts.scene.slices] = self._scene.draw(
-            people, self._lookup, t_s, self._trail_s, alerts
-        )
-        image[parts.plan.slices] = self._plan.draw(
-            people, self._lookup, t_s, self._trail_s, alerts, self._predicted
-        )
-        self._write_line(image, t_s, len(people), alerts)
+            tile.draw(image[box.slices], self._lookup)
+        self._scene.draw(image[parts.scene.slices], people, t_s, alerts)
+        self._plan.draw(image[parts.plan.slices], people, t_s, alerts, self._predicted)
+        self._write_line(image, t_s, len(people.person), alerts)
         return image
 
     def _write_line(self, image: Image, t_s: float, people: int, alerts: Alerts) -> None:
         box = self._layout.bar
-        image[box.slices] = PAPER
         pen = Pen(image)
         base = box.top + 0.68 * box.height
         since_s = t_s - self._lookup.motion.t0_s
@@ -289,12 +283,21 @@ class _Projector:
         left = 220.0
         for alert in alerts.open[:4]:
             tint = WARNING if alert.severity in ("warning", "info") else ALARM
-            pen.disc(np.array([left, base - 5]), 6, tint)
+            pen.disc((left, base - 5), 6, tint)
             pen.text(alert.text, (left + 12, base), 16, INK)
             left += 36 + pen.width_of(alert.text, 16)
 
 
-def _tiles(shown: FilmInput, probes: list[VideoFile], parts: Layout) -> list[CameraTile]:
+def _counted(images: Iterator[Image], of: int, progress: Progress | None) -> Iterator[Image]:
+    for number, image in enumerate(images, 1):
+        yield image
+        if progress is not None:
+            progress(number, of)
+
+
+def _tiles(
+    shown: FilmInput, probes: list[VideoFile], parts: Layout, times_s: list[float]
+) -> list[CameraTile]:
     tiles = []
     for probe, box in zip(probes, parts.tiles, strict=True):
         if shown.rig is None or probe.camera not in shown.rig:
@@ -306,7 +309,7 @@ def _tiles(shown: FilmInput, probes: list[VideoFile], parts: Layout) -> list[Cam
         size = (box.width, box.height)
         mask_px = shown.masks_px.get(probe.camera, ())
         video = VideoFile(probe.path, probe.camera, decode_size_px=size, threads=1, mask_px=mask_px)
-        tiles.append(CameraTile(shown.rig[probe.camera], video, *size))
+        tiles.append(CameraTile(shown.rig[probe.camera], video, times_s))
     return tiles
 
 

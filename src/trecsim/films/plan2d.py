@@ -5,19 +5,22 @@ from jaxtyping import Float64
 
 from trecsim.films.alerts import Alerts
 from trecsim.films.bodies_drawn import pale, person_colour
-from trecsim.films.people_at import PeopleAt, PersonAt
+from trecsim.films.paths_drawn import Paths
+from trecsim.films.people_at import Lookup, PeopleAt
 from trecsim.films.predicted import Predicted
 from trecsim.films.stage import Stage
-from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, Image, Pen, blank
+from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, WHITE, Image, Pen, blank
 
-_SHOULDERS = (5, 6)
+_SHOULDERS = [5, 6]
 _MARGIN_PX = 26
 
 
 class Plan2D:
     """Draws the floor plan; what stands still is drawn once."""
 
-    def __init__(self, stage: Stage, width: int, height: int) -> None:
+    def __init__(
+        self, stage: Stage, width: int, height: int, lookup: Lookup, trail_s: float
+    ) -> None:
         room = np.array([width, height]) - 2.0 * _MARGIN_PX
         self._px_per_m = float((room / stage.size_m).min())
         self._low_m = stage.low_m
@@ -26,8 +29,9 @@ class Plan2D:
             0.5,
         ]
         self._ground = self._drawn_ground(stage, width, height)
+        self._paths = Paths(lookup, self._px, trail_s, 0.35)
 
-    def _px(self, xy_m: Float64[np.ndarray, "point 2"]) -> Float64[np.ndarray, "point 2"]:
+    def _px(self, xy_m: Float64[np.ndarray, "*point 2"]) -> Float64[np.ndarray, "*point 2"]:
         return np.asarray(
             (xy_m - self._low_m) * [self._px_per_m, -self._px_per_m] + self._bottom_px
         )
@@ -57,44 +61,43 @@ class Plan2D:
         pen.text(f"{stage.grid_m:g} m", (left + length + 6, low + 4), 13, FAINT)
 
     def draw(
-        self,
-        people: list[PersonAt],
-        lookup: PeopleAt,
-        t_s: float,
-        trail_s: float,
-        alerts: Alerts,
-        predicted: Predicted,
-    ) -> Image:
-        """Return the plan at one moment."""
-        image = self._ground.copy()
+        self, image: Image, people: PeopleAt, t_s: float, alerts: Alerts, predicted: Predicted
+    ) -> None:
+        """Draw the plan at one moment on an image of its size."""
+        image[...] = self._ground
+        if not people.person:
+            return
         pen = Pen(image)
-        for one in people:
-            path = lookup.path_m(one.person, t_s - trail_s, t_s)
-            if len(path) > 1:
-                pen.line(self._px(path), pale(person_colour(one.person), 0.35), 2)
-        for one in people:
-            self._draw_forecast(pen, one, predicted, t_s)
-        for one in people:
-            self._draw_person(pen, one, one.person in alerts.people)
-        return image
+        self._paths.draw(pen, people, t_s)
+        for person in people.person:
+            self._draw_forecast(pen, person, predicted, t_s)
+        middles = self._px(people.floor_m)
+        shoulders = self._px(people.xyz_m[:, _SHOULDERS, :2])
+        for at, person in enumerate(people.person):
+            alarmed = person in alerts.people
+            self._draw_person(pen, person, middles[at].tolist(), shoulders[at], alarmed)
 
-    def _draw_forecast(self, pen: Pen, one: PersonAt, predicted: Predicted, t_s: float) -> None:
-        tint = pale(person_colour(one.person), 0.25)
-        for path_m, region_m in predicted.at(one.person, t_s):
+    def _draw_forecast(self, pen: Pen, person: int, predicted: Predicted, t_s: float) -> None:
+        tint = pale(person_colour(person), 0.25)
+        for path_m, region_m in predicted.at(person, t_s):
             pen.area(self._px(region_m), tint, 0.18)
-            steps = self._px(path_m)
-            for point in steps:
+            for point in self._px(path_m).tolist():
                 pen.disc(point, 1.8, tint)
 
-    def _draw_person(self, pen: Pen, one: PersonAt, alarmed: bool) -> None:
-        tint = person_colour(one.person)
-        middle = self._px(one.floor_m[None])[0]
-        shoulders = self._px(one.xyz_m[list(_SHOULDERS), :2])
+    def _draw_person(
+        self,
+        pen: Pen,
+        person: int,
+        middle: list[float],
+        shoulders: Float64[np.ndarray, "2 2"],
+        alarmed: bool,
+    ) -> None:
+        tint = person_colour(person)
         pen.line(shoulders, tint, max(0.12 * self._px_per_m, 3.0))
-        radius = float(np.clip(0.2 * self._px_per_m, 9.0, 14.0))
+        radius = min(max(0.2 * self._px_per_m, 9.0), 14.0)
         if alarmed:
             pen.ring(middle, radius + 4.0, ALARM, 2)
         pen.disc(middle, radius, tint)
-        text = str(one.person)
+        text = str(person)
         size = 1.25 * radius if len(text) < 3 else radius
-        pen.text(text, (middle[0], middle[1] + 0.38 * size), size, (255, 255, 255), "middle")
+        pen.text(text, (middle[0], middle[1] + 0.38 * size), size, WHITE, "middle")

@@ -6,15 +6,18 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.films.alerts import Alerts
-from trecsim.films.bodies_drawn import draw_body, highest, pale, person_colour
-from trecsim.films.people_at import PeopleAt, PersonAt
+from trecsim.films.bodies_drawn import Bodies
+from trecsim.films.paths_drawn import Paths
+from trecsim.films.people_at import Lookup, PeopleAt
 from trecsim.films.stage import Stage
-from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, Image, Pen, blank
+from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, Image, Pen, blank, fixed
 
 _FROM_DEG, _DOWN_DEG = -62.0, 26.0
 _VIEW_DEG = 38.0
 _HEIGHT_M = 1.9
 _FILLED = 0.94
+_TURN = np.linspace(0.0, 2.0 * np.pi, 25)
+_SHADOW_M = 0.28 * np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,10 +47,13 @@ class Eye:
         depth = np.where(local[:, 2] > 0.1, local[:, 2], np.nan)
         return np.asarray(local[:, :2] / depth[:, None] * self.focal_px + self.middle_px)
 
-    def px_per_m(self, xyz_m: Float64[np.ndarray, " 3"]) -> float:
-        """Return the size of a metre at a point [px]."""
-        depth = float((xyz_m - self.at_m) @ self.axes[2])
-        return self.focal_px / max(depth, 0.1)
+    def depth_m(self, xyz_m: Float64[np.ndarray, "*point 3"]) -> Float64[np.ndarray, "*point"]:
+        """Return how far points are along the axis [m]."""
+        return np.asarray((xyz_m - self.at_m) @ self.axes[2])
+
+    def px_per_m(self, depth_m: Float64[np.ndarray, "*point"]) -> Float64[np.ndarray, "*point"]:
+        """Return the size of a metre at a depth [px]."""
+        return np.asarray(self.focal_px / np.maximum(depth_m, 0.1))
 
 
 def eye_on(stage: Stage, width: int, height: int) -> Eye:
@@ -78,9 +84,12 @@ def eye_on(stage: Stage, width: int, height: int) -> Eye:
 class Scene3D:
     """Draws the 3D view; what stands still is drawn once."""
 
-    def __init__(self, stage: Stage, width: int, height: int) -> None:
+    def __init__(
+        self, stage: Stage, width: int, height: int, lookup: Lookup, trail_s: float
+    ) -> None:
         self._eye = eye_on(stage, width, height)
         self._stage = stage
+        self._paths = Paths(lookup, self._on_floor, trail_s, 0.4)
         self._ground = self._drawn_ground(width, height)
 
     def _drawn_ground(self, width: int, height: int) -> Image:
@@ -99,44 +108,31 @@ class Scene3D:
             foot = at_m * [1.0, 1.0, 0.0]
             ends = self._eye.project(np.stack([foot, at_m]))
             pen.line(ends, EDGE, 1)
-            half = max(0.09 * self._eye.px_per_m(at_m), 3.0)
+            half = max(0.09 * float(self._eye.px_per_m(self._eye.depth_m(at_m))), 3.0)
             pen.area(ends[1] + half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]), FAINT)
         return image
 
     def _on_floor(self, xy_m: Float64[np.ndarray, "point 2"]) -> Float64[np.ndarray, "point 2"]:
         return self._eye.project(np.insert(xy_m, 2, 0.0, axis=1))
 
-    def draw(
-        self, people: list[PersonAt], lookup: PeopleAt, t_s: float, trail_s: float, alerts: Alerts
-    ) -> Image:
-        """Return the view at one moment."""
-        image = self._ground.copy()
-        pen = Pen(image)
-        for one in people:
-            path = lookup.path_m(one.person, t_s - trail_s, t_s)
-            if len(path) > 1:
-                pen.line(self._on_floor(path), pale(person_colour(one.person), 0.4), 2)
-        for one in people:
-            self._draw_shadow(pen, one, one.person in alerts.people)
-        depth = [
-            float(np.nanmean((one.xyz_m - self._eye.at_m) @ self._eye.axes[2])) for one in people
-        ]
-        for one in [people[at] for at in np.argsort(depth)[::-1]]:
-            xy_px = self._eye.project(one.xyz_m)
-            scale = self._eye.px_per_m(np.nanmean(one.xyz_m, axis=0))
-            draw_body(pen, one, xy_px, scale)
-            size = float(np.clip(0.16 * scale, 13, 22))
-            pen.label(
-                str(one.person), highest(xy_px) - [0, 1.6 * size], size, person_colour(one.person)
-            )
-        return image
-
-    def _draw_shadow(self, pen: Pen, one: PersonAt, alarmed: bool) -> None:
-        floor_m = one.floor_m
-        if not np.isfinite(floor_m).all():
+    def draw(self, image: Image, people: PeopleAt, t_s: float, alerts: Alerts) -> None:
+        """Draw the view at one moment on an image of its size."""
+        image[...] = self._ground
+        if not people.person:
             return
-        turn = np.linspace(0.0, 2.0 * np.pi, 25)
-        ring = floor_m + 0.28 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
-        pen.area(self._on_floor(ring), ALARM if alarmed else EDGE, 0.5 if alarmed else 0.3)
-        if alarmed:
-            pen.line(self._on_floor(ring), ALARM, 2)
+        pen = Pen(image)
+        self._paths.draw(pen, people, t_s)
+        self._draw_shadows(pen, people, alerts)
+        depth_m = self._eye.depth_m(np.nanmean(people.xyz_m, axis=1))
+        xy_px = self._eye.project(people.xyz_m.reshape(-1, 3)).reshape(*people.xyz_m.shape[:2], 2)
+        Bodies(people, xy_px, self._eye.px_per_m(depth_m)).draw(pen, depth_m)
+
+    def _draw_shadows(self, pen: Pen, people: PeopleAt, alerts: Alerts) -> None:
+        rings_m = people.floor_m[:, None] + _SHADOW_M
+        rings_px = self._on_floor(rings_m.reshape(-1, 2)).reshape(rings_m.shape)
+        known = np.isfinite(rings_px).all(axis=(1, 2))
+        for at in np.flatnonzero(known).tolist():
+            ring, alarmed = fixed(rings_px[at]), people.person[at] in alerts.people
+            pen.fill(ring, ALARM if alarmed else EDGE, 0.5 if alarmed else 0.3)
+            if alarmed:
+                pen.strokes([ring], ALARM, 2)

@@ -1,22 +1,25 @@
 """Lines, discs and text on images of pixels, with OpenCV; coordinates may be fractions."""
 
+import math
 from collections.abc import Sequence
 from functools import cache
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float64, Int32, UInt8
 
 from trecsim.extras import needed
 
 Image = UInt8[np.ndarray, "h w 3"]
 Colour = tuple[int, int, int]
 _BITS = 4  # of the fraction of a coordinate
+_ONE = 1 << _BITS
 _FAR = 30_000.0  # coordinates beyond are cut: OpenCV counts in 16 bits
 
 INK, FAINT, EDGE = (20, 24, 27), (91, 101, 110), (124, 135, 144)
 PAPER, FLOOR, GRID = (247, 248, 249), (235, 238, 240), (211, 216, 220)
+WHITE = (255, 255, 255)
 _WIDTHS: dict[tuple[str, int], float] = {}
 _MOST_WIDTHS = 10_000
 ALARM, WARNING = (198, 43, 31), (242, 178, 51)
@@ -50,8 +53,14 @@ def blank(width: int, height: int, colour: Colour = PAPER) -> Image:
     return np.full((height, width, 3), colour, np.uint8)
 
 
+def fixed(points: Float64[np.ndarray, "*point 2"]) -> Int32[np.ndarray, "*point 2"]:
+    """Return coordinates in sixteenths of a pixel, as OpenCV takes them; none may be NaN."""
+    cut = np.minimum(np.maximum(points, -_FAR), _FAR)
+    return np.asarray(np.rint(cut * _ONE), np.int32)
+
+
 class Pen:
-    """Draws on one image."""
+    """Draws on one image, which may be a part of a larger one."""
 
     def __init__(self, image: Image) -> None:
         self.image = image
@@ -61,80 +70,72 @@ class Pen:
     def line(self, points: Float64[np.ndarray, "point 2"], colour: Colour, width: float) -> None:
         """Draw a line through points; a point that is NaN interrupts it."""
         known = np.isfinite(points).all(axis=1)
-        if known.all() and len(points) > 1:
-            self._cv.polylines(
-                self.image, [_fixed(points)], False, colour, max(1, round(width)),
-                self._cv.LINE_AA, _BITS,
-            )  # fmt: skip
+        if known.all():
+            self.strokes([fixed(points)] if len(points) > 1 else [], colour, width)
             return
-        for part in np.split(np.arange(len(points)), np.flatnonzero(~known)):
-            which = part[known[part]]
-            if len(which) > 1:
-                self._cv.polylines(
-                    self.image, [_fixed(points[which])], False, colour, max(1, round(width)),
-                    self._cv.LINE_AA, _BITS,
-                )  # fmt: skip
+        parts = np.split(np.arange(len(points)), np.flatnonzero(~known))
+        kept = [part[known[part]] for part in parts]
+        self.strokes([fixed(points[part]) for part in kept if len(part) > 1], colour, width)
 
-    def segments(
-        self, ends: Float64[np.ndarray, "segment 2 2"], colour: Colour, width: float
+    def strokes(
+        self, strokes: Sequence[Int32[np.ndarray, "point 2"]], colour: Colour, width: float
     ) -> None:
-        """Draw straight lines, all at once; those with an end that is NaN are left out."""
-        known = ends[np.isfinite(ends).all(axis=(1, 2))]
-        if len(known):
+        """Draw lines through points of :func:`fixed`, all at once."""
+        if len(strokes):
             self._cv.polylines(
-                self.image, list(_fixed(known)), False, colour, max(1, round(width)),
-                self._cv.LINE_AA, _BITS,
-            )  # fmt: skip
+                self.image, strokes, False, colour, max(1, round(width)), self._cv.LINE_AA, _BITS
+            )
 
     def area(
         self, points: Float64[np.ndarray, "point 2"], colour: Colour, share: float = 1.0
     ) -> None:
         """Fill a polygon; `share` of the colour covers what is there."""
-        if not np.isfinite(points).all():
-            return
+        if np.isfinite(points).all():
+            self.fill(fixed(points), colour, share)
+
+    def fill(
+        self, points: Int32[np.ndarray, "point 2"], colour: Colour, share: float = 1.0
+    ) -> None:
+        """Fill a polygon of :func:`fixed`; `share` of the colour covers what is there."""
         if share >= 1.0:
-            self._cv.fillPoly(self.image, [_fixed(points)], colour, self._cv.LINE_AA, _BITS)
+            self._cv.fillPoly(self.image, [points], colour, self._cv.LINE_AA, _BITS)
             return
-        height, width = self.image.shape[:2]
-        left, top = np.clip(np.floor(points.min(axis=0)), 0, [width, height]).astype(int)
-        right, bottom = np.clip(np.ceil(points.max(axis=0)) + 1, 0, [width, height]).astype(int)
-        if right <= left or bottom <= top:
+        left, top, width, height = self._cv.boundingRect(points)
+        rows, columns = self.image.shape[:2]
+        right, bottom = (left + width) // _ONE + 2, (top + height) // _ONE + 2
+        left, top = max(left // _ONE, 0), max(top // _ONE, 0)
+        under = self.image[top : min(bottom, rows), left : min(right, columns)]
+        if under.size == 0 or right <= 0 or bottom <= 0:
             return
-        under = self.image[top:bottom, left:right]
         over = under.copy()
-        moved = points - [left, top]
-        self._cv.fillPoly(over, [_fixed(moved)], colour, self._cv.LINE_AA, _BITS)
+        moved = points - np.array([left * _ONE, top * _ONE], np.int32)
+        self._cv.fillPoly(over, [moved], colour, self._cv.LINE_AA, _BITS)
         self._cv.addWeighted(over, share, under, 1.0 - share, 0.0, under)
 
-    def disc(self, at: Float64[np.ndarray, " 2"], radius: float, colour: Colour) -> None:
+    def disc(self, at: Sequence[float], radius: float, colour: Colour) -> None:
         """Fill a circle."""
-        if np.isfinite(at).all():
-            x, y = _fixed(at[None])[0].tolist()
-            self._cv.circle(
-                self.image, (x, y), round(radius * (1 << _BITS)), colour, -1,
-                self._cv.LINE_AA, _BITS,
-            )  # fmt: skip
+        self._circle(at, radius, colour, -1)
 
-    def ring(
-        self, at: Float64[np.ndarray, " 2"], radius: float, colour: Colour, width: int
-    ) -> None:
+    def ring(self, at: Sequence[float], radius: float, colour: Colour, width: int) -> None:
         """Draw a circle."""
-        if np.isfinite(at).all():
-            x, y = _fixed(at[None])[0].tolist()
-            self._cv.circle(
-                self.image, (x, y), round(radius * (1 << _BITS)), colour, width,
-                self._cv.LINE_AA, _BITS,
-            )  # fmt: skip
+        self._circle(at, radius, colour, width)
+
+    def _circle(self, at: Sequence[float], radius: float, colour: Colour, width: int) -> None:
+        x, y = float(at[0]), float(at[1])
+        if abs(x) < _FAR and abs(y) < _FAR:  # false for NaN
+            place = (round(x * _ONE), round(y * _ONE))
+            size = round(radius * _ONE)
+            self._cv.circle(self.image, place, size, colour, width, self._cv.LINE_AA, _BITS)
 
     def text(
         self, text: str, at: Sequence[float], size: float, colour: Colour, anchor: str = "left"
     ) -> None:
         """Write text with its base line at a point; `anchor` is left, middle or right."""
-        if not np.isfinite(np.asarray(at, float)).all():
+        x, y = float(at[0]), float(at[1])
+        if not (math.isfinite(x) and math.isfinite(y)):
             return
-        width = self.width_of(text, size)
-        shift = {"left": 0.0, "middle": 0.5, "right": 1.0}[anchor] * width
-        where = (round(at[0] - shift), round(at[1]))
+        shift = {"left": 0.0, "middle": 0.5, "right": 1.0}[anchor]
+        where = (round(x - shift * self.width_of(text, size)), round(y))
         if self._face is not None:
             self._cv.putText(self.image, text, where, colour, self._face, round(size), 500)
         else:
@@ -158,30 +159,26 @@ class Pen:
         (width, _), _ = self._cv.getTextSize(text, self._cv.FONT_HERSHEY_SIMPLEX, size / 30.0, 1)
         return float(width)
 
-    def label(self, text: str, at: Float64[np.ndarray, " 2"], size: float, colour: Colour) -> None:
-        """Write text in white on a rounded piece of colour, with its middle at a point."""
-        if not np.isfinite(at).all():
+    def label(self, text: str, at: Sequence[float], size: float, colour: Colour) -> None:
+        """Write text in white on a piece of colour, with its middle at a point."""
+        x, y = float(at[0]), float(at[1])
+        if not (abs(x) < _FAR and abs(y) < _FAR):
             return
-        half = np.array([max(self.width_of(text, size) / 2 + 0.35 * size, 0.6 * size), 0.65 * size])
-        low, high = at - half, at + half
-        box = np.array([low, [high[0], low[1]], high, [low[0], high[1]]])
-        self.area(box, colour)
-        self.text(text, (at[0], at[1] + 0.36 * size), size, (255, 255, 255), "middle")
+        wide, high = max(self.width_of(text, size) / 2 + 0.35 * size, 0.6 * size), 0.65 * size
+        low, far = (round(x - wide), round(y - high)), (round(x + wide), round(y + high))
+        self._cv.rectangle(self.image, low, far, colour, -1)
+        self.text(text, (x, y + 0.36 * size), size, WHITE, "middle")
 
 
-def scaled(image: Image, width: int, height: int) -> Image:
-    """Return an image in another size."""
-    if image.shape[:2] == (height, width):
-        return image.copy()
-    cv = opencv()
-    return np.asarray(cv.resize(image, (width, height), interpolation=cv.INTER_AREA))
+def fit_into(image: Image, into: Image) -> None:
+    """Copy an image into another one, in its size."""
+    height, width = into.shape[:2]
+    if image.shape != into.shape:
+        cv = opencv()
+        image = cv.resize(image, (width, height), interpolation=cv.INTER_AREA)
+    into[...] = image
 
 
 @cache
 def _face(cv: Any) -> Any:
     return cv.FontFace("sans") if hasattr(cv, "FontFace") else None  # from OpenCV 5 on
-
-
-def _fixed(points: Float64[np.ndarray, "*point 2"]) -> np.ndarray:
-    fixed = np.rint(np.clip(points, -_FAR, _FAR) * (1 << _BITS))
-    return np.asarray(fixed, np.int32)

@@ -91,6 +91,14 @@ class OpenVideo:
         reordered = bool(self.stream.codec_context.has_b_frames)
         return reordered and self.container.format.name == "avi"
 
+    def seek(self, t_s: float) -> None:
+        """Go to the last key frame up to a time [s], where the container knows it."""
+        try:
+            offset = int(t_s / self.stream.time_base)
+            self.container.seek(offset, stream=self.stream, backward=True)
+        except av.FFmpegError:  # files that cannot seek stay where they are
+            return
+
     def pictures(self) -> Iterator[Any]:
         """Yield the images that can be decoded, in display order; count the others in `damaged`."""
         packets = self.container.demux(self.stream)

@@ -22,6 +22,7 @@ logger = logging.getLogger(__name__)
 
 FALLBACK_FPS = 25.0
 MISSED_S = 0.5  # an end earlier than announced by less is not worth a warning,
+_WORTH_SEEKING_S = 5.0
 MISSED_PERIODS = 1.5  # nor by fewer periods: the last image lasts one
 
 
@@ -193,13 +194,21 @@ class VideoFile:
     def __iter__(self) -> Iterator[Frame]:
         return (picture.frame() for picture in self.pictures())
 
-    def pictures(self) -> Iterator["Picture"]:
+    def pictures(self, from_s: float = 0.0) -> Iterator["Picture"]:
         """Yield the same images, decoded but not yet turned into RGB.
 
         That takes most of the time, and is saved for those that nobody looks at.
+
+        Parameters
+        ----------
+        from_s
+            What is earlier may be left out; it is where the file has an index [s].
         """
         decode = _decoding()
+        begins_s = self._key_frame_s(from_s) if from_s > _WORTH_SEEKING_S else None
         with decode.opened(self.path, self._threads) as video:
+            if begins_s is not None:
+                video.seek(begins_s)
             clock = _Clock(self.info.fps or FALLBACK_FPS, counts_only=video.keeps_no_time)
             to_rgb = decode.RgbConverter(self.decoded_size_px, self.info.orientation)
             index = 0
@@ -210,7 +219,19 @@ class VideoFile:
                     make = partial(_masked, to_rgb, picture, self._mask)
                     yield Picture(self.camera, index, t_s, make)
                     index += 1
-            self._warn(index, video.damaged, clock)
+            if begins_s is None:
+                self._warn(index, video.damaged, clock)
+
+    def _key_frame_s(self, from_s: float) -> float | None:
+        """Return the time of a key frame before a time [s]; None to read from the beginning."""
+        decode = _decoding()
+        with decode.opened(self.path, threads=1) as video:
+            if video.keeps_no_time:
+                return None
+            video.seek(from_s)
+            picture = next(video.pictures(), None)
+            t_s = None if picture is None else decode.time_s(picture)
+        return t_s if t_s is not None and self.info.start_s < t_s <= from_s else None
 
     def _check_size(self, picture: Any) -> None:
         expected = self.info.orientation.size(self.size_px)
