@@ -104,6 +104,18 @@ def cameras_moved(unknowns, step):
     return then
 
 
+def outward(sights, unknowns, p, own, at_point, force):
+    """Yield places and values of the force on all logarithms of depth over focal length."""
+    cameras = sights.cam[sights.first[p] : sights.first[p + 1]]
+    for c in cameras:
+        x, y, z = unknowns.T[c, :3, :3] @ unknowns.xyz_m[p] + unknowns.T[c, :3, 3]
+        share = force / len(cameras)
+        yield c * own, share * np.array([y, -x, 0.0, 0.0, 0.0, 1.0]) / z
+        yield at_point + 3 * p, share * unknowns.T[c, 2, :3] / z
+        if own > 8:
+            yield c * own + 8, np.array([-share / (1.0 + unknowns.lens[c, 0])])
+
+
 def dense(seen, unknowns, own):
     """Return the whole normal matrix and right-hand side: cameras, points, biases, heights."""
     sights = seen.sights
@@ -139,7 +151,10 @@ def dense(seen, unknowns, own):
             J = np.zeros(n)
             J[at_point + 3 * p + 2], J[at_level + s] = 1.0, -1.0
             high = unknowns.level_m[s] - unknowns.xyz_m[p, 2]
-            add(J, high, trust(high**2 / sights.level_m2[s]) / sights.level_m2[s])
+            by_height = trust(high**2 / sights.level_m2[s]) / sights.level_m2[s]
+            add(J, high, by_height)
+            for at, force in outward(sights, unknowns, p, own, at_point, by_height * high**2):
+                b[at : at + len(force)] += force
         for block in range(sights.block_first[s], sights.block_first[s + 1]):
             begins = block == sights.block_first[s]
             kept = 0.0 if begins else np.exp(-sights.gap_s[block] / BIAS_S)
@@ -188,15 +203,69 @@ def test_the_inner_unknowns_after_a_step_solve_the_whole_system():
     np.testing.assert_allclose(then.level_m - unknowns.level_m, whole[-2:], rtol=1e-3, atol=1e-4)
 
 
+def reduced(seen, unknowns, own=8):
+    """Return the equations of the cameras, and what is kept of the elimination."""
+    work = _workspace(seen, CAMERAS, own)
+    n = CAMERAS * own
+    normal, right = np.zeros((n, n)), np.zeros(n)
+    reduce(seen.sights, unknowns, 1.0, 0.0, normal, right, work)
+    return normal, right, work
+
+
 def test_the_cost_falls_along_the_step_of_the_equations():
     seen, unknowns = scene(seed=4)
-    work = _workspace(seen, CAMERAS, 8)
-    normal, right = np.zeros((24, 24)), np.zeros(24)
-    reduce(seen.sights, unknowns, 1.0, 0.0, normal, right, work)
+    normal, right, work = reduced(seen, unknowns)
     step = np.linalg.solve(normal + 1e3 * np.diag(np.diag(normal)), right)
-    before = total_cost(seen.sights, unknowns, 1.0)
-    after = total_cost(seen.sights, _moved(seen, unknowns, step, work, 8), 1.0)
+    before = total_cost(seen.sights, unknowns, 1.0, work)
+    after = total_cost(seen.sights, _moved(seen, unknowns, step, work, 8), 1.0, work)
     assert after < before
+
+
+@pytest.mark.parametrize("own", [8, 11])
+def test_the_equations_are_the_gradient_of_the_cost_with_the_depths_of_its_beginning(own):
+    seen, unknowns = nearly_right(*scene(seed=2, lens=own > 8))
+    settled = settle(seen, unknowns, own)  # so that the inner unknowns have no gradient
+    _, right, work = reduced(seen, settled, own)
+    assert (work.draw > 0.0).all()
+    for m in range(CAMERAS * own):
+        step = np.zeros(CAMERAS * own)
+        step[m] = 1e-6
+        there = [
+            total_cost(seen.sights, cameras_moved(settled, sign * step), 1.0, work)
+            for sign in (1, -1)
+        ]
+        slope = (there[0] - there[1]) / 2e-6
+        assert -0.5 * slope == pytest.approx(right[m], rel=2e-2, abs=2e-2 * np.abs(right).max())
+
+
+def nearly_right(seen, unknowns):
+    """Return observations of what the unknowns predict, with errors of some mm."""
+    z, rng = seen.sights.z.copy(), np.random.default_rng(0)
+    for p in range(8):
+        for o in range(seen.sights.first[p], seen.sights.first[p + 1]):
+            z[o] -= off(seen.sights, unknowns, o, p)[0] + rng.normal(0.0, 2e-3, 2)
+    return dataclasses.replace(seen, sights=seen.sights._replace(z=z)), unknowns
+
+
+def settle(seen, unknowns, own):
+    """Return the unknowns with points, biases and heights at their best for these cameras."""
+    for _ in range(60):
+        _, _, work = reduced(seen, unknowns, own)
+        unknowns = _moved(seen, unknowns, np.zeros(CAMERAS * own), work, own)
+    return unknowns
+
+
+def test_people_are_not_drawn_towards_the_cameras():
+    """Scaling all about one camera changes no direction it sees: its forces must cancel."""
+    seen, unknowns = nearly_right(*scene(seed=3))
+    unknowns = settle(seen, unknowns, 8)
+    _, right, _ = reduced(seen, unknowns)
+    shift = unknowns.T[:, :3, 3].copy()
+    outward = np.zeros(CAMERAS * 8)
+    for c in range(CAMERAS):
+        outward[c * 8 + 3 : c * 8 + 6] = shift[c]
+    # moving all cameras and (as they follow) points outward alike is no gain and no loss
+    assert abs(right @ outward) < 0.02 * np.abs(right * outward).sum()
 
 
 def test_variances_found_are_those_of_the_observations_that_were_adjusted():

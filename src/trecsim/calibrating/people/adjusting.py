@@ -17,7 +17,7 @@ from trecsim.geometry.rigid import nearest_rotation, rotation_matrix
 
 POSE, CLOCK, LENS = slice(0, 6), slice(6, 8), slice(8, 11)
 LEAST_DAMPING, MOST_DAMPING = 1e-9, 1e6
-SLACK = 1e-6  # the weights depend on the depth: near the end the cost need not fall
+SLACK = 1e-9  # of rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +33,7 @@ class Adjusted:
     normal
         Normal matrix of the cameras' unknowns, all else eliminated, priors included.
     cost
-        Robust cost at the end.
+        Robust cost at the end, with the depths found.
     """
 
     state: RigState
@@ -67,26 +67,38 @@ def adjusted(
     """
     now = start or first_guess(seen, state)
     work = _workspace(seen, len(state.T), priors.own)
-    damping, cost, normal = 1e-4, np.inf, np.zeros((0, 0))
+    damping = 1e-4
     for scale in annealing:
-        cost = total_cost(seen.sights, now, scale) + priors.cost(now, state)
         for _ in range(STEPS):
             normal, right = _equations(seen, now, state, priors, scale, damping, work)
+            cost = total_cost(seen.sights, now, scale, work) + priors.cost(now, state)
             while damping < MOST_DAMPING:
                 step = _solved(normal, right, damping)
                 then = _moved(seen, now, step, work, priors.own)
-                new = total_cost(seen.sights, then, scale) + priors.cost(then, state)
+                new = total_cost(seen.sights, then, scale, work) + priors.cost(then, state)
                 if new <= cost * (1.0 + SLACK):
                     break
                 damping *= 8.0
                 normal, right = _equations(seen, now, state, priors, scale, damping, work)
             else:
                 break
-            now, cost, damping = then, new, max(0.3 * damping, LEAST_DAMPING)
+            now, damping = then, max(0.3 * damping, LEAST_DAMPING)
             if np.abs(step.reshape(len(state.T), -1)[:, :3]).max() < CONVERGED_RAD * scale**2:
                 break
     normal, _ = _equations(seen, now, state, priors, annealing[-1], 0.0, work)
+    cost = total_cost(seen.sights, now, annealing[-1], work) + priors.cost(now, state)
     return Adjusted(_state(now, state), now, normal, cost)
+
+
+def gained(seen: Observations, one: Adjusted, other: Adjusted) -> float:
+    """Return by how much another adjustment of the same observations lowers their cost."""
+    n_cam = len(one.state.T)
+    own = len(one.normal) // n_cam
+    work = _workspace(seen, n_cam, own)
+    n_all = own * n_cam
+    reduce(seen.sights, one.unknowns, 1.0, 0.0, np.zeros((n_all, n_all)), np.zeros(n_all), work)
+    before, after = (total_cost(seen.sights, of.unknowns, 1.0, work) for of in (one, other))
+    return float(before - after)
 
 
 def _workspace(seen: Observations, n_cam: int, own: int) -> Eliminated:
@@ -101,6 +113,8 @@ def _workspace(seen: Observations, n_cam: int, own: int) -> Eliminated:
         np.zeros((blocks, n)),
         np.zeros(blocks),
         np.zeros((len(seen.joint), n_all + 2)),
+        np.zeros(len(sights.cam)),
+        np.zeros(points),
     )
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from trecsim.calibrating.people.camera_records import CameraRecord, records
-from trecsim.calibrating.people.finding import Found, find
+from trecsim.calibrating.people.finding import find
+from trecsim.calibrating.people.found import Found
 from trecsim.calibrating.people.holding_out import parts
 from trecsim.calibrating.people.judging import Evidence, findings, inflation
 from trecsim.calibrating.people.kernels.residuals import residuals

@@ -1,20 +1,21 @@
 """From 2D poses to a rig: the stages of the calibration from people, from top to bottom."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int64
+from jaxtyping import Float64
 
-from trecsim.calibrating.people.adjusting import Adjusted, adjusted
+from trecsim.calibrating.people.adjusting import adjusted
 from trecsim.calibrating.people.body_pairs import BodyRelation
 from trecsim.calibrating.people.body_start import start_by_bodies
 from trecsim.calibrating.people.camera_records import CameraRecord
 from trecsim.calibrating.people.chains import chains
 from trecsim.calibrating.people.floor_tracks import floor_tracks
-from trecsim.calibrating.people.observations import Observations, observations
-from trecsim.calibrating.people.pairs import Relation, relate
-from trecsim.calibrating.people.pose_uncertainty import covariance_of
+from trecsim.calibrating.people.found import Found, Relations
+from trecsim.calibrating.people.lenses import with_lenses
+from trecsim.calibrating.people.observations import observations
+from trecsim.calibrating.people.pairs import relate
 from trecsim.calibrating.people.priors import Distance, Priors, Upright
 from trecsim.calibrating.people.state import RigState
 from trecsim.calibrating.people.tracklets import Tracklet, tracklets
@@ -22,9 +23,6 @@ from trecsim.calibrating.people.tree import joined
 from trecsim.calibrating.people.tuning import (
     ANNEALING,
     BODY_TILT_RAD,
-    LENS_LEAST,
-    LENS_SD,
-    LENS_SURE,
     LOOSER,
     REFIT_CLOCK,
 )
@@ -32,42 +30,8 @@ from trecsim.calibrating.people.uprights import Level, level
 from trecsim.calibrating.people.variances import with_own_variances
 from trecsim.calibrating.people.world import bodies, lowered
 
-FEWEST_FOR_LENSES = 3  # two cameras explain wrong intrinsics by their poses
 COARSE = ANNEALING[:-2]
 FINE = (2.0, 1.0)
-
-
-Relations = tuple[Relation, ...] | tuple[BodyRelation, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Found:
-    """What was found of a recording.
-
-    Attributes
-    ----------
-    tracks, chain
-        All tracklets, and the person of each, -1 where unknown.
-    levels
-        Vertical and height of each camera; None where it saw too little.
-    relations
-        Pairs of cameras whose floor tracks agree; if there are none, pairs that see the same
-        bodies.
-    seen
-        What was adjusted.
-    rig
-        The adjusted rig, in the frame of its root camera, its scale that of `priors`.
-    priors
-        What was taken as known.
-    """
-
-    tracks: list[Tracklet]
-    chain: Int64[np.ndarray, " tracklet"]
-    levels: tuple[Level | None, ...]
-    relations: Relations
-    seen: Observations
-    rig: Adjusted
-    priors: Priors
 
 
 def start(
@@ -145,29 +109,7 @@ def find(
     seen = with_own_variances(seen, rig, again, least=1.0)
     rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
     kept = Found(tracks, chain, levels, relations, seen, rig, priors)
-    return with_lenses(kept) or kept
-
-
-def with_lenses(found: Found) -> Found | None:
-    """Return what was found with refined intrinsics, where the people clearly ask for that."""
-    n = len(found.priors.found)
-    if found.priors.found.sum() < FEWEST_FOR_LENSES:
-        return None
-    priors = replace(found.priors, lens_sd=np.tile(LENS_SD, (n, 1)))
-    rig = adjusted(
-        found.seen, found.rig.state, priors, annealing=(1.0,),
-        start=found.rig.unknowns._replace(clock=np.zeros((n, 2))),
-    )  # fmt: skip
-    off = lenses_off(rig, priors.own)[priors.found]
-    return replace(found, rig=rig, priors=priors) if off.any() else None
-
-
-def lenses_off(rig: Adjusted, own: int) -> Bool[np.ndarray, " cam"]:
-    """Return of which cameras the intrinsics are clearly off."""
-    sd = np.sqrt(np.diag(covariance_of(rig, own)).reshape(-1, own)[:, 8:])
-    size = np.abs(rig.state.lens)
-    off: Bool[np.ndarray, " cam"] = ((size > LENS_SURE * sd) & (size > LENS_LEAST)).any(axis=1)
-    return off
+    return with_lenses(kept, records) or kept
 
 
 def _root(state: RigState, relations: Relations) -> int:

@@ -8,8 +8,8 @@ from jaxtyping import Float64, Int64
 
 from trecsim.calibrating.people.adjusting import Adjusted, adjusted
 from trecsim.calibrating.people.camera_records import CameraRecord
-from trecsim.calibrating.people.finding import Found
-from trecsim.calibrating.people.observations import observations
+from trecsim.calibrating.people.found import Found
+from trecsim.calibrating.people.observations import Observations, observations
 from trecsim.calibrating.people.pose_uncertainty import pose_covariance, rig_of, turned_between
 from trecsim.calibrating.people.priors import Distance
 from trecsim.geometry import Rig
@@ -50,22 +50,33 @@ def parts(found: Found, records: tuple[CameraRecord, ...], cameras: Rig) -> list
     ]
 
 
-def _halves(found: Found, records: tuple[CameraRecord, ...], cameras: Rig) -> Iterator[Part]:
+def halves(found: Found, records: tuple[CameraRecord, ...]) -> tuple[Observations, ...]:
+    """Return the halves of a recording; nothing where one of them shows too little."""
     t_s = found.seen.t_s
     if not len(t_s) or np.ptp(t_s) < SHORTEST_S:
-        return
+        return ()
     middle_s = float(np.median(t_s))
-    halves = []
-    for between in ((-np.inf, middle_s), (middle_s, np.inf)):
-        seen = observations(found.tracks, records, found.chain, found.rig.state, between=between)
-        if seen.count < FEWEST or len(np.unique(seen.sights.cam)) < found.priors.found.sum():
-            return
-        halves.append(adjusted(seen, found.rig.state, found.priors, annealing=(1.0,)))
+    both = tuple(
+        observations(found.tracks, records, found.chain, found.rig.state, between=between)
+        for between in ((-np.inf, middle_s), (middle_s, np.inf))
+    )
+    wanted = int(found.priors.found.sum())
+    enough = (one.count >= FEWEST and len(np.unique(one.sights.cam)) >= wanted for one in both)
+    return both if all(enough) else ()
+
+
+def _halves(found: Found, records: tuple[CameraRecord, ...], cameras: Rig) -> Iterator[Part]:
+    both = halves(found, records)
+    if not both:
+        return
+    refitted = [adjusted(seen, found.rig.state, found.priors, annealing=(1.0,)) for seen in both]
     which = np.flatnonzero(found.priors.found)
     own = found.priors.own
-    both = sum((_own_variance(half, own, which, cameras) for half in halves), np.zeros(len(which)))
-    turn = turned_between(halves[0].state, halves[1].state, which)
-    yield _part("time", "the halves", which, turn, both)
+    variance = sum(
+        (_own_variance(half, own, which, cameras) for half in refitted), np.zeros(len(which))
+    )
+    turn = turned_between(refitted[0].state, refitted[1].state, which)
+    yield _part("time", "the halves", which, turn, variance)
 
 
 def _without_people(

@@ -7,8 +7,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.calibrating.people.body_pairs import BodyRelation
-from trecsim.calibrating.people.finding import Found, lenses_off
+from trecsim.calibrating.people.found import Found
 from trecsim.calibrating.people.holding_out import Part
+from trecsim.calibrating.people.lenses import lenses_off
 from trecsim.calibrating.people.scale import Scale
 from trecsim.calibrating.people.steadiness import Step
 from trecsim.calibrating.people.tuning import BODY_LAGS_S
@@ -190,13 +191,15 @@ def _lenses(evidence: Evidence) -> Iterator[Finding]:
     found = evidence.found
     if found.priors.lens_sd is None:
         return
-    off = np.flatnonzero(lenses_off(found.rig, found.priors.own) & found.priors.found)
-    worst = int(off[int(np.argmax(np.abs(found.rig.state.lens[off]).max(axis=1)))])
-    focal, right, down = found.rig.state.lens[worst]
+    lens = np.where(found.priors.found[:, None], found.rig.state.lens, 0.0)
+    worst = int(np.argmax(np.abs(lens).max(axis=1)))
+    off = lenses_off(found.rig, found.priors.own) & found.priors.found
+    off[worst] = True
+    focal, right, down = lens[worst]
+    named = ", ".join(repr(evidence.names[int(c)]) for c in np.flatnonzero(off))
     yield Finding(
         "usable",
-        f"the given intrinsics do not fit what people show: those of "
-        f"{', '.join(repr(evidence.names[int(c)]) for c in off)} are clearly off, of "
+        f"the given intrinsics do not fit what people show: those of {named} are off, of "
         f"{evidence.names[worst]!r} the focal length by {focal:+.1%} and the principal point by "
         f"({right:+.1%}, {down:+.1%}) of it; all were refined: trecsim calibrate intrinsics does "
         "better",

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibrating.people.finding import Found
+from trecsim.calibrating.people.found import Found
 from trecsim.calibrating.people.kernels.residuals import residuals
 from trecsim.calibrating.people.tuning import KNOT_S
 

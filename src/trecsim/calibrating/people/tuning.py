@@ -128,9 +128,11 @@ OFFSET_LOOSE_S = 10.0
 
 LENS_SD = (0.02, 0.01, 0.01)
 """Standard deviation of a focal length, as a share of it, and of a principal point, over it."""
-LENS_SURE = 3.5
-LENS_LEAST = 0.008
-"""Intrinsics are refined when a camera's are off by so many standard deviations, and so much."""
+LENS_PRICE = 2.0
+"""Refined intrinsics must lower the cost of people that were not used by so much per number
+(Akaike)."""
+LENS_NAMED, LENS_LEAST = 2.0, 0.008
+"""A camera's intrinsics are named as off from so many standard deviations on, and so much."""
 
 # A rig that is checked or repaired.
 KNOCK_TURN_DEG, KNOCK_SHIFT_M = 2.0, 0.01

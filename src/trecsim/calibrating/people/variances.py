@@ -7,7 +7,13 @@ import numpy as np
 from trecsim.calibrating.people.adjusting import Adjusted
 from trecsim.calibrating.people.kernels.residuals import residuals
 from trecsim.calibrating.people.observations import Observations
-from trecsim.calibrating.people.tuning import BIAS_S, LEAST_VARIANCE, MOST_VARIANCE
+from trecsim.calibrating.people.tuning import (
+    BIAS_M,
+    BIAS_S,
+    LEAST_VARIANCE,
+    MOST_VARIANCE,
+    NOISE_M,
+)
 
 MEDIAN_OF_TWO = 2.0 * np.log(2.0)  # of a squared distance in units of one axis's variance
 
@@ -48,6 +54,19 @@ def with_own_variances(
     return replace(
         wanted, sights=own._replace(bias_m2=bias * own.bias_m2, noise_m2=noise * own.noise_m2)
     )
+
+
+def with_variances_of(known: Observations, seen: Observations) -> Observations:
+    """Return observations with the variances that others of the same people have."""
+    of, own = known.sights, seen.sights
+    if not len(of.noise_m2):
+        return seen
+    bias = of.bias_m2[0] / BIAS_M[known.joint[0]] ** 2
+    noise = of.noise_m2[0] / NOISE_M[known.joint[0]] ** 2
+    sights = own._replace(
+        bias_m2=bias * BIAS_M[seen.joint] ** 2, noise_m2=noise * NOISE_M[seen.joint] ** 2
+    )
+    return replace(seen, sights=sights)
 
 
 def _within(ratio: float, least: float) -> float:

@@ -69,12 +69,19 @@ def observe(sights, unknowns, s, p, n_own, scale, damping, look_at, normal, righ
     matrix, border, side = out.factor[b], out.border[b], out.side[b]
     inverse[:] = 0.0
     pull[:] = 0.0
+    high = unknowns.level_m[s] - unknowns.xyz_m[p, 2]
+    by_height = trust(high * high / sights.level_m2[s]) / sights.level_m2[s]
+    draw = by_height * high * high / (sights.first[p + 1] - sights.first[p])
+    out.draw[p] = draw
     for o in range(sights.first[p], sights.first[p + 1]):
         c, cross = sights.cam[o], out.cross[o]
         cross[:] = 0.0
         depth = look(sights, unknowns, o, unknowns.xyz_m[p], n_own, e, by_point, by_own)
+        out.depth_m[o] = depth
         if depth < 0.0:
             continue
+        own = right[c * n_own : (c + 1) * n_own]
+        widen(unknowns.T[c], 1.0 + unknowns.lens[c, 0], depth, by_own, draw, pull, own)
         e[0] -= unknowns.bias_m[b, c, 0]
         e[1] -= unknowns.bias_m[b, c, 1]
         w = certainty(sights, s, o, depth, scale)
@@ -95,20 +102,33 @@ def observe(sights, unknowns, s, p, n_own, scale, damping, look_at, normal, righ
                 border[2 * c + a, at + m] += w * by_own[a, m]
                 for k in range(n_own):
                     normal[at + m, at + k] += w * by_own[a, m] * by_own[a, k]
-    high = unknowns.level_m[s] - unknowns.xyz_m[p, 2]
-    w = trust(high * high / sights.level_m2[s]) / sights.level_m2[s]
-    inverse[2, 2] += w
-    pull[2] += w * high
+    inverse[2, 2] += by_height
+    pull[2] += by_height * high
     rise = out.rise[s]
     n_all = right.shape[0]
-    rise[n_all] += w
-    rise[n_all + 1] -= w * high
+    rise[n_all] += by_height
+    rise[n_all + 1] -= by_height * high
     # the coupling of point and height is -w e_z; it is kept beside the pull
-    pull[3] = -w
+    pull[3] = -by_height
     little = 1e-9 * (inverse[0, 0] + inverse[1, 1] + inverse[2, 2]) + 1e-6
     for i in range(3):
         inverse[i, i] += damping * inverse[i, i] + little
     invert_three(inverse)
+
+
+@inner
+def widen(T, wide, depth, by_own, draw, pull, right):
+    """Add the force of a height's draw on the logarithm of a depth over the focal length.
+
+    `by_own` holds the derivatives by the camera's shift: ``-wide u`` and ``-wide v``.
+    """
+    for i in range(3):
+        pull[i] += draw * T[2, i] / depth
+    right[0] -= draw * by_own[1, 5] / wide
+    right[1] += draw * by_own[0, 5] / wide
+    right[5] += draw / depth
+    if right.shape[0] > 8:
+        right[8] -= draw / wide
 
 
 @inner

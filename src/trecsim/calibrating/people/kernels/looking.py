@@ -68,21 +68,41 @@ def cost_of(square):
 
 
 @kernel(allocates=True)
-def total_cost(sights, unknowns, scale):
-    """Return the robust cost of all observations, biases and heights."""
+def total_cost(sights, unknowns, scale, seen_from):
+    """Return the robust cost of all observations, biases and heights.
+
+    Parameters
+    ----------
+    sights, unknowns
+        `Sights` and `Unknowns`.
+    scale
+        Noise over its usual size.
+    seen_from
+        `Eliminated`, as `reduce` left it: its depths turn angles into metres, and its draws keep
+        the heights from shrinking the scene.
+
+    Notes
+    -----
+    Errors are sizes at the body. With depths that follow the unknowns the cost would fall when
+    everybody comes nearer to the cameras, so that two of these costs can be compared only with the
+    same `seen_from`.
+    """
     e, by_point, by_own = np.empty(2), np.empty((2, 3)), np.empty((2, 11))
     cost = 0.0
     for s in range(sights.noise_m2.shape[0]):
         for p in range(sights.point_first[s], sights.point_first[s + 1]):
             bias = unknowns.bias_m[sights.block[p]]
             for o in range(sights.first[p], sights.first[p + 1]):
-                c = sights.cam[o]
+                c, from_m = sights.cam[o], seen_from.depth_m[o]
                 depth = look(sights, unknowns, o, unknowns.xyz_m[p], 8, e, by_point, by_own)
-                if depth < 0.0:
+                if depth < 0.0 or from_m < 0.0:
                     cost += ROBUST * ROBUST
                     continue
-                x, y = e[0] - bias[c, 0], e[1] - bias[c, 1]
-                cost += cost_of((x * x + y * y) * certainty(sights, s, o, depth, scale))
+                x = e[0] * from_m / depth - bias[c, 0]
+                y = e[1] * from_m / depth - bias[c, 1]
+                cost += cost_of((x * x + y * y) * certainty(sights, s, o, from_m, scale))
+                grown = depth / (from_m * (1.0 + unknowns.lens[c, 0]))
+                cost -= 2.0 * seen_from.draw[p] * math.log(grown)
             high = unknowns.xyz_m[p, 2] - unknowns.level_m[s]
             cost += cost_of(high * high / sights.level_m2[s])
         for b in range(sights.block_first[s], sights.block_first[s + 1]):

@@ -81,6 +81,11 @@ class Eliminated(NamedTuple):
         Of each block the coupling with the next one (a number on the diagonal), and solved.
     rise
         Of each series the normal number of its height, the couplings and the right-hand side.
+    depth_m
+        Of each observation the distance of the point from the camera's plane [m]; -1 behind it.
+    draw
+        Of each point the force on the logarithm of each depth that makes up for its height, which
+        is measured in metres and would be less wrong were the scene smaller.
     """
 
     inverse: np.ndarray
@@ -91,3 +96,5 @@ class Eliminated(NamedTuple):
     side: np.ndarray
     along: np.ndarray
     rise: np.ndarray
+    depth_m: np.ndarray
+    draw: np.ndarray

@@ -1,0 +1,71 @@
+"""Focal lengths and principal points refined, where parts of the recording confirm each other."""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool
+
+from trecsim.calibrating.people.adjusting import Adjusted, adjusted, gained
+from trecsim.calibrating.people.camera_records import CameraRecord
+from trecsim.calibrating.people.found import Found
+from trecsim.calibrating.people.holding_out import halves
+from trecsim.calibrating.people.observations import Observations
+from trecsim.calibrating.people.pose_uncertainty import covariance_of
+from trecsim.calibrating.people.priors import Priors
+from trecsim.calibrating.people.tuning import LENS_LEAST, LENS_NAMED, LENS_PRICE, LENS_SD
+from trecsim.calibrating.people.variances import with_variances_of
+
+FEWEST = 3  # two cameras explain wrong intrinsics by their poses
+
+
+def with_lenses(found: Found, records: tuple[CameraRecord, ...]) -> Found | None:
+    """Return what was found with refined intrinsics; None where the given ones are to be kept.
+
+    Notes
+    -----
+    A wrong model of the people makes refined intrinsics fit better, too, and the longer the
+    recording the surer. So the intrinsics found in each half of the recording must explain the
+    other half better than the given ones, and by more than their number costs.
+    """
+    n, known = len(found.priors.found), int(found.priors.found.sum())
+    if known < FEWEST:
+        return None
+    priors = replace(found.priors, lens_sd=np.tile(LENS_SD, (n, 1)))
+    start = found.rig.unknowns._replace(clock=np.zeros((n, 2)))
+    rig = adjusted(found.seen, found.rig.state, priors, annealing=(1.0,), start=start)
+    price = LENS_PRICE * len(LENS_SD) * known
+    if gained(found.seen, found.rig, rig) < price:
+        return None
+    gains = _gains_elsewhere(found, records, priors)
+    if len(gains) < 2 or min(gains) <= 0.0 or sum(gains) < price:
+        return None
+    return replace(found, rig=rig, priors=priors)
+
+
+def lenses_off(rig: Adjusted, own: int) -> Bool[np.ndarray, " cam"]:
+    """Return of which cameras the intrinsics are clearly off."""
+    sd = np.sqrt(np.diag(covariance_of(rig, own)).reshape(-1, own)[:, 8:])
+    size = np.abs(rig.state.lens)
+    off: Bool[np.ndarray, " cam"] = ((size > LENS_NAMED * sd) & (size > LENS_LEAST)).any(axis=1)
+    return off
+
+
+def _gains_elsewhere(
+    found: Found, records: tuple[CameraRecord, ...], priors: Priors
+) -> list[float]:
+    """Return what the intrinsics of each half gain in the other; nothing if one is too short."""
+    both = tuple(with_variances_of(found.seen, one) for one in halves(found, records))
+    refined = [adjusted(one, found.rig.state, priors, annealing=(1.0,)) for one in both]
+    return [
+        _gain_with(one, found, other) for one, other in zip(both, reversed(refined), strict=True)
+    ]
+
+
+def _gain_with(seen: Observations, found: Found, lenses_of: Adjusted) -> float:
+    """Return what the intrinsics of another adjustment gain, all else fitted to `seen`."""
+    given, changed = found.rig.state, found.rig.state.copy()
+    changed.lens[:] = lenses_of.state.lens
+    before, after = (
+        adjusted(seen, state, found.priors, annealing=(1.0,)) for state in (given, changed)
+    )
+    return gained(seen, before, after)
