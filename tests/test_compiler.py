@@ -16,6 +16,7 @@ from trecsim.compiler import cache_folder, digest_of, kernel, sources_of
 
 PACKAGE = Path(trecsim.__file__).parent
 SOURCES = [*sorted((PACKAGE / "fusion" / "kernels").glob("*.py"))]
+SOURCES += sorted((PACKAGE / "safety" / "kernels").glob("*.py"))
 SOURCES += sorted((PACKAGE / "lab" / "simulation" / "kernels").glob("*.py"))
 
 # A kernel calls one of another file, which uses a constant of a third. Python calls both.

@@ -18,6 +18,7 @@ from trecsim.geometry import Rig
 from trecsim.safety.early_warning import EVERY_S, Forecaster
 from trecsim.safety.engine import Clock, RuleEngine
 from trecsim.safety.modes import Mode, Overrides, rules_off
+from trecsim.safety.ready import make_ready
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
 from trecsim.safety.signals import Feed, SignalSource, recorded
@@ -133,6 +134,8 @@ class RuleEvents:
         *,
         signals: SignalSource = lambda t_s: (),
     ) -> None:
+        if rules.rules:
+            make_ready()
         self._signals = signals
         self._site = rules.site
         forecaster = forecaster or _Looking(rules.rules)
@@ -150,6 +153,8 @@ class RuleEvents:
 
     def change(self, rules: RuleSet, t_s: float) -> list[dict[str, Any]]:
         """Take other rules from now on; return the ends of what has changed."""
+        if rules.rules:
+            make_ready()
         if isinstance(self._looking, _Looking):
             self._looking.change(rules.rules)
         ends = self._engine.change(rules.rules, rules.clock, t_s, rules.modes, rules.feeds)

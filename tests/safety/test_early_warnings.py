@@ -8,7 +8,7 @@ import pytest
 
 from made_paths import bodies_on, events_of, line, moments, through, times, told
 from trecsim.forecasting.forecasts import Forecasts
-from trecsim.safety.ahead import Ahead, Arrivals, ahead_of
+from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Polygon
 from trecsim.safety.warned import foreseen, unforeseen
@@ -152,11 +152,11 @@ def test_the_hand_that_is_stretched_out_gets_there_first() -> None:
     assert ahead.in_polygon(zone, (2.0, 2.5)).by.max(initial=0.0) == 0.0
 
 
-def test_who_is_far_away_is_not_looked_at() -> None:
+def test_nothing_is_expected_of_who_is_far_away() -> None:
     zone = Polygon(np.array([[30.0, 0.0], [31.0, 0.0], [31.0, 1.0]]))
     arrivals = made_ahead([(4.0, 0.0)], 0.5, [1.0]).in_polygon(zone)
-    assert isinstance(arrivals, Arrivals)
-    assert len(arrivals.person) == 0
+    assert arrivals.by.max() == 0.0
+    assert not arrivals.expected(4.0)
 
 
 def test_nothing_is_expected_of_people_whom_no_camera_supports() -> None:

@@ -4,7 +4,7 @@ from trecsim.cli.terminal import finish, progress_bar
 
 
 def warmup(*, json: bool = False) -> None:
-    """Compile the kernels of the fusion now instead of at the first run.
+    """Compile the kernels of the fusion and the rules now instead of at the first run.
 
     The compiled code is kept for later runs: in the directory NUMBA_CACHE_DIR, if it is set,
     otherwise beside the installed package or in the user's cache. After an update the kernels are
@@ -22,6 +22,7 @@ def warmup(*, json: bool = False) -> None:
     from trecsim.compiler import cache_folder
     from trecsim.errors import SetupError
     from trecsim.fusion import kernels, warmup
+    from trecsim.safety.ready import make_ready
 
     if config.DISABLE_JIT:
         raise SetupError(
@@ -29,6 +30,7 @@ def warmup(*, json: bool = False) -> None:
         )
     with progress_bar("kernels", quiet=json) as bar:
         warmup.warm_up(bar)
+    make_ready()
     folder = cache_folder(Path(kernels.__path__[0]))
     if folder is None:
         raise SetupError(

@@ -13,7 +13,7 @@ its border.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -23,8 +23,8 @@ from jaxtyping import Bool, Float64, Int64
 
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.directed_lines import Edge
-from trecsim.safety.gaussian import normal_cdf
-from trecsim.safety.polygons import LEAST_SIGMA_M, Polygon
+from trecsim.safety.kernels import LEAST, reached_edge, reached_zone
+from trecsim.safety.polygons import Polygon, plain
 from trecsim.safety.signals import Signals
 from trecsim.values import Snapshot
 
@@ -34,7 +34,6 @@ TOLD_S = (1.0, 2.0, 4.0)
 """The probabilities within these times stand in events [s]."""
 _LIKELY = 0.5
 _SURE = 4.0  # standard deviations from a place: nobody gets there
-_LEAST = 0.01
 
 Within = Float64[np.ndarray, "person step"]
 
@@ -88,13 +87,6 @@ class Ahead:
     joint_m: Float64[np.ndarray, "person joint 3"]
     signals: Signals = field(default_factory=Signals)
 
-    def of(self, rows: Int64[np.ndarray, " row"]) -> "Ahead":
-        """Return some of the people."""
-        return Ahead(
-            self.t_s, self.person[rows], self.ahead_s, self.weight[rows], self.xy_m[rows],
-            self.cov_m2[rows], self.joint_m[rows], self.signals,
-        )  # fmt: skip
-
     def in_polygon(
         self,
         polygon: Polygon,
@@ -112,67 +104,35 @@ class Ahead:
         z_m
             Joints between these heights count [m]; None looks at the floor point alone.
         least, within_s
-            People may be left out whose probability within this time [s] is surely below `least`.
+            People may be left out whose probability within this time [s] is surely below `least`;
+            later times are computed only for those who are there by then.
         """
-        near = self.of(np.flatnonzero(self._may_reach(polygon.corners_m)))
-        if least > 0.0 and len(near.person):
-            near = near.of(np.flatnonzero(near._at_most(polygon, within_s) >= least))
-        return near._arrivals(lambda ahead: ahead._inside(polygon, z_m), within_s)
+        rows = np.flatnonzero(self._may_reach(polygon.corners_m))
+        by_mode = np.zeros(self.xy_m.shape[:-1])
+        steps = (0, _at(self.ahead_s, within_s), len(self.ahead_s))
+        self._raise(by_mode, rows, polygon, z_m, steps, least)
+        return self._arrivals(by_mode)
 
-    def _arrivals(
-        self, there: Callable[["Ahead"], Float64[np.ndarray, "person mode step"]], within_s: float
-    ) -> "Arrivals":
-        """Return how probable it is that people will have been somewhere, for those who may be.
+    def _raise(
+        self,
+        by_mode: Float64[np.ndarray, "person mode step"],
+        rows: Int64[np.ndarray, " row"],
+        polygon: Polygon,
+        z_m: tuple[float, float] | None,
+        steps: tuple[int, int, int],
+        least: float = 0.0,
+    ) -> None:
+        """Raise probabilities to those of having been in a polygon; see `reached_zone`."""
+        heights_m = (-math.inf, math.inf) if z_m is None else (float(z_m[0]), float(z_m[1]))
+        reached_zone(
+            polygon.corners_m, polygon.is_convex, heights_m, z_m is None, rows, self.weight,
+            self.xy_m, self.cov_m2, self.joint_m, steps, least, by_mode,
+        )  # fmt: skip
 
-        Parameters
-        ----------
-        there
-            Returns the probability of being there at each time ahead.
-        within_s
-            Later times are computed only for people who may be there by then [s].
-        """
-        steps = int(np.searchsorted(self.ahead_s, within_s + 1e-6, side="right"))
-        if not len(self.person) or steps >= len(self.ahead_s):
-            return Arrivals.of(self, there(self))
-        soon = there(self._steps(slice(0, steps)))
-        rows = np.flatnonzero(Arrivals.mixed(self.weight, soon)[:, -1] > _LEAST)
-        late = self.of(rows)
-        if not len(rows):
-            return Arrivals.of(late, np.zeros(late.xy_m.shape[:-1]))
-        later = there(late._steps(slice(steps, len(self.ahead_s))))
-        return Arrivals.of(late, np.concatenate([soon[rows], later], axis=2))
-
-    def _at_most(self, polygon: Polygon, within_s: float) -> Float64[np.ndarray, " person"]:
-        """Return an upper bound of the probability of being in a polygon in time.
-
-        It is that of its nearest side: a point in a convex polygon is on the inner side of each of
-        its sides; in others the bound holds nearly. The body reaches as far as its farthest joint,
-        in any direction.
-        """
-        steps = int(np.searchsorted(self.ahead_s, within_s + 1e-6, side="right"))
-        xy_m, cov_m2 = self.xy_m[:, :, :steps], self.cov_m2[:, :, :steps]
-        body_m = np.sqrt(np.nan_to_num(np.square(self.joint_m[..., :2]).sum(axis=-1)).max(axis=1))
-        distance_m = polygon.distance_m(xy_m.reshape(-1, 2)).reshape(xy_m.shape[:-1])
-        sigma_m = np.sqrt(cov_m2[..., 0, 0] + cov_m2[..., 1, 1]) + LEAST_SIGMA_M
-        outside = np.minimum(distance_m + body_m[:, None, None], 0.0)  # inside the bound is 1
-        best = np.where(outside < 0.0, outside / sigma_m, np.inf).max(axis=2)
-        return np.asarray((self.weight * normal_cdf(best)).sum(axis=1))
-
-    def _inside(
-        self, polygon: Polygon, z_m: tuple[float, float] | None
-    ) -> Float64[np.ndarray, "person mode step"]:
-        """Return the probability to be in a polygon at each time ahead; see `in_polygon`."""
-        shape = self.xy_m.shape[:-1]
-        xy_m, cov_m2 = self.xy_m.reshape(-1, 2), self.cov_m2.reshape(-1, 2, 2)
-        if z_m is None or not len(xy_m):
-            return polygon.probability(xy_m, cov_m2).reshape(shape)
-        distance_m, towards = polygon.nearest(xy_m)
-        outside_m = np.maximum(-distance_m, 0.0)
-        reach_m = self.reach_m(towards.reshape(*shape, 2), z_m).reshape(-1)
-        has_joint = np.isfinite(reach_m)
-        moved_m = np.minimum(np.where(has_joint, reach_m, 0.0), outside_m + LEAST_SIGMA_M)
-        inside = polygon.probability(xy_m + moved_m[:, None] * towards, cov_m2) * has_joint
-        return np.asarray(inside.reshape(shape))
+    def _arrivals(self, by_mode: Float64[np.ndarray, "person mode step"]) -> "Arrivals":
+        """Return how probable it is over all modes that people will have been somewhere."""
+        by: Within = np.einsum("pm,pms->ps", self.weight, by_mode)
+        return Arrivals(self.t_s, self.person, self.ahead_s, by)
 
     def in_moving(
         self, polygons: Sequence[Sequence[Polygon]], z_m: tuple[float, float]
@@ -186,24 +146,15 @@ class Ahead:
         z_m
             Joints between these heights count [m].
         """
-        there = np.zeros(self.xy_m.shape[:-1])
+        by_mode = np.zeros(self.xy_m.shape[:-1])
+        rows = np.arange(len(self.person))
         for step, these in enumerate(polygons):
+            by_mode[:, :, step] = by_mode[:, :, max(step - 1, 0)]
             for polygon in these:
-                at = self._at(step)._inside(polygon, z_m)
-                there[:, :, step] = np.maximum(there[:, :, step], at[:, :, 0])
-        return Arrivals.of(self, there)
+                self._raise(by_mode, rows, polygon, z_m, (step, step, step + 1))
+        return self._arrivals(by_mode)
 
-    def _at(self, step: int) -> "Ahead":
-        return self._steps(slice(step, step + 1))
-
-    def _steps(self, some: slice) -> "Ahead":
-        """Return it at some of the times ahead."""
-        return Ahead(
-            self.t_s, self.person, self.ahead_s[some], self.weight, self.xy_m[:, :, some],
-            self.cov_m2[:, :, some], self.joint_m, self.signals,
-        )  # fmt: skip
-
-    def beyond(self, edge: Edge, depth_m: float, within_s: float = math.inf) -> "Arrivals":
+    def beyond(self, edge: Edge, depth_m: float) -> "Arrivals":
         """Return how probable it is that a joint of each person will have been beyond an edge.
 
         Only of people who come near the edge: nobody gets beyond it elsewhere.
@@ -214,39 +165,14 @@ class Ahead:
             The edge.
         depth_m
             Who is farther beyond is on the other side [m].
-        within_s
-            Later times are computed only for people who may be there by then [s].
         """
-        near = self.of(np.flatnonzero(self._may_reach(edge.points_m)))
-        return near._arrivals(lambda ahead: ahead._beyond(edge, depth_m), within_s)
-
-    def _beyond(self, edge: Edge, depth_m: float) -> Float64[np.ndarray, "person mode step"]:
-        """Return the probability that a joint is beyond an edge at each time; see `beyond`."""
-        shape = self.xy_m.shape[:-1]
-        distance_m, normal = edge.nearest(self.xy_m.reshape(-1, 2))
-        reach_m = self.reach_m(-normal.reshape(*shape, 2), (-np.inf, np.inf)).reshape(-1)
-        cov_m2 = self.cov_m2.reshape(-1, 2, 2)
-        sigma_m = np.sqrt(np.einsum("ni,nij,nj->n", normal, cov_m2, normal)) + LEAST_SIGMA_M
-        beside = distance_m >= -depth_m  # not where it is NaN
-        over = np.where(beside, (reach_m - distance_m) / sigma_m, -np.inf)
-        return normal_cdf(over).reshape(shape)
-
-    def reach_m(
-        self, towards: Float64[np.ndarray, "person mode step 2"], z_m: tuple[float, float]
-    ) -> Float64[np.ndarray, "person mode step"]:
-        """Return how far joints between two heights stick out in a direction [m].
-
-        It is -inf where no joint is at these heights.
-        """
-        low_m, high_m = z_m
-        counts = (self.joint_m[..., 2] >= low_m) & (self.joint_m[..., 2] <= high_m)
-        joint_m = np.where(counts[..., None], self.joint_m[..., :2], 0.0)
-        out_m: Float64[np.ndarray, "person mode step joint"] = (
-            towards @ joint_m.swapaxes(1, 2)[:, None]
-        )
-        out_m = np.where(counts[:, None, None], out_m, -np.inf)
-        reach_m: Float64[np.ndarray, "person mode step"] = out_m.max(axis=-1, initial=-np.inf)
-        return reach_m
+        rows = np.flatnonzero(self._may_reach(edge.points_m))
+        by_mode = np.zeros(self.xy_m.shape[:-1])
+        reached_edge(
+            plain(edge.points_m), float(depth_m), rows, self.xy_m, self.cov_m2, self.joint_m,
+            by_mode,
+        )  # fmt: skip
+        return self._arrivals(by_mode)
 
     def _may_reach(self, corners_m: Float64[np.ndarray, "corner 2"]) -> Bool[np.ndarray, " person"]:
         """Tell who gets near the box around a place."""
@@ -277,27 +203,13 @@ class Arrivals:
     ahead_s: Float64[np.ndarray, " step"]
     by: Within
 
-    @staticmethod
-    def of(ahead: Ahead, there: Float64[np.ndarray, "person mode step"]) -> "Arrivals":
-        """Return them from the probability of being there at each time; see the module."""
-        by = Arrivals.mixed(ahead.weight, there)
-        return Arrivals(ahead.t_s, ahead.person, ahead.ahead_s, by)
-
-    @staticmethod
-    def mixed(
-        weight: Float64[np.ndarray, "person mode"], there: Float64[np.ndarray, "person mode step"]
-    ) -> Within:
-        """Return the probability of having been there by each time, over all modes."""
-        by: Within = np.einsum("pm,pms->ps", weight, np.maximum.accumulate(there, axis=2))
-        return by
-
     def expected(self, within_s: float) -> dict[int, Expected]:
         """Return what is expected of each person within a time [s]."""
         by = self.by
         asked = _at(self.ahead_s, within_s)
         told = [_at(self.ahead_s, one) for one in TOLD_S]
         found = {}
-        for row in np.flatnonzero(by[:, asked] > _LEAST):
+        for row in np.flatnonzero(by[:, asked] > LEAST):
             when = int(np.argmax(by[row] >= _LIKELY * by[row, asked]))
             found[int(self.person[row])] = Expected(
                 float(by[row, asked]),
@@ -345,7 +257,8 @@ def ahead_of(
     joint_m[..., :2] -= floor_m[rows][:, None]
     joint_m[~counts] = np.nan
     return Ahead(
-        forecasts.t_s, people.id[rows], ahead_s, forecasts.weight[at], xy_m, cov_m2, joint_m,
+        forecasts.t_s, people.id[rows], ahead_s, plain(forecasts.weight[at]), plain(xy_m),
+        plain(cov_m2), plain(joint_m),
         Signals() if signals is None else signals,
     )  # fmt: skip
 

@@ -5,6 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
+from trecsim.safety.kernels import nearest_edges
+from trecsim.safety.polygons import plain
+
 Points = Float64[np.ndarray, "point 2"]
 
 
@@ -81,33 +84,6 @@ class Edge:
         >>> edge.nearest(np.array([[3.0, -0.4], [3.0, 0.1], [-1.0, -0.4]]))[0]
         array([ 0.4, -0.1,  nan])
         """
-        start, way = self.points_m[:-1], np.diff(self.points_m, axis=0)
-        right = np.stack([way[:, 1], -way[:, 0]], axis=1) / np.hypot(*way.T)[:, None]
-        to_point = xy_m[:, None, :] - start
-        share = (to_point * way).sum(-1) / np.square(way).sum(-1)
-        away = to_point - np.clip(share, 0.0, 1.0)[..., None] * way
-        each_m = np.sqrt(np.square(away).sum(-1))
-        at, row = each_m.argmin(axis=1), np.arange(len(xy_m))
-        beyond_start = (at == 0) & (share[:, 0] < 0.0)
-        beyond_end = (at == len(way) - 1) & (share[:, -1] > 1.0)
-        facing = self._facing(at, share[row, at], right)
-        nearest_m, offset = each_m[row, at], away[row, at]
-        side = np.where((offset * facing).sum(-1) >= 0.0, 1.0, -1.0)
-        distance_m = np.where(beyond_start | beyond_end, np.nan, side * nearest_m)
-        apart = nearest_m > 1e-9
-        unit = np.divide(offset, nearest_m[:, None], out=facing.copy(), where=apart[:, None])
-        return distance_m, np.where(apart[:, None], side[:, None] * unit, facing)
-
-    def _facing(
-        self,
-        at: np.ndarray,
-        share: Float64[np.ndarray, " point"],
-        right: Float64[np.ndarray, "side 2"],
-    ) -> Float64[np.ndarray, "point 2"]:
-        """Return what is to the right of the nearest place; at a corner, of both its sides."""
-        other = np.clip(np.where(share < 0.0, at - 1, np.where(share > 1.0, at + 1, at)), 0, None)
-        both = right[at] + right[np.minimum(other, len(right) - 1)]
-        length = np.hypot(*both.T)[:, None]
-        facing: Float64[np.ndarray, "point 2"] = right[at].copy()
-        np.divide(both, length, out=facing, where=length > 1e-9)
-        return facing
+        distance_m, direction = np.empty(len(xy_m)), np.empty((len(xy_m), 2))
+        nearest_edges(plain(self.points_m), plain(xy_m), distance_m, direction)
+        return distance_m, direction

@@ -9,23 +9,26 @@ the triangles that they form with the mean; that of such a triangle is the share
 full circle, minus what lies behind the side (Owen's T function at its two ends).
 """
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
 
-from trecsim.safety.gaussian import behind_line_within_angle, normal_cdf
-
-LEAST_SIGMA_M = 1e-6
-"""Uncertainty of a point that is stated to be exact [m]."""
-_LEAST_M2 = {n: LEAST_SIGMA_M**2 * np.eye(n) for n in (2, 3)}
-SURE = 5.5
-"""At so many standard deviations from every side the probability is 0 or 1, to 1e-7."""
-_SLICES, _SLICE_WEIGHTS = np.polynomial.legendre.leggauss(16)
+from trecsim.safety.kernels import (
+    LEAST_SIGMA_M,
+    SURE,
+    inside_joints,
+    inside_points,
+    nearest_sides,
+)
 
 Points = Float64[np.ndarray, "point 2"]
+
+
+def plain(values: Float64[np.ndarray, "*n"]) -> Float64[np.ndarray, "*n"]:
+    """Return values as kernels take them; a copy only where they are not so already."""
+    return np.require(values, np.float64, ["C", "W"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +44,8 @@ class Polygon:
     corners_m: Float64[np.ndarray, "corner 2"]
 
     def __post_init__(self) -> None:
-        if area_m2(self.corners_m) < 0.0:
-            object.__setattr__(self, "corners_m", self.corners_m[::-1].copy())
+        around = self.corners_m if area_m2(self.corners_m) >= 0.0 else self.corners_m[::-1]
+        object.__setattr__(self, "corners_m", plain(around))
 
     def distance_m(self, xy_m: Points) -> Float64[np.ndarray, " point"]:
         """Return the distance to the border: positive inside, negative outside [m].
@@ -53,12 +56,7 @@ class Polygon:
         >>> square.distance_m(np.array([[1.0, 0.5], [-3.0, -4.0]]))
         array([ 0.5, -5. ])
         """
-        away_x, away_y = self._away_m(xy_m)
-        nearest_m = np.sqrt((np.square(away_x) + np.square(away_y)).min(axis=1))
-        distance_m: Float64[np.ndarray, " point"] = np.where(
-            self._holds(xy_m), nearest_m, -nearest_m
-        )
-        return distance_m
+        return self.nearest(xy_m)[0]
 
     def normals(self, xy_m: Points) -> Float64[np.ndarray, "point 2"]:
         """Return the direction in which the distance of each point grows, of length 1."""
@@ -69,27 +67,11 @@ class Polygon:
     ) -> tuple[Float64[np.ndarray, " point"], Float64[np.ndarray, "point 2"]]:
         """Return the distance to the border, and the direction in which it grows, of length 1.
 
-        See `distance_m`; both at once cost little more than one.
+        Both are NaN for unknown points; see `distance_m`.
         """
-        away_x, away_y = self._away_m(xy_m)
-        squared_m2 = np.square(away_x) + np.square(away_y)
-        side, row = squared_m2.argmin(axis=1), np.arange(len(xy_m))
-        offset_m = np.stack([away_x[row, side], away_y[row, side]], axis=1)
-        length_m = np.sqrt(squared_m2[row, side])[:, None]
-        way = self._ways_m
-        inwards = np.stack([-way[:, 1], way[:, 0]], axis=1) / np.hypot(*way.T)[:, None]
-        apart = length_m > 1e-9
-        unit = np.divide(offset_m, length_m, out=inwards[side], where=apart)
-        holds = self._holds(xy_m)
-        outside = ~holds[:, None] & apart
-        distance_m = np.where(holds, length_m[:, 0], -length_m[:, 0])
-        return distance_m, np.where(outside, -unit, unit)
-
-    @cached_property
-    def _ways_m(self) -> Float64[np.ndarray, "corner 2"]:
-        """The way from each corner to the next."""
-        way: Float64[np.ndarray, "corner 2"] = _next(self.corners_m) - self.corners_m
-        return way
+        distance_m, direction = np.empty(len(xy_m)), np.empty((len(xy_m), 2))
+        nearest_sides(self.corners_m, plain(xy_m), distance_m, direction)
+        return distance_m, direction
 
     @cached_property
     def box_m(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -99,25 +81,12 @@ class Polygon:
         )  # fmt: skip
         return (low_x, low_y), (high_x, high_y)
 
-    def _away_m(
-        self, xy_m: Points
-    ) -> tuple[Float64[np.ndarray, "point corner"], Float64[np.ndarray, "point corner"]]:
-        """Return the way from the nearest place on each side to each point, x and y."""
-        (way_x, way_y), (start_x, start_y) = self._ways_m.T, self.corners_m.T
-        to_x, to_y = xy_m[:, :1] - start_x, xy_m[:, 1:] - start_y
-        share = (to_x * way_x + to_y * way_y) / (np.square(way_x) + np.square(way_y))
-        share = np.minimum(np.maximum(share, 0.0), 1.0)
-        return to_x - share * way_x, to_y - share * way_y
-
-    def _holds(self, xy_m: Points) -> Bool[np.ndarray, " point"]:
-        """Tell which points a ray to the right leaves through an odd number of sides."""
-        (x, y), a, way = xy_m.T[..., None], self.corners_m, self._ways_m
-        above = a[:, 1] > y
-        spans = above != np.concatenate([above[:, 1:], above[:, :1]], axis=1)
-        rise = np.where(way[:, 1] == 0.0, 1.0, way[:, 1])
-        left_of = x < a[:, 0] + (y - a[:, 1]) * way[:, 0] / rise
-        holds: Bool[np.ndarray, " point"] = np.logical_xor.reduce(spans & left_of, axis=1)
-        return holds
+    @cached_property
+    def is_convex(self) -> bool:
+        """Whether no corner points inwards."""
+        way_m = _next(self.corners_m) - self.corners_m
+        turn = way_m[:, 0] * _next(way_m)[:, 1] - way_m[:, 1] * _next(way_m)[:, 0]
+        return bool((turn >= 0.0).all())
 
     def probability(
         self, xy_m: Points, cov_m2: Float64[np.ndarray, "point 2 2"]
@@ -139,31 +108,9 @@ class Polygon:
         >>> square.probability(means, cov_m2)
         array([0.5 , 0.25])
         """
-        cov_m2 = _known(cov_m2)
-        reach_m = SURE * np.sqrt(cov_m2[:, 0, 0] + cov_m2[:, 1, 1])  # in the widest direction
-        (low_x, low_y), (high_x, high_y) = self.box_m
-        x, y = xy_m.T
-        near = (x + reach_m > low_x) & (x - reach_m < high_x)
-        near &= (y + reach_m > low_y) & (y - reach_m < high_y)
-        inside = np.where(np.isnan(x + y), np.nan, 0.0)
-        rows = near.nonzero()[0]
-        if len(rows):
-            inside[rows] = self._probability_near(xy_m[rows], cov_m2[rows], reach_m[rows])
-        return inside
-
-    def _probability_near(
-        self,
-        xy_m: Points,
-        cov_m2: Float64[np.ndarray, "point 2 2"],
-        reach_m: Float64[np.ndarray, " point"],
-    ) -> Float64[np.ndarray, " point"]:
-        """Return the probability of points that are known and not far away."""
-        distance_m = self.distance_m(xy_m)
-        inside = (distance_m > 0.0).astype(np.float64)
-        unsure = np.abs(distance_m) < reach_m
-        if unsure.any():
-            inside[unsure] = _exact(self.corners_m, xy_m[unsure], cov_m2[unsure])
-        return inside
+        found = np.empty(len(xy_m))
+        inside_points(self.corners_m, plain(xy_m), plain(cov_m2), found)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,6 +123,12 @@ class Prism:
         Its base.
     z_m
         Where it begins and ends above the floor [m].
+
+    Notes
+    -----
+    Height and place are correlated. A point that is near a side and near the floor or ceiling of
+    the prism is judged in slices of constant height, in which the distribution over the floor is
+    known.
     """
 
     polygon: Polygon
@@ -190,70 +143,38 @@ class Prism:
         ----------
         xyz_m, cov_m2
             Means [m] and covariances [m^2]; an unknown covariance (NaN) counts as none.
-
-        Notes
-        -----
-        Height and place are correlated. A point that is near a side and near the floor or ceiling
-        of the prism is judged in slices of constant height, in which the distribution over the
-        floor is known.
         """
-        over = self.polygon.probability(xyz_m[:, :2], cov_m2[:, :2, :2])
-        there = np.flatnonzero(~(over <= 0.0))  # elsewhere the height does not matter
-        over[there] = self._with_height(xyz_m[there], cov_m2[there], over[there])
-        return over
+        rows, counts = np.arange(len(xyz_m)), np.ones((len(xyz_m), 1), bool)
+        found: Float64[np.ndarray, " point"]
+        found = self.of_joints(rows, xyz_m[:, None], cov_m2[:, None], counts)[:, 0]
+        return found
 
-    def _with_height(
+    def of_joints(
         self,
-        xyz_m: Float64[np.ndarray, "point 3"],
-        cov_m2: Float64[np.ndarray, "point 3 3"],
-        over: Float64[np.ndarray, " point"],
-    ) -> Float64[np.ndarray, " point"]:
-        """Return the probability of points that may be over the polygon; see `probability`."""
-        cov_m2 = _known(cov_m2)
-        sigma_z = np.sqrt(cov_m2[:, 2, 2])
-        low, high = ((limit - xyz_m[:, 2]) / sigma_z for limit in self.z_m)
-        in_height = normal_cdf(high) - normal_cdf(low)
-        inside: Float64[np.ndarray, " point"] = over * in_height
-        cut = _is_open(in_height) & _is_open(over) & (cov_m2[:, 2, :2] != 0.0).any(axis=1)
-        if cut.any():
-            inside[cut] = in_height[cut] * self._in_slices(
-                xyz_m[cut], cov_m2[cut], low[cut], high[cut]
-            )
-        return inside
-
-    def _in_slices(
-        self,
-        xyz_m: Float64[np.ndarray, "point 3"],
-        cov_m2: Float64[np.ndarray, "point 3 3"],
-        low: Float64[np.ndarray, " point"],
-        high: Float64[np.ndarray, " point"],
-    ) -> Float64[np.ndarray, " point"]:
-        """Return the probability over the polygon, given that the height is within the prism.
+        rows: Int64[np.ndarray, " row"],
+        xyz_m: Float64[np.ndarray, "person joint 3"],
+        cov_m2: Float64[np.ndarray, "person joint 3 3"],
+        counts: Bool[np.ndarray, "row joint"],
+    ) -> Float64[np.ndarray, "row joint"]:
+        """Return the probability that joints are inside; 0 for those that do not count.
 
         Parameters
         ----------
+        rows
+            Of which people.
         xyz_m, cov_m2
-            See `probability`.
-        low, high
-            Floor and ceiling, as standard deviations from the mean height.
+            Of all people: means [m] and covariances [m^2]; an unknown one (NaN) counts as none.
+        counts
+            Which joints of these people count.
         """
-        low, high = np.maximum(low, -SURE)[:, None], np.minimum(high, SURE)[:, None]
-        heights = 0.5 * (low + high) + 0.5 * (high - low) * _SLICES  # (point, slice)
-        weights = _SLICE_WEIGHTS * np.exp(-0.5 * np.square(heights))
-        shift_m = cov_m2[:, :2, 2] / np.sqrt(cov_m2[:, 2, 2])[:, None]
-        rest_m2 = cov_m2[:, :2, :2] - shift_m[:, :, None] * shift_m[:, None, :]
-        xy_m = xyz_m[:, None, :2] + heights[..., None] * shift_m[:, None, :]
-        each_m2 = np.broadcast_to(rest_m2[:, None], (*heights.shape, 2, 2))
-        over = self.polygon.probability(xy_m.reshape(-1, 2), each_m2.reshape(-1, 2, 2))
-        total = (weights * over.reshape(heights.shape)).sum(axis=1)
-        share: Float64[np.ndarray, " point"] = total / weights.sum(axis=1)
-        return share
-
-
-def _is_open(probability: Float64[np.ndarray, " point"]) -> Bool[np.ndarray, " point"]:
-    """Tell which probabilities are neither 0 nor 1."""
-    is_open: Bool[np.ndarray, " point"] = (probability > 1e-6) & (probability < 1.0 - 1e-6)
-    return is_open
+        found = np.empty(counts.shape)
+        if len(rows):
+            low_m, high_m = self.z_m
+            inside_joints(
+                self.polygon.corners_m, (float(low_m), float(high_m)), rows, plain(xyz_m),
+                plain(cov_m2), np.ascontiguousarray(counts), found,
+            )  # fmt: skip
+        return found
 
 
 def area_m2(corners_m: Float64[np.ndarray, "corner 2"]) -> float:
@@ -273,33 +194,4 @@ def _next(corners: Float64[np.ndarray, "corner *n"]) -> Float64[np.ndarray, "cor
     return np.concatenate([corners[1:], corners[:1]])
 
 
-def _known(cov_m2: Float64[np.ndarray, "point n n"]) -> Float64[np.ndarray, "point n n"]:
-    """Return covariances that are positive definite, also where they are unknown or zero."""
-    return np.where(np.isfinite(cov_m2), cov_m2, 0.0) + _LEAST_M2[cov_m2.shape[-1]]
-
-
-def _exact(
-    corners_m: Float64[np.ndarray, "corner 2"],
-    xy_m: Points,
-    cov_m2: Float64[np.ndarray, "point 2 2"],
-) -> Float64[np.ndarray, " point"]:
-    """Return the probability of a polygon; see the notes of the module."""
-    scale_x = np.sqrt(cov_m2[:, 0, 0])
-    shear = cov_m2[:, 0, 1] / scale_x
-    scale_y = np.sqrt(np.maximum(cov_m2[:, 1, 1] - np.square(shear), LEAST_SIGMA_M**2))
-    x, y = np.moveaxis(corners_m - xy_m[:, None, :], -1, 0)  # (point, corner) each
-    x = x / scale_x[:, None]
-    y = (y - shear[:, None] * x) / scale_y[:, None]
-    next_x, next_y = _next(x.T).T, _next(y.T).T
-    way_x, way_y = next_x - x, next_y - y
-    length = np.sqrt(np.square(way_x) + np.square(way_y))
-    h = (x * next_y - next_x * y) / length
-    from_foot = (x * way_x + y * way_y) / length
-    side, h = np.sign(h), np.abs(h)
-    angle = np.arctan2(from_foot + length, h) - np.arctan2(from_foot, h)
-    ends = np.stack([from_foot + length, from_foot])
-    to_end, to_start = behind_line_within_angle(np.stack([h, h]), ends)
-    behind = to_end - to_start
-    share = side * (angle / (2.0 * math.pi) - behind)
-    inside: Float64[np.ndarray, " point"] = np.clip(share.sum(axis=1), 0.0, 1.0)
-    return inside
+__all__ = ["LEAST_SIGMA_M", "SURE", "Points", "Polygon", "Prism", "area_m2", "plain"]

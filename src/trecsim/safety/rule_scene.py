@@ -1,6 +1,6 @@
 """What the rules see of one moment."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -12,9 +12,9 @@ from trecsim.floor_points import HIPS, FloorPoints, floor_points
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.body_states import Bodies, bodies
-from trecsim.safety.polygons import LEAST_SIGMA_M, SURE, Polygon
+from trecsim.safety.polygons import LEAST_SIGMA_M, SURE, Polygon, plain
 from trecsim.safety.signals import Signals
-from trecsim.safety.traces import KEEP_S, Sample, Trace
+from trecsim.safety.traces import KEEP_S, Samples, Trace, Traces
 from trecsim.values import COASTING, Snapshot
 
 HAND_OVER_S, HAND_OVER_M = 0.5, 0.5
@@ -28,18 +28,12 @@ class Extent(NamedTuple):
     Attributes
     ----------
     low_m, high_m
-        The least and the greatest x and y with `reach_m` added [m]; NaN where no joint counts.
-    middle_m, radius_m
-        A circle around the means of the joints [m].
-    reach_m
-        How far from its mean a joint may be, `SURE` standard deviations [m].
+        The least and the greatest x and y, `SURE` standard deviations from the mean of a joint
+        [m]; NaN where no joint counts.
     """
 
     low_m: Float64[np.ndarray, "seen 2"]
     high_m: Float64[np.ndarray, "seen 2"]
-    middle_m: Float64[np.ndarray, "seen 2"]
-    radius_m: Float64[np.ndarray, " seen"]
-    reach_m: Float64[np.ndarray, " seen"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +64,7 @@ class Scene:
     is_seen: Bool[np.ndarray, " person"]
     floor: FloorPoints
     body: Bodies
-    traces: Mapping[int, Trace]
+    traces: Traces
     ahead: Ahead | None = None
     signals: Signals = field(default_factory=Signals)
     _inside: dict[int, Float64[np.ndarray, " person"]] = field(default_factory=dict)
@@ -104,6 +98,13 @@ class Scene:
         return counts
 
     @cached_property
+    def joints(
+        self,
+    ) -> tuple[Float64[np.ndarray, "person joint 3"], Float64[np.ndarray, "person joint 3 3"]]:
+        """Joints of all people [m], and their covariances [m^2], as kernels take them."""
+        return plain(self.people.xyz_m), plain(self.people.cov_m2)
+
+    @cached_property
     def extent(self) -> Extent:
         """Where these joints are, for each of the seen people."""
         counts, rows = self.counts, self.seen
@@ -111,12 +112,10 @@ class Scene:
         cov_m2 = self.people.cov_m2
         variance_m2 = np.nan_to_num(cov_m2[rows, :, 0, 0]) + np.nan_to_num(cov_m2[rows, :, 1, 1])
         variance_m2 = np.where(counts, variance_m2, 0.0).max(axis=1) + 2.0 * LEAST_SIGMA_M**2
-        reach_m = SURE * np.sqrt(variance_m2)
+        wide_m = SURE * np.sqrt(variance_m2)[:, None]
         low_m = np.fmin.reduce(xy_m, axis=1)
         high_m = np.fmax.reduce(xy_m, axis=1)
-        radius_m = 0.5 * np.hypot(*(high_m - low_m).T)
-        wide_m = reach_m[:, None]
-        return Extent(low_m - wide_m, high_m + wide_m, 0.5 * (low_m + high_m), radius_m, reach_m)
+        return Extent(low_m - wide_m, high_m + wide_m)
 
     def near(self, polygon: Polygon) -> Int64[np.ndarray, " near"]:
         """Return which of the seen people may have a joint that counts in a polygon."""
@@ -172,7 +171,7 @@ class Memory:
 
     def __init__(self, signals: Signals | None = None) -> None:
         self._signals = Signals() if signals is None else signals
-        self._traces: dict[int, Trace] = {}
+        self._traces = Traces()
         self._last: dict[int, Scene] = {}
 
     def last_of(self, person: int) -> Scene | None:
@@ -196,21 +195,14 @@ class Memory:
         postures = body.postures
         variance_m2 = np.square(body.hip_sigma_m[:, :2]).mean(axis=1)
         judged = np.flatnonzero(seen & np.isfinite(body.hip_m).all(axis=1))
-        rows = {int(people.id[row]): int(row) for row in judged}
-        begun = {
-            person: self._begun(body.hip_m[row], people.t_s)
-            for person, row in rows.items()
-            if person not in self._traces
-        }
-        self._traces |= begun
-        for person, row in rows.items():
-            self._traces[person].add(
-                Sample(
-                    people.t_s, body.hip_m[row], float(variance_m2[row]), floor.xy_m[row],
-                    float(body.trunk_rad[row]),
-                    float(body.standing_m[row]), bool(postures[row] == "lying"),
-                )
-            )  # fmt: skip
+        self._start(people, judged, body.hip_m)
+        self._traces.add(
+            Samples(
+                people.t_s, people.id[judged], body.hip_m[judged], variance_m2[judged],
+                floor.xy_m[judged], body.trunk_rad[judged], body.standing_m[judged],
+                postures[judged] == "lying",
+            )
+        )  # fmt: skip
         ahead = (
             None
             if forecasts is None
@@ -220,8 +212,20 @@ class Memory:
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
         return scene
 
-    def _begun(self, hip_m: Float64[np.ndarray, " 3"], t_s: float) -> Trace:
-        """Return what is remembered of the body that is first seen here under this identity.
+    def _start(
+        self,
+        people: Snapshot,
+        rows: Int64[np.ndarray, " row"],
+        hip_m: Float64[np.ndarray, "person 3"],
+    ) -> None:
+        """Begin the traces of those who are first seen under their identity."""
+        new = [row for row in rows.tolist() if int(people.id[row]) not in self._traces]
+        same = [self._same_body(hip_m[row], people.t_s) for row in new]
+        for row, trace in zip(new, same, strict=True):
+            self._traces.start(int(people.id[row]), trace)
+
+    def _same_body(self, hip_m: Float64[np.ndarray, " 3"], t_s: float) -> Trace | None:
+        """Return the trace of the body that is first seen here under another identity.
 
         Fast movement is where identities change: whoever falls may lie there as another person,
         while the old one is still followed for a moment.
@@ -232,9 +236,9 @@ class Memory:
             if t_s - trace.last_s <= HAND_OVER_S
         ]
         away_m, person = min(near, default=(np.inf, -1))
-        return self._traces[person].handed_over() if away_m <= HAND_OVER_M else Trace()
+        return self._traces[person] if away_m <= HAND_OVER_M else None
 
     def _forget(self, before_s: float) -> None:
         for person in [one for one, scene in self._last.items() if scene.t_s < before_s]:
             del self._last[person]
-            self._traces.pop(person, None)
+            self._traces.forget(person)

@@ -1,12 +1,12 @@
 """What is remembered of each person: a few seconds of movement, and whether it was a fall."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64, Int64
 
 from trecsim.safety.body_states import LYING_RAD
 
@@ -49,13 +49,15 @@ class Fall(NamedTuple):
     v_down_mps: float
 
 
-class Sample(NamedTuple):
-    """Where somebody is at one moment.
+class Samples(NamedTuple):
+    """Where several people are at one moment.
 
     Attributes
     ----------
     t_s
         The moment [s].
+    person
+        Who they are.
     hip_m, variance_m2, floor_m
         See `Moved`.
     trunk_rad
@@ -63,16 +65,17 @@ class Sample(NamedTuple):
     standing_m
         Height of the hips in standing [m].
     is_lying
-        Whether the person lies.
+        Who lies.
     """
 
     t_s: float
-    hip_m: Float64[np.ndarray, " 3"]
-    variance_m2: float
-    floor_m: Float64[np.ndarray, " 2"]
-    trunk_rad: float
-    standing_m: float
-    is_lying: bool
+    person: Int64[np.ndarray, " person"]
+    hip_m: Float64[np.ndarray, "person 3"]
+    variance_m2: Float64[np.ndarray, " person"]
+    floor_m: Float64[np.ndarray, "person 2"]
+    trunk_rad: Float64[np.ndarray, " person"]
+    standing_m: Float64[np.ndarray, " person"]
+    is_lying: Bool[np.ndarray, " person"]
 
 
 class Moved(NamedTuple):
@@ -98,8 +101,7 @@ class Moved(NamedTuple):
     @property
     def step(self) -> int:
         """Number of samples before and after a time over which its velocity is measured."""
-        took_s = max(float(self.t_s[-1] - self.t_s[0]), 1e-9)
-        return max(1, math.ceil(0.5 * BASE_S * (len(self.t_s) - 1) / took_s))
+        return _step(len(self.t_s), float(self.t_s[-1] - self.t_s[0]))
 
     def velocity_mps(self) -> Float64[np.ndarray, "sample 3"]:
         """Return the velocity at each time, from the positions before and after it [m/s]."""
@@ -109,43 +111,28 @@ class Moved(NamedTuple):
         return velocity
 
 
+def _step(samples: int, took_s: float) -> int:
+    """Return over how many samples before and after one its velocity is measured."""
+    return max(1, math.ceil(0.5 * BASE_S * (samples - 1) / max(took_s, 1e-9)))
+
+
 class Fastest(NamedTuple):
-    """How far and how fast people moved over a while.
+    """How far and how fast people moved over a while; 0 for those who were seen only once.
 
     Attributes
     ----------
+    took_s
+        The time between the first and the last sample [s].
     farthest_m
         The larger side of the box on the floor that holds the movement [m].
     speed_mps, median_mps
         The highest speed over the floor, and the median [m/s].
     """
 
-    farthest_m: list[float]
-    speed_mps: list[float]
-    median_mps: list[float]
-
-
-def fastest(windows: Sequence[Moved]) -> Fastest:
-    """Return how far and how fast several people moved; equal numbers of samples go together."""
-    farthest_m, speed_mps, median_mps = ([0.0] * len(windows) for _ in range(3))
-    groups: dict[tuple[int, int], list[int]] = {}
-    for number, moved in enumerate(windows):
-        groups.setdefault((len(moved.t_s), moved.step), []).append(number)
-    for (_, step), numbers in groups.items():
-        t_s = np.stack([windows[number].t_s for number in numbers])
-        xyz_m = np.stack([windows[number].xyz_m for number in numbers])
-        velocity_mps = _velocities_mps(t_s, xyz_m, step)
-        speeds_mps = np.hypot(velocity_mps[..., 0], velocity_mps[..., 1])
-        each = zip(
-            numbers,
-            np.ptp(xyz_m[..., :2], axis=1).max(axis=1).tolist(),
-            np.fmax.reduce(speeds_mps, axis=1).tolist(),
-            np.median(speeds_mps, axis=1).tolist(),
-            strict=True,
-        )
-        for number, *found in each:
-            farthest_m[number], speed_mps[number], median_mps[number] = found
-    return Fastest(farthest_m, speed_mps, median_mps)
+    took_s: Float64[np.ndarray, " person"]
+    farthest_m: Float64[np.ndarray, " person"]
+    speed_mps: Float64[np.ndarray, " person"]
+    median_mps: Float64[np.ndarray, " person"]
 
 
 def _velocities_mps(
@@ -162,45 +149,180 @@ def _velocities_mps(
     return velocity
 
 
+class Traces(Mapping[int, "Trace"]):
+    """The last seconds of everybody, in one array for all.
+
+    Each person has a row of it: samples from `begin` to `end`, in columns (see `_COLUMNS`).
+    """
+
+    def __init__(self) -> None:
+        self.rows = np.empty((0, _LEAST_ROWS, _COLUMNS))
+        self.begin, self.end = np.zeros((2, 0), np.int64)
+        self._traces: dict[int, Trace] = {}
+        self._free: list[int] = []
+
+    def __getitem__(self, person: int) -> "Trace":
+        return self._traces[person]
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(self._traces)
+
+    def __len__(self) -> int:
+        return len(self._traces)
+
+    def start(self, person: int, same_as: "Trace | None" = None) -> None:
+        """Begin the trace of a person, as that of the same body under another identity if given."""
+        number = self._taken()
+        if same_as is None:
+            self._traces[person] = Trace(self, number)
+            return
+        for kept in (self.rows, self.begin, self.end):
+            kept[number] = kept[same_as.number]
+        self._traces[person] = replace(same_as, number=number)
+
+    def forget(self, person: int) -> None:
+        """Delete the trace of a person, if there is one."""
+        trace = self._traces.pop(person, None)
+        if trace is not None:
+            self._free.append(trace.number)
+
+    def add(self, now: Samples) -> None:
+        """Add where people are now; the trace of each of them has been started."""
+        traces = [self._traces[person] for person in now.person.tolist()]
+        at = np.array([trace.number for trace in traces], np.int64)
+        self._make_room(at, now.t_s - KEEP_S)
+        values = self.rows[at, self.end[at]]
+        values[:, 0], values[:, 1:4], values[:, 4] = now.t_s, now.hip_m, now.variance_m2
+        values[:, 5:7], values[:, 7] = now.floor_m, now.trunk_rad
+        self.rows[at, self.end[at]] = values
+        self.end[at] += 1
+        for n, is_lying in enumerate(now.is_lying.tolist()):
+            if is_lying or traces[n].lying_since_s is not None:
+                traces[n].note_lying(now.t_s, float(now.standing_m[n]), is_lying)
+
+    def fastest(self, people: Sequence[int], from_s: float) -> Fastest:
+        """Return how far and how fast people moved from a time on [s]."""
+        at = np.array([self._traces[person].number for person in people], np.int64)
+        found = Fastest(*np.zeros((4, len(at))))
+        places = self._places(at, from_s)
+        counts = (places >= 0).sum(axis=1)
+        for count in np.unique(counts[counts > 1]).tolist():
+            number = np.flatnonzero(counts == count)
+            rows = self.rows[at[number, None], places[number, -count:]]
+            took_s = rows[:, -1, 0] - rows[:, 0, 0]
+            steps = np.array([_step(count, one_s) for one_s in took_s.tolist()])
+            for step in np.unique(steps).tolist():
+                some = steps == step
+                _fill(found, number[some], rows[some], step)
+        return found
+
+    def last_ways_m(self, people: Sequence[int]) -> Float64[np.ndarray, "person 2"]:
+        """Return the ways over the floor since the moment before [m]; NaN for who was not there."""
+        at = np.array([self._traces[person].number for person in people], np.int64)
+        end = self.end[at]
+        way_m: Float64[np.ndarray, "person 2"] = (
+            self.rows[at, end - 1, 1:3] - self.rows[at, np.maximum(end - 2, 0), 1:3]
+        )
+        way_m[end - self.begin[at] < 2] = np.nan
+        return way_m
+
+    def _places(
+        self, at: Int64[np.ndarray, " person"], from_s: float
+    ) -> Int64[np.ndarray, "person sample"]:
+        """Return where the samples from a time on are, the newest last; -1 before the first."""
+        longest, length = self.rows.shape[1], 32
+        while True:
+            place = self.end[at, None] + np.arange(-length, 0)
+            t_s = self.rows[at[:, None], np.maximum(place, 0), 0]
+            counts = (place >= self.begin[at, None]) & (t_s >= from_s)
+            if length >= longest or not counts[:, 0].any():
+                return np.where(counts, place, -1)
+            length = min(2 * length, longest)
+
+    def _make_room(self, at: Int64[np.ndarray, " person"], from_s: float) -> None:
+        """Drop what is older than a time [s], and see that each of the rows can take one more."""
+        old = at
+        while len(old):
+            old = old[self.begin[old] < self.end[old]]
+            old = old[self.rows[old, self.begin[old], 0] < from_s]
+            self.begin[old] += 1
+        for number in at[self.end[at] == self.rows.shape[1]].tolist():
+            begin, end = int(self.begin[number]), int(self.end[number])
+            if 2 * (end - begin) > self.rows.shape[1]:
+                self.rows = np.concatenate([self.rows, np.empty_like(self.rows)], axis=1)
+            self.rows[number, : end - begin] = self.rows[number, begin:end].copy()
+            self.begin[number], self.end[number] = 0, end - begin
+
+    def _taken(self) -> int:
+        """Return the number of an empty row."""
+        if not self._free:
+            had = len(self.rows)
+            grown = max(8, had)
+            self._free = list(range(had, had + grown))
+            self.rows = np.concatenate([self.rows, np.empty((grown, *self.rows.shape[1:]))])
+            self.begin, self.end = (
+                np.concatenate([one, np.zeros(grown, np.int64)]) for one in (self.begin, self.end)
+            )
+        number = self._free.pop()
+        self.begin[number] = self.end[number] = 0
+        return number
+
+
+def _fill(
+    found: Fastest, number: Int64[np.ndarray, " person"], rows: np.ndarray, step: int
+) -> None:
+    """Enter the movements of people with equally many samples."""
+    t_s, xyz_m = rows[..., 0], rows[..., 1:4]
+    velocity_mps = _velocities_mps(t_s, xyz_m, step)
+    speeds_mps = np.hypot(velocity_mps[..., 0], velocity_mps[..., 1])
+    found.took_s[number] = t_s[:, -1] - t_s[:, 0]
+    found.farthest_m[number] = np.ptp(xyz_m[..., :2], axis=1).max(axis=1)
+    found.speed_mps[number] = np.fmax.reduce(speeds_mps, axis=1)
+    found.median_mps[number] = np.median(speeds_mps, axis=1)
+
+
 @dataclass(slots=True, eq=False)
 class Trace:
     """The last seconds of one person.
 
     Attributes
     ----------
+    traces, number
+        Where the samples are, and in which row.
     lying_since_s
         Since when the person lies [s]; None while standing, sitting and so on.
     fall
         The movement with which that began, if it was a fall.
     """
 
+    traces: Traces
+    number: int
     lying_since_s: float | None = None
     fall: Fall | None = None
     _up_since_s: float | None = None
-    _rows: Float64[np.ndarray, "row 8"] = field(
-        default_factory=lambda: np.empty((_LEAST_ROWS, _COLUMNS))
-    )
-    _begin: int = 0
-    _end: int = 0
 
     def __len__(self) -> int:
-        return self._end - self._begin
+        return len(self._rows)
+
+    @property
+    def _rows(self) -> Float64[np.ndarray, "row 8"]:
+        traces, number = self.traces, self.number
+        rows: Float64[np.ndarray, "row 8"] = traces.rows[
+            number, traces.begin[number] : traces.end[number]
+        ]
+        return rows
 
     @property
     def last_s(self) -> float:
         """Time of the last sample [s]; -inf without any."""
-        return float(self._rows[self._end - 1, 0]) if len(self) else -math.inf
+        rows = self._rows
+        return float(rows[-1, 0]) if len(rows) else -math.inf
 
     def since(self, from_s: float) -> Moved:
         """Return the movement from a time on."""
-        rows = self._rows[self._begin : self._end]
+        rows = self._rows
         rows = rows[np.searchsorted(rows[:, 0], from_s) :]
         return Moved(rows[:, 0], rows[:, 1:4], rows[:, 4], rows[:, 5:7])
-
-    def last_way_m(self) -> tuple[float, float]:
-        """Return the way over the floor since the moment before [m]; needs two moments."""
-        before, now = self._rows[self._end - 2 : self._end]
-        return float(now[1] - before[1]), float(now[2] - before[2])
 
     def speed_mps(self, over_s: float = 0.25) -> float:
         """Return the speed over the floor in the last moments [m/s]; NaN where it is not known."""
@@ -210,52 +332,27 @@ class Trace:
         way_m = moved.xyz_m[-1, :2] - moved.xyz_m[0, :2]
         return float(np.hypot(*way_m) / (moved.t_s[-1] - moved.t_s[0]))
 
-    def add(self, now: Sample) -> None:
-        """Add where the person is now."""
-        self._make_room(now.t_s - KEEP_S)
-        self._rows[self._end] = (
-            now.t_s, *now.hip_m, now.variance_m2, *now.floor_m, now.trunk_rad,
-        )  # fmt: skip
-        self._end += 1
-        self._note_lying(now)
-
-    def handed_over(self) -> "Trace":
-        """Return a copy, for the same body under another identity."""
-        return replace(self, _rows=self._rows.copy())
-
     def hip_m(self) -> Float64[np.ndarray, " 3"]:
         """Return where the hips were last [m]; needs a moment."""
-        hip_m: Float64[np.ndarray, " 3"] = self._rows[self._end - 1, 1:4]
+        hip_m: Float64[np.ndarray, " 3"] = self._rows[-1, 1:4]
         return hip_m
 
-    def _make_room(self, from_s: float) -> None:
-        while self._begin < self._end and self._rows[self._begin, 0] < from_s:
-            self._begin += 1
-        if self._end < len(self._rows):
-            return
-        count = len(self)
-        rows = self._rows[self._begin : self._end].copy()
-        if 2 * count > len(self._rows):
-            self._rows = np.empty((4 * count, _COLUMNS))
-        self._rows[:count] = rows
-        self._begin, self._end = 0, count
-
-    def _note_lying(self, now: Sample) -> None:
+    def note_lying(self, t_s: float, standing_m: float, is_lying: bool) -> None:
         """Note whether the person lies, and how that began."""
-        if not now.is_lying:
-            self._up_since_s = self._up_since_s if self._up_since_s is not None else now.t_s
-            if now.t_s - self._up_since_s >= _UP_S:
+        if not is_lying:
+            self._up_since_s = self._up_since_s if self._up_since_s is not None else t_s
+            if t_s - self._up_since_s >= _UP_S:
                 self.lying_since_s = self.fall = None
             return
         self._up_since_s = None
         if self.lying_since_s is None:
-            self.lying_since_s = now.t_s
-        if self.fall is None and now.t_s - self.lying_since_s <= _SETTLED_S:
-            self.fall = self._fall_before(self.lying_since_s, now.standing_m)
+            self.lying_since_s = t_s
+        if self.fall is None and t_s - self.lying_since_s <= _SETTLED_S:
+            self.fall = self._fall_before(self.lying_since_s, standing_m)
 
     def _fall_before(self, lying_since_s: float, standing_m: float) -> Fall | None:
         """Return the fall that led to lying, if it was one."""
-        rows = self._rows[self._begin : self._end]
+        rows = self._rows
         rows = rows[np.searchsorted(rows[:, 0], lying_since_s - FALL_S) :]
         t_s, z_m, leans = rows[:, 0], rows[:, 3], rows[:, 7]
         drop_m = float(z_m.max() - z_m[-1])

@@ -29,6 +29,7 @@ NEAR_M = 0.5
 
 _WRISTS = [COCO17.index(f"{side}_wrist") for side in ("left", "right")]
 _ARMS = [*_WRISTS, *(COCO17.index(f"{side}_elbow") for side in ("left", "right"))]
+_IS_ARM = np.isin(np.arange(len(COCO17.joints)), _ARMS)
 _ANKLES = [COCO17.index(f"{side}_ankle") for side in ("left", "right")]
 _SHOULDERS = [COCO17.index(f"{side}_shoulder") for side in ("left", "right")]
 
@@ -50,10 +51,8 @@ class ReachingIn:
         near = scene.near(self.prism.polygon)
         if not len(near):
             return Judged({})
-        rows, known = scene.seen[near], scene.counts[near][:, _ARMS]
-        inside: Float64[np.ndarray, "seen joint"] = np.zeros(known.shape)
-        xyz_m, cov_m2 = scene.people.xyz_m[rows][:, _ARMS], scene.people.cov_m2[rows][:, _ARMS]
-        inside[known] = self.prism.probability(xyz_m[known], cov_m2[known])
+        rows = scene.seen[near]
+        inside = self.prism.of_joints(rows, *scene.joints, scene.counts[near] & _IS_ARM)[:, _ARMS]
         feet = np.nan_to_num(scene.inside(self.prism.polygon)[rows], nan=1.0)
         findings = {}
         for n in np.flatnonzero((inside > LEAST).any(axis=1)):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from trecsim.safety.conditions.base import Judged
 from trecsim.safety.directed_lines import Line
@@ -41,42 +41,74 @@ class Place(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """How somebody stands to a line or border.
+    """How somebody stands to a line or border who has got to the other side of it.
 
     Attributes
     ----------
     side
         On which side the person counts: 1 or -1.
-    last
-        Where the person was last.
     crossed
-        Where the path crossed it, if the person is on the other side now.
+        Where the path crossed it.
     far_s
         Since when the person is far enough on the other side [s].
     """
 
     side: int
-    last: Place
-    crossed: Place | None = None
+    crossed: Place
     far_s: float | None = None
 
-    def moved(self, here: Place, is_far: bool) -> "Passage":
-        """Return how the person stands to it a moment later.
 
-        Parameters
-        ----------
-        here
-            Where the person is now.
-        is_far
-            Whether that is surely far enough from it.
-        """
-        if here.distance_m * self.side > 0.0:
-            return Passage(self.side, here)
-        crossed = self.crossed or _between(self.last, here)
-        far_s = None
-        if is_far:
-            far_s = self.far_s if self.far_s is not None else here.t_s
-        return Passage(self.side, here, crossed, far_s)
+class Sides(NamedTuple):
+    """On which side of a line or border people count, and where they were last.
+
+    Attributes
+    ----------
+    person
+        Who, in ascending order.
+    side
+        On which side they count: 1 or -1.
+    t_s, distance_m, xy_m
+        When and where they were seen last; see `Place`.
+    """
+
+    person: Int64[np.ndarray, " person"]
+    side: Float64[np.ndarray, " person"]
+    t_s: Float64[np.ndarray, " person"]
+    distance_m: Float64[np.ndarray, " person"]
+    xy_m: Float64[np.ndarray, "person 2"]
+
+    def place(self, n: int) -> Place:
+        """Return where one of them was last."""
+        x, y = self.xy_m[n].tolist()
+        return Place(float(self.t_s[n]), float(self.distance_m[n]), (x, y))
+
+    def rows(self, person: Int64[np.ndarray, " some"]) -> Int64[np.ndarray, " some"]:
+        """Return the rows of people who are among them."""
+        if len(person) == len(self.person):
+            return np.arange(len(person))
+        return np.searchsorted(self.person, person)
+
+    def with_new(self, now: "Sides") -> "Sides":
+        """Return the sides of everybody; those who are new count on the side where they are."""
+        if np.array_equal(now.person, self.person):
+            return self
+        new = ~np.isin(now.person, self.person)
+        both = [np.concatenate([a, b[new]]) for a, b in zip(self, now, strict=True)]
+        order = np.argsort(both[0])
+        return Sides(*(one[order] for one in both))
+
+    def moved(self, now: "Sides") -> "Sides":
+        """Return them with where people are now; those who were not seen for long are forgotten."""
+        if len(now.person) == len(self.person):
+            return now._replace(side=self.side)
+        at = self.rows(now.person)
+        t_s, distance_m, xy_m = self.t_s.copy(), self.distance_m.copy(), self.xy_m.copy()
+        t_s[at], distance_m[at], xy_m[at] = now.t_s, now.distance_m, now.xy_m
+        return Sides(self.person, self.side, t_s, distance_m, xy_m)
+
+
+_NOTHING = np.empty(0)
+_NOBODY = Sides(np.empty(0, np.int64), _NOTHING, _NOTHING, _NOTHING, np.empty((0, 2)))
 
 
 def _between(before: Place, after: Place) -> Place:
@@ -93,12 +125,15 @@ class Crossed:
 
     Attributes
     ----------
+    sides
+        Of everybody.
     passages
-        By person.
+        Of those who are on the other side now, by person.
     counts
         Crossings so far, by direction.
     """
 
+    sides: Sides = _NOBODY
     passages: Mapping[int, Passage] = field(default_factory=dict)
     counts: Mapping[Direction, int] = field(default_factory=dict)
 
@@ -152,7 +187,6 @@ def between_ends(
     Who crossed, how surely, where and when, and in which direction.
     """
     for person, (sure, passage) in crossings.items():
-        assert passage.crossed is not None
         if 0.0 <= line.share(np.array([passage.crossed.xy_m]))[0] <= 1.0:
             yield person, sure, passage.crossed, "in" if passage.side < 0 else "out"
 
@@ -184,7 +218,7 @@ class ZoneLeft:
         findings = {
             person: Finding(sure, since_s=passage.crossed.t_s)
             for person, (sure, passage) in crossings.items()
-            if passage.side > 0 and passage.crossed is not None
+            if passage.side > 0
         }
         return Judged(findings, passed)
 
@@ -210,32 +244,60 @@ def followed(
     delay_s, p_on
         See `LineCrossed`.
     """
-    passages, sure, t_s = dict(before.passages), dict[int, float](), scene.t_s
-    rows = scene.seen[np.isfinite(distances_m[scene.seen])]
-    ids, places_m = scene.people.id[rows].tolist(), scene.floor.xy_m[rows].tolist()
-    for n, (person, distance_m, (x, y)) in enumerate(
-        zip(ids, distances_m[rows].tolist(), places_m, strict=True)
-    ):
-        here = Place(t_s, distance_m, (x, y))
+    t_s, rows = scene.t_s, scene.seen[np.isfinite(distances_m[scene.seen])]
+    rows = rows[np.argsort(scene.people.id[rows])]
+    here_m = distances_m[rows]
+    now = Sides(
+        scene.people.id[rows], np.where(here_m > 0.0, 1.0, -1.0), np.full(len(rows), t_s), here_m,
+        scene.floor.xy_m[rows],
+    )  # fmt: skip
+    known = before.sides.with_new(now)
+    at = known.rows(now.person)
+    over = ~(here_m * known.side[at] > 0.0)
+    if known is not before.sides:
+        over &= np.isin(now.person, before.sides.person)  # who is new has crossed nothing
+    passages = dict(before.passages)
+    for person in [] if not passages else now.person[~over].tolist():
+        passages.pop(person, None)
+    sure = {}
+    for n in np.flatnonzero(over).tolist():  # few people at a time
+        person, row = int(now.person[n]), rows[n]
+        sure[person] = 1.0 - below(
+            0.0, abs(float(here_m[n])), _sigma_m(scene.floor.cov_m2[row], normals[row])
+        )
+        is_far = abs(here_m[n]) > MARGIN_M and sure[person] >= p_on
         old = passages.get(person)
-        if old is None:
-            passages[person] = Passage(1 if distance_m > 0.0 else -1, here)
-        elif distance_m * old.side > 0.0:  # of most people: on the same side as before
-            passages[person] = Passage(old.side, here)
-        else:
-            row = rows[n]
-            sigma_m = _sigma_m(scene.floor.cov_m2[row], normals[row])
-            sure[person] = 1.0 - below(0.0, abs(distance_m), sigma_m)
-            is_far = abs(distance_m) > MARGIN_M and sure[person] >= p_on
-            passages[person] = old.moved(here, is_far)
-    crossings = {}
-    for person, passage in list(passages.items()):
-        if passage.far_s is not None and t_s - passage.far_s >= delay_s:
-            crossings[person] = sure.get(person, p_on), passage
-            passages[person] = Passage(-passage.side, passage.last)
-        elif t_s - passage.last.t_s > FORGET_S:
-            del passages[person]
-    return replace(before, passages=passages), dict(sorted(crossings.items()))
+        crossed = _between(known.place(int(at[n])), now.place(n)) if old is None else old.crossed
+        since_s = None if old is None else old.far_s
+        far_s = (t_s if since_s is None else since_s) if is_far else None
+        passages[person] = Passage(int(known.side[at[n]]), crossed, far_s)
+    return _counted(
+        replace(before, sides=known.moved(now), passages=passages), sure, t_s, delay_s, p_on
+    )
+
+
+def _counted(
+    now: Crossed, sure: Mapping[int, float], t_s: float, delay_s: float, p_on: float
+) -> tuple[Crossed, dict[int, tuple[float, Passage]]]:
+    """Return who has been far enough on the other side for long enough, and counts there now."""
+    sides, passages = now.sides, now.passages
+    late = {
+        person: passage
+        for person, passage in sorted(passages.items())
+        if passage.far_s is not None and t_s - passage.far_s >= delay_s
+    }
+    if late:
+        side = sides.side.copy()
+        side[np.searchsorted(sides.person, list(late))] *= -1.0
+        sides = sides._replace(side=side)
+    kept = t_s - sides.t_s <= FORGET_S
+    if not kept.all():
+        kept |= np.isin(sides.person, list(late))
+        sides = Sides(*(one[kept] for one in sides))
+        passages = {one: passages[one] for one in set(sides.person.tolist()) & set(passages)}
+    passages = {one: passage for one, passage in passages.items() if one not in late}
+    crossings = {person: (sure.get(person, p_on), passage) for person, passage in late.items()}
+    return replace(now, sides=sides, passages=passages), crossings
 
 
 def _sigma_m(cov_m2: Float64[np.ndarray, "2 2"], normal: Float64[np.ndarray, " 2"]) -> float:

@@ -12,7 +12,7 @@ from trecsim.safety.gaussian import below
 from trecsim.safety.machine import Finding
 from trecsim.safety.polygons import Polygon
 from trecsim.safety.rule_scene import Scene
-from trecsim.safety.traces import Moved, Trace, fastest
+from trecsim.safety.traces import Moved
 
 MEDIAN_S = 1.0
 """The speed is the median over so long [s]."""
@@ -45,23 +45,19 @@ class Running:
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
-        inside = scene.inside(self.polygon).tolist()
+        inside = scene.inside(self.polygon)
         from_s = scene.t_s - MEDIAN_S - 1e-6
-        windows = [
-            (row, person, moved)
-            for row, person, trace in scene.seen_traces()
-            if inside[row] > LEAST and len((moved := trace.since(from_s)).t_s) > 1
-        ]
-        most = fastest([moved for *_, moved in windows])
+        there = [one for one in scene.seen_traces() if inside[one[0]] > LEAST]
+        most = scene.traces.fastest([person for _, person, _ in there], from_s)
+        may = (most.took_s >= LEAST_S - 1e-6) & (most.speed_mps > self.speed_mps)
+        may &= most.farthest_m >= LEAST_SHARE * self.speed_mps * most.took_s
         ran, findings = memory or frozenset(), {}
-        for (row, person, moved), far_m, mps, median_mps in zip(windows, *most, strict=True):
-            took_s = float(moved.t_s[-1] - moved.t_s[0])
-            is_far = far_m >= LEAST_SHARE * self.speed_mps * took_s
-            if not is_far or took_s < LEAST_S - 1e-6 or not mps > self.speed_mps:
-                continue
+        for n in np.flatnonzero(may).tolist():
+            row, person, trace = there[n]
+            moved = trace.since(from_s)
             # Whoever ran at the last moment gets a finding, too: it says when the running ended.
-            if person in ran or self._sure(moved, median_mps) > LEAST:
-                findings[person] = self._found(moved, inside[row])
+            if person in ran or self._sure(moved, float(most.median_mps[n])) > LEAST:
+                findings[person] = self._found(moved, float(inside[row]))
         running = (one for one, found in findings.items() if found.probability > LEAST)
         return Judged(findings, frozenset(running))
 
@@ -106,17 +102,15 @@ class WrongWay:
         """Judge one moment; see `Condition`."""
         inside = scene.inside(self.polygon)
         findings = {}
-        for row, person, trace in scene.seen_traces():
-            if inside[row] > LEAST and len(trace) > 1 and self._may_go(trace):
-                found = self._found(trace.since(-math.inf), float(inside[row]))
-                if found is not None:
-                    findings[person] = found
+        there = [one for one in scene.seen_traces() if inside[one[0]] > LEAST]
+        ways_m = scene.traces.last_ways_m([person for _, person, _ in there])
+        # The last moments of most people are not against the heading.
+        for n in np.flatnonzero(ways_m @ np.array(self.heading) < 0.0).tolist():
+            row, person, trace = there[n]
+            found = self._found(trace.since(-math.inf), float(inside[row]))
+            if found is not None:
+                findings[person] = found
         return Judged(findings)
-
-    def _may_go(self, trace: Trace) -> bool:
-        """Tell whether the last moments are against the heading: most people's are not."""
-        way_m = trace.last_way_m()
-        return way_m[0] * self.heading[0] + way_m[1] * self.heading[1] < 0.0
 
     def _found(self, moved: Moved, inside: float) -> Finding | None:
         against = -(moved.xyz_m[:, :2] @ np.array(self.heading))

@@ -22,10 +22,7 @@ def inside_boxes(scene: Scene, boxes: list[Prism]) -> Float64[np.ndarray, "seen 
         near = scene.near(box.polygon)
         if not len(near):
             continue
-        rows, counts = scene.seen[near], scene.counts[near]
-        found = np.zeros(counts.shape)
-        xyz_m, cov_m2 = scene.people.xyz_m[rows][counts], scene.people.cov_m2[rows][counts]
-        found[counts] = box.probability(xyz_m, cov_m2)
+        found = box.of_joints(scene.seen[near], *scene.joints, scene.counts[near])
         inside[near] = np.maximum(inside[near], found)
     return inside
 

@@ -75,10 +75,8 @@ class JointInZone:
         near = scene.near(self.prism.polygon)
         if not len(near):
             return Judged({})
-        rows, counts = scene.seen[near], scene.counts[near]
-        xyz_m = scene.people.xyz_m[rows]
-        inside: Float64[np.ndarray, "seen joint"] = np.zeros(counts.shape)
-        inside[counts] = self.prism.probability(xyz_m[counts], scene.people.cov_m2[rows][counts])
+        rows = scene.seen[near]
+        inside = self.prism.of_joints(rows, *scene.joints, scene.counts[near])
         each = zip(
             scene.people.id[rows].tolist(), inside.max(axis=1).tolist(), inside >= LIKELY,
             strict=True,
