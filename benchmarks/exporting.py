@@ -1,8 +1,7 @@
-"""How long an hour of four people takes to export to each format; how fast films are made.
+"""How long an hour of four people takes to export to each format.
 
 The tracks are made: four people who walk about with 3 mm of noise, 25 frames per second, an hour
-(one minute with ``--quick``). Each export is a process of its own, reading the tracks included. The
-film has four cameras of 1280 x 720 px, 25 images per second, of a moving pattern with noise.
+(one minute with ``--quick``). Each export is a process of its own, reading the tracks included.
 
 Run: ``python benchmarks/exporting.py``
 """
@@ -24,7 +23,6 @@ from harness.machine import peak_mb
 from harness.options import Options
 
 PEOPLE, RATE_HZ, HOUR_S, QUICK_S = 4, 25.0, 3600.0, 60.0
-FILM_S, FILM_PX = 20.0, (1280, 720)
 FORMATS = {
     ".csv": ["--person", "0"],  # changed, so that it goes the way of all exports
     ".json": [], ".trc": [], ".c3d": [], ".bvh": [], ".glb": [], ".usda": [], ".nc": [],
@@ -110,7 +108,7 @@ def of_command(arguments: list[str]) -> dict[str, float] | None:
 
 
 def measure(options: Options) -> Figures:
-    """Measure exports and films."""
+    """Measure exports."""
     seconds = QUICK_S if options.quick else HOUR_S
     options.input.update(data="made walkers", people=PEOPLE, rate_hz=RATE_HZ, seconds=seconds)
     figures: dict[str, Any] = {}
@@ -135,70 +133,7 @@ def measure(options: Options) -> Figures:
                 "size": once(size_mb, "MB", watched=False),
             }
             options.tell(f"{ending}: {told['cpu_s']:.1f} s, {told['peak_mb']:.0f} MB")
-        figures["film"] = of_film(folder, 4.0 if options.quick else FILM_S)
-        options.tell(f"film: {figures['film']['by processor time'].value:.2f} x real time")
     return figures
-
-
-def of_film(folder: Path, seconds: float) -> Figures:
-    """Return how fast a film of four videos is made."""
-    tracks = folder / "film.parquet"
-    write_tracks(tracks, seconds)
-    from trecsim.calibration import write_rig
-
-    rig = made_rig()
-    write_rig(rig, folder / "rig.toml")
-    videos = [str(made_video(folder / f"{name}.mp4", seconds)) for name in rig.names]
-    told = of_command(["render", str(tracks), str(folder / "film.mp4"), *videos])
-    if told is None:
-        return {}
-    return {
-        "by wall time": once(seconds / told["wall_s"], "x", better="higher", watched=False),
-        "by processor time": once(2.0 * seconds / told["cpu_s"], "x", better="higher", matters=0.3),
-        "peak memory": once(told["peak_mb"], "MB", matters=0.1 * told["peak_mb"]),
-    }
-
-
-def made_rig() -> Any:
-    """Return four cameras around the floor."""
-    from trecsim.geometry import Camera, Rig
-
-    cameras = []
-    width, height = FILM_PX
-    K = np.array([[800.0, 0, width / 2], [0, 800.0, height / 2], [0, 0, 1]])
-    for number in range(4):
-        turn = np.pi / 4 + number * np.pi / 2
-        at_m = np.array([8 * np.cos(turn), 8 * np.sin(turn), 3.0])
-        forward = np.array([0, 0, 1.0]) - at_m
-        forward /= np.linalg.norm(forward)
-        right = np.cross(forward, [0, 0, 1.0])
-        right /= np.linalg.norm(right)
-        T = np.eye(4)
-        T[:3, :3] = np.stack([right, np.cross(forward, right), forward])
-        T[:3, 3] = -T[:3, :3] @ at_m
-        lens = np.array([-0.1, 0.02, 0.0, 0.0, 0.0])
-        cameras.append(Camera(f"cam{number}", FILM_PX, K, T, "brown", lens))
-    return Rig(tuple(cameras))
-
-
-def made_video(path: Path, seconds: float) -> Path:
-    """Write a moving pattern with noise, which codes like a video of a camera."""
-    import av
-
-    width, height = FILM_PX
-    rng = np.random.default_rng(2)
-    noise = rng.integers(0, 24, (height, width, 3), np.uint8)
-    pattern = np.linspace(40, 200, width, dtype=np.uint8)[None, :, None]
-    with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264", rate=round(RATE_HZ))
-        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
-        stream.options = {"preset": "veryfast", "crf": "23"}
-        for frame in range(round(seconds * RATE_HZ)):
-            image = np.roll(noise, frame, axis=0) + np.roll(pattern, 3 * frame, axis=1)
-            picture = av.VideoFrame.from_ndarray(image.astype(np.uint8), format="rgb24")
-            container.mux(stream.encode(picture))
-        container.mux(stream.encode(None))
-    return path
 
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ _IN_ORDER = (
     "reading",
     "storing",
     "exporting",
+    "filming",
     "long_recordings",
     "consistency_cost",
     "memory",

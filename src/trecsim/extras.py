@@ -27,6 +27,7 @@ EXTRAS = {
     "render": ("av", "cv2"),
     "movement": ("movement",),
     "rerun": ("rerun",),
+    "usd": ("pxr",),
     "page": ("starlette", "uvicorn", "websockets", "argon2", "prometheus_client"),
     "outputs": ("paho.mqtt.client",),
 }

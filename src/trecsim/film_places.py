@@ -8,7 +8,7 @@ import numpy as np
 
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError
-from trecsim.films.filming import FilmInput
+from trecsim.films.film_settings import FilmInput
 from trecsim.geometry import Rig
 from trecsim.store.names import RIG
 

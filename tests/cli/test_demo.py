@@ -19,6 +19,7 @@ def test_the_command_tells_what_came_of_it(
     assert code == 0
     assert out.startswith("page: http://127.0.0.1:")
     assert f"picture: {tmp_path / 'a room' / 'paths.png'}" in out
+    assert f"picture: {tmp_path / 'a room' / 'moment.png'}" in out
     assert f"trecsim run '{tmp_path / 'a room' / 'site.toml'}'" in out
     code, out, err = trecsim("demo", "--out", tmp_path / "a room", *small, "--json")
     assert code == 0
@@ -44,19 +45,23 @@ def test_the_demo_advises_only_what_the_installed_extras_can_do(
     assert "sample" not in advised("report")
     assert "trecsim report room" in advised("report", "video")
     assert "trecsim sample" in advised("report", "video")
+    assert "trecsim render room/run room/film.mp4" in advised("render")
+    assert "render" not in advised("report", "video")
 
 
-def test_without_matplotlib_the_demo_says_how_to_get_a_picture(
+def test_without_matplotlib_and_opencv_the_demo_says_how_to_get_a_picture(
     trecsim: Callable[..., tuple[int, str, str]],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "cv2", None)
     small = ("--seconds", 1, "--people", 1, "--cameras", 2)
     code, out, _ = trecsim("demo", "--out", tmp_path / "room", *small)
     assert code == 0
-    assert "no picture: it needs Matplotlib: " in out
+    assert "no picture of the paths: it needs Matplotlib: " in out
     assert "[plot]" in out
+    assert not list((tmp_path / "room").glob("*.png"))
 
 
 def test_the_scenario_packs_are_listed_with_what_happens(

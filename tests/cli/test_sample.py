@@ -29,7 +29,8 @@ def test_it_says_whose_the_recording_is_and_how_to_go_on(
     assert code == 0
     assert asked == [Path("there")]
     assert "BSD 3-Clause" in out
-    assert "trecsim run there/MultiPerson/site.toml" in out
+    assert "trecsim run there/MultiPerson/site.toml --out multi\n" in out
+    assert "trecsim render multi multi.mp4 --site there/MultiPerson/site.toml" in out
 
 
 def test_the_summary_is_one_json_object(trecsim: Command, asked: list[Path]) -> None:

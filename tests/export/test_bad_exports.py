@@ -13,7 +13,9 @@ from trecsim.errors import Error, InputError, SetupError
 from trecsim.export.formats import FORMATS
 from trecsim.export.placing import placed
 
-ENDINGS = [one.ending for one in FORMATS if one.ending not in (".nc", ".rrd", ".csv", ".parquet")]
+ENDINGS = [
+    one.ending for one in FORMATS if one.ending not in (".nc", ".rrd", ".usdc", ".csv", ".parquet")
+]
 
 
 @pytest.fixture
@@ -85,7 +87,12 @@ def test_a_missing_package_is_named_with_the_command_that_installs_it(
 
     monkeypatch.setattr(extras, "import_module", missing)
     tracks, _, _ = two_walkers(tmp_path)
-    for ending, package in ((".c3d", "ezc3d"), (".rrd", "rerun"), (".nc", "movement")):
+    for ending, package in (
+        (".c3d", "ezc3d"),
+        (".rrd", "rerun"),
+        (".nc", "movement"),
+        (".usdc", "usd-core"),
+    ):
         with pytest.raises(SetupError, match=rf"needs {package}: .*install"):
             exported(tracks, tmp_path / f"o{ending}")
     assert sorted(tmp_path.iterdir()) == [tracks]

@@ -123,12 +123,14 @@ def test_gltf_animates_each_joint_and_hides_who_is_absent(walkers: Walkers) -> N
             np.testing.assert_allclose(back, truth[known, joint], atol=TENTH_MM)
 
 
-def test_usd_holds_points_over_time_and_who_is_visible(walkers: Walkers) -> None:
+@pytest.mark.parametrize("ending", [".usda", ".usdc"])
+def test_usd_holds_points_over_time_and_who_is_visible(ending: str, walkers: Walkers) -> None:
     pxr = pytest.importorskip("pxr.UsdGeom", reason="usd-core is not installed")
     from pxr import Usd
 
     tracks, t_s, people = walkers
-    (file,) = exported(tracks, tracks.with_suffix(".usda")).files
+    (file,) = exported(tracks, tracks.with_suffix(ending)).files
+    assert not list(file.parent.glob(".*"))
     stage = Usd.Stage.Open(str(file))
     assert pxr.GetStageUpAxis(stage) == "Z"
     assert pxr.GetStageMetersPerUnit(stage) == 1.0

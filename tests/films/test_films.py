@@ -19,7 +19,7 @@ from trecsim.films import FilmSettings, filming, render
 from trecsim.films.alerts import open_at, read_alerts
 from trecsim.films.bodies_drawn import person_colour
 from trecsim.films.camera_tiles import CameraTile
-from trecsim.films.filming import FilmInput
+from trecsim.films.film_settings import FilmInput
 from trecsim.films.people_at import Lookup
 from trecsim.films.predicted import Predicted
 from trecsim.films.scene3d import eye_on
@@ -198,7 +198,9 @@ def test_forecasts_are_shown_until_the_next_is_due(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("settings", "text"),
     [
-        ({"from_s": 9.0}, "no tracks from 9"),
+        ({"from_s": 9.0}, "no tracks from 9 s to the end; they last"),
+        ({"from_s": 1.0, "to_s": 0.5}, "no tracks from 1 s to 0.5 s"),
+        ({"from_s": -1.0}, "no tracks from -1 s"),
         ({"at_s": -1.0}, "--at-s -1"),
         ({"width": 10}, "--width 10"),
         ({"rate_hz": 0.0}, "--rate-hz 0"),
@@ -213,6 +215,27 @@ def test_settings_that_cannot_be_are_refused(
     with pytest.raises(InputError, match=text):
         render(tracks, tmp_path / f"o{ending}", None, FilmSettings(**settings))
     assert sorted(tmp_path.iterdir()) == [tracks]
+
+
+def test_a_part_of_the_tracks_is_read_as_in_the_whole(tmp_path: Path) -> None:
+    t_s = 100.0 + np.arange(250) / RATE_HZ
+    late_m = walking_m(t_s, 1)
+    late_m[:200] = np.nan
+    tracks = recorded(tmp_path / "t.csv", {1: walking_m(t_s), 4: late_m}, t_s)
+    pictures = []
+    for name, settings in (
+        ("a.png", FilmSettings(480, 270, at_s=8.2, trail_s=1.0)),
+        ("b.png", FilmSettings(480, 270, from_s=8.2, to_s=8.2, trail_s=1.0)),
+    ):
+        made = render(tracks, tmp_path / name, None, settings)
+        assert made.from_s == pytest.approx(108.2)
+        assert made.people == 2
+        pictures.append(made.out.read_bytes())
+    assert pictures[0] == pictures[1]
+    film = render(tracks, tmp_path / "f.mp4", None, FilmSettings(480, 270, from_s=4.0, to_s=4.2))
+    assert (film.frames, film.people) == (6, 1)
+    with pytest.raises(InputError, match="--at-s is the moment of a picture"):
+        render(tracks, tmp_path / "g.mp4", None, FilmSettings(at_s=1.0))
 
 
 def test_a_video_of_no_camera_and_an_unknown_ending_are_refused(tmp_path: Path) -> None:

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from made_tracks import walk
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
+from trecsim.films.bodies_drawn import person_colour
 from trecsim.lab.demo import DemoScene, DemoSummary, _compared, demo
 from trecsim.lab.demo_poses import demo_scene, without_end
 from trecsim.lab.evaluation.moments import Recorded, gather
@@ -37,6 +39,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> tuple[DemoSummary, list[tu
 def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw nothing, which takes longer than all the rest."""
     monkeypatch.setattr("trecsim.lab.plots.paths_plot.plot_paths", lambda *_, **__: None)
+    monkeypatch.setattr("trecsim.lab.demo._draw_moment", lambda folder: None)
 
 
 def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(
@@ -44,6 +47,7 @@ def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(
 ) -> None:
     folder = room[0].folder
     assert sorted(path.name for path in folder.iterdir()) == [
+        "moment.png",
         "paths.png",
         "poses.jsonl",
         "rig.toml",
@@ -56,6 +60,18 @@ def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(
     with np.load(folder / "truth.npz") as truth:
         assert set(truth.files) == {"t_s", "xyz_m"}
         assert truth["xyz_m"].shape == (2, len(truth["t_s"]), 17, 3)
+
+
+def test_the_picture_of_a_moment_shows_everybody_in_both_views(
+    room: tuple[DemoSummary, list[tuple]],
+) -> None:
+    assert room[0].moment is not None
+    image = np.array(Image.open(room[0].moment).convert("RGB"), int)
+    assert image.shape == (560, 1280, 3)
+    for view in (image[:, :832], image[:, 832:]):
+        for person in (0, 1):
+            alike = (np.abs(view - person_colour(person)) < 30).all(axis=2)
+            assert alike.sum() > 50
 
 
 def test_the_error_against_the_truth_is_that_of_a_good_tracker(

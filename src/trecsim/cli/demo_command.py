@@ -118,6 +118,7 @@ def _facts(result: "DemoSummary") -> dict[str, Any]:
     return {
         "out": result.folder,
         "picture": result.picture,
+        "moment": result.moment,
         "people_simulated": result.people,
         "people": result.run.people,
         "images": result.run.images,
@@ -138,13 +139,13 @@ def _told(result: "DemoSummary") -> str:
     ]
     width = max(len(name) for name, _ in rows)
     lines = [f"  {name:<{width}}  {value}" for name, value in rows]
-    picture = f"picture: {result.picture}"
+    pictures = [f"picture: {one}" for one in (result.picture, result.moment) if one is not None]
     if result.picture is None:
-        picture = f"no picture: it needs Matplotlib: {install_command('plot')}"
+        pictures.append(f"no picture of the paths: it needs Matplotlib: {install_command('plot')}")
     commands = _next_commands(result.folder)
     width = max(map(len, commands))
     following = [f"  {command:<{width}}    {about}" for command, about in commands.items()]
-    return "\n".join([*lines, "", picture, "next:", *following])
+    return "\n".join([*lines, "", *pictures, "next:", *following])
 
 
 def _against_truth(truth: "Comparison") -> list[tuple[str, str]]:
@@ -168,6 +169,9 @@ def _next_commands(folder: Path) -> dict[str, str]:
     if has_extra("report"):
         report = f"trecsim report {quote(str(folder))}"
         commands = {report: "the results on one page, with quality checks", **commands}
+    if has_extra("render"):
+        film = f"trecsim render {quote(str(folder / 'run'))} {quote(str(folder / 'film.mp4'))}"
+        commands[film] = "a film of it"
     if has_extra("video"):
         commands["trecsim sample"] = "fetch a real recording of four cameras"
     return commands

@@ -3,6 +3,7 @@
 import sys
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from trecsim.cli.allocation import give_back_often, share_arenas
@@ -18,6 +19,7 @@ from trecsim.cli.terminal import (
     progress_bar,
 )
 from trecsim.errors import InputError
+from trecsim.extras import has_extra
 
 if TYPE_CHECKING:
     from trecsim.run_summary import RunSummary
@@ -108,7 +110,16 @@ def run(
             )  # fmt: skip
     if summary.ended == "stopped" and inputs is None:
         raise KeyboardInterrupt(f"stopped; {_told(summary)}")
-    finish(_facts(summary), json, _told(summary))
+    film = _film_command(site, summary) if inputs is None else ""
+    finish(_facts(summary), json, _told(summary) + film)
+
+
+def _film_command(site: Path, summary: "RunSummary") -> str:
+    """Return how to see what was found, where films can be made."""
+    if not summary.people or not has_extra("render"):
+        return ""
+    film = quote(str(summary.out / "film.mp4"))
+    return f"\na film: trecsim render {quote(str(summary.out))} {film} --site {quote(str(site))}"
 
 
 def _draw_nothing(summary: "RunSummary") -> None:

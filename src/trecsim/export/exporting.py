@@ -71,6 +71,7 @@ class ExportSettings:
         return self.smoothing != NO_SMOOTHING
 
 
+_PACKAGES = {".usdc": "usd-core"}  # named otherwise than the module
 _LOWEST_HZ, _HIGHEST_HZ = 0.01, 10_000.0
 
 
@@ -186,7 +187,8 @@ def _writer_of(kind: Format) -> Writer:
     """Import a writer and the optional packages that it uses."""
     if kind.needs:
         extra, *modules = kind.needs
-        needed(f"{kind.title} needs {modules[0].split('.')[0]}", extra, *modules)
+        package = _PACKAGES.get(kind.ending, modules[0].split(".")[0])
+        needed(f"{kind.title} needs {package}", extra, *modules)
     module, _, function = kind.writer.partition(":")
     writer: Writer = getattr(import_module(f"trecsim.export.{module}"), function)
     return writer

@@ -18,6 +18,7 @@ FORMATS = (
     Format(".bvh", "BVH (Blender)", "bvh_file:write_bvh", True, True, holds_pose=True),
     Format(".glb", "glTF (Blender, three.js)", "glb_file:write_glb"),
     Format(".usda", "USD", "usd_file:write_usd"),
+    Format(".usdc", "binary USD", "usd_file:write_binary_usd", needs=("usd", "pxr.Sdf")),
     Format(
         ".nc", "NetCDF (movement)", "movement_file:write_movement", False, True,
         ("movement", "movement.io.load_poses"),

@@ -1,6 +1,7 @@
-"""USD as text: one set of time-sampled points per person, z up, metres. Needs no package."""
+"""USD: one set of time-sampled points per person, z up, metres. The text needs no package."""
 
 from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 from typing import TextIO
 
@@ -30,6 +31,17 @@ def write_usd(motion: Motion, path: Path, about: About) -> None:
         for one in motion.people:
             _write_person(file, one, motion, per_second, about)
         file.write("}\n")
+
+
+def write_binary_usd(motion: Motion, path: Path, about: About) -> None:
+    """Write the same as a binary file, a third of the size."""
+    sdf = import_module("pxr.Sdf")
+    text = path.with_suffix(".usda")
+    try:
+        write_usd(motion, text, about)
+        sdf.Layer.FindOrOpen(str(text)).Export(str(path))
+    finally:
+        text.unlink(missing_ok=True)
 
 
 def _write_person(

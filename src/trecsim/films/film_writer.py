@@ -53,7 +53,7 @@ def _opened(place: Path, rate_hz: float, size: tuple[int, int]) -> Iterator[tupl
         stream = container.add_stream("libx264", rate=rate)
         stream.width, stream.height = size
         stream.pix_fmt = "yuv420p"
-        stream.options = {"preset": "superfast", "crf": _QUALITY}
+        stream.options = {"preset": "veryfast", "crf": _QUALITY}
         stream.thread_type = "AUTO"
         context = stream.codec_context  # what the conversion makes, so that players need not guess
         context.color_range, context.colorspace = _NARROW, _BT601

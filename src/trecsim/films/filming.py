@@ -1,18 +1,16 @@
 """Films and pictures of tracks."""
 
-import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from trecsim.errors import InputError
-from trecsim.export.motions import collect
 from trecsim.films.alerts import Alert, Alerts, open_at, read_alerts
 from trecsim.films.camera_tiles import CameraTile
 from trecsim.films.film_layout import Layout, layout
+from trecsim.films.film_settings import FilmInput, FilmSettings
+from trecsim.films.film_times import part_of, times_of
 from trecsim.films.film_writer import write_film
 from trecsim.films.people_at import Lookup
 from trecsim.films.plan2d import Plan2D
@@ -29,84 +27,14 @@ from trecsim.films.strokes import (
     blank,
     opencv,
 )
-from trecsim.geometry import Rig
 from trecsim.sources import VideoFile, prefetched
-from trecsim.sources.masks import Polygon
 from trecsim.store.atomic import atomic_write
-from trecsim.store.tracks import read_tracks
 
 PICTURES = (".png", ".jpg", ".jpeg")
 FILMS = (".mp4",)
-_FASTEST_HZ = 60.0
-_USUAL_HZ = 25.0
 _AHEAD = 3  # images drawn before they are encoded
 
 Progress = Callable[[int, int | None], None]
-
-
-@dataclass(frozen=True, slots=True)
-class FilmSettings:
-    """How a film looks.
-
-    Attributes
-    ----------
-    width, height
-        Size of the image [px]; made even.
-    rate_hz
-        Frames per second; None takes the rate of the tracks, at most 30.
-    from_s, to_s
-        Part of the tracks [s], from their first time; None for the beginning and the end.
-    at_s
-        Moment of a picture [s], from the first time; None for that with most people.
-    trail_s
-        Length of the paths behind people [s].
-    """
-
-    width: int = 1280
-    height: int = 720
-    rate_hz: float | None = None
-    from_s: float | None = None
-    to_s: float | None = None
-    at_s: float | None = None
-    trail_s: float = 10.0
-
-    def __post_init__(self) -> None:
-        for name, value in (("width", self.width), ("height", self.height)):
-            if not 240 <= value <= 7680:
-                raise InputError(f"--{name} {value}: expected 240 to 7680 pixels")
-        if self.rate_hz is not None and not 0.1 <= self.rate_hz <= _FASTEST_HZ:
-            raise InputError(f"--rate-hz {self.rate_hz:g}: expected 0.1 to {_FASTEST_HZ:g}")
-        if not 0.0 <= self.trail_s < math.inf:
-            raise InputError(f"--trail-s {self.trail_s:g}: expected seconds, 0 or more")
-
-
-@dataclass(frozen=True, slots=True)
-class FilmInput:
-    """What a film shows besides the tracks; each part may be missing.
-
-    Attributes
-    ----------
-    rig
-        The cameras.
-    videos
-        Video of each camera, by its name in the rig.
-    masks_px
-        Polygons that are blanked in the images of each camera [px].
-    zones, lines
-        Areas and lines on the floor, by name [m].
-    events
-        `events.jsonl`.
-    forecasts
-        `forecast.jsonl`.
-    """
-
-    rig: Rig | None = None
-    videos: Mapping[str, Path] = field(default_factory=dict)
-    masks_px: Mapping[str, Sequence[Polygon]] = field(default_factory=dict)
-    zones: Mapping[str, np.ndarray] = field(default_factory=dict)
-    lines: Mapping[str, np.ndarray] = field(default_factory=dict)
-    events: Path | None = None
-    forecasts: Path | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,11 +101,14 @@ def render(
         raise InputError(
             f"{out}: expected {', '.join(FILMS)} for a film or {', '.join(PICTURES)} for a picture"
         )
+    if ending in FILMS and settings.at_s is not None:
+        raise InputError(
+            f"--at-s is the moment of a picture ({', '.join(PICTURES)}); of a film give --from-s "
+            "and --to-s"
+        )
     opencv()
-    lookup = Lookup(collect(read_tracks(tracks)))
-    if not lookup.motion.people:
-        raise InputError(f"{tracks}: nobody is in these tracks, so there is nothing to show")
-    times_s, rate_hz = _times(lookup, settings, ending in PICTURES)
+    lookup = Lookup(part_of(tracks, settings))
+    times_s, rate_hz = times_of(lookup, settings, ending in PICTURES)
     with ExitStack() as stack:
         camera = _Projector(lookup, shown, settings, times_s, stack)
         images = camera.images(times_s)
@@ -190,40 +121,6 @@ def render(
         one for t_s in times_s[:: max(len(times_s) // 500, 1)] for one in lookup.at(t_s).person
     }
     return Filmed(out, len(times_s), rate_hz, times_s[0], times_s[-1], len(people), camera.cameras)
-
-
-def _times(lookup: Lookup, settings: FilmSettings, picture: bool) -> tuple[list[float], float]:
-    """Return the moments to show [s], and the frame rate."""
-    motion = lookup.motion
-    last_s = max(float(one.t_s[-1]) for one in motion.people)
-    if picture:
-        return [_moment(lookup, settings, last_s)], math.nan
-    from_s = motion.t0_s + (settings.from_s or 0.0)
-    to_s = min(last_s, motion.t0_s + settings.to_s) if settings.to_s is not None else last_s
-    if from_s > to_s:
-        raise InputError(
-            f"there are no tracks from {from_s - motion.t0_s:g} to {to_s - motion.t0_s:g} s; they "
-            f"last {last_s - motion.t0_s:.3f} s"
-        )
-    usual_hz = 1.0 / motion.step_s if motion.step_s > 0 else _USUAL_HZ
-    rate_hz = settings.rate_hz or min(round(usual_hz, 3), 30.0)
-    count = math.floor((to_s - from_s) * rate_hz + 1e-6) + 1
-    return [from_s + number / rate_hz for number in range(count)], rate_hz
-
-
-def _moment(lookup: Lookup, settings: FilmSettings, last_s: float) -> float:
-    first_s = lookup.motion.t0_s
-    if settings.at_s is not None:
-        if not 0.0 <= settings.at_s <= last_s - first_s:
-            raise InputError(
-                f"--at-s {settings.at_s:g}: expected 0 to {last_s - first_s:.3f}, the length of "
-                "the tracks"
-            )
-        return first_s + settings.at_s
-    some = np.linspace(first_s, last_s, 41)
-    counts = [len(lookup.at(t_s).person) for t_s in some.tolist()]
-    most = np.flatnonzero(np.array(counts) == max(counts))
-    return float(some[most[len(most) // 2]])
 
 
 class _Projector:

@@ -22,8 +22,12 @@ from trecsim.service.site_service import SiteService
 from trecsim.sites.check import check_site
 from trecsim.sites.feed_files import signals_of
 from trecsim.sources.streams.as_live import Pace, PosesStream
+from trecsim.store.names import RIG
 from trecsim.store.tracks import read_tracks
 from trecsim.store.truth import Truth
+
+_SEARCHED_S = 600.0
+"""In so much of a long demo a moment with many people is looked for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +61,8 @@ class DemoSummary:
         Directory of all files.
     picture
         The picture of people and paths; None without Matplotlib.
+    moment
+        The picture of a moment, as films show it; None without OpenCV.
     people, cameras
         Number of simulated people and cameras.
     run
@@ -68,6 +74,7 @@ class DemoSummary:
 
     folder: Path
     picture: Path | None
+    moment: Path | None
     people: int
     cameras: int
     run: RunSummary
@@ -106,7 +113,8 @@ def demo(
     ----------
     folder
         Directory of all files: ``rig.toml``, ``poses.jsonl``, ``truth.npz``, ``site.toml``,
-        ``paths.png``, and those of the run, in ``run/``. Files of an earlier demo are replaced.
+        ``paths.png``, ``moment.png``, and those of the run, in ``run/``. Files of an earlier demo
+        are replaced.
     seconds
         Length [s]; None goes on until `stop` says so.
     shown
@@ -152,7 +160,9 @@ def demo(
         recorded = read_moments(folder / RUN).shifted(-pace.live_s(0.0))
         comparison = _compared(recorded, Truth(made.truth_t_s, made.truth_xyz_m), remark)
     picture = _draw(folder, made, comparison)
-    return DemoSummary(folder, picture, len(made.truth_xyz_m), len(made.rig), summary, comparison)
+    moment = _draw_moment(folder) if summary.people else None
+    people, cameras = len(made.truth_xyz_m), len(made.rig)
+    return DemoSummary(folder, picture, moment, people, cameras, summary, comparison)
 
 
 def _compared(recorded: Recorded, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:
@@ -192,5 +202,18 @@ def _draw(folder: Path, made: Simulation, comparison: Comparison | None) -> Path
     try:
         plot_paths(read_tracks(folder / RUN), made.rig, picture, title=title, remark=remark)
     except SetupError:  # without Matplotlib; the command says so
+        return None
+    return picture
+
+
+def _draw_moment(folder: Path) -> Path | None:
+    from trecsim.film_places import film_input
+    from trecsim.films import FilmSettings, render
+
+    run, picture = folder / RUN, folder / "moment.png"
+    try:
+        shown = film_input(run, rig=folder / RIG, site=folder / "site.toml")
+        render(run, picture, shown, FilmSettings(height=560, to_s=_SEARCHED_S))
+    except SetupError:  # without OpenCV
         return None
     return picture

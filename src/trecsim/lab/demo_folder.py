@@ -75,7 +75,8 @@ def make_room(folder: Path, pack: str | None = None) -> None:
                 "overwritten: give another directory with --out"
             )
         folder.mkdir(parents=True, exist_ok=True)
-        made = [folder / "paths.png", *(folder / RUN / name for name in RUN_FILES)]
+        pictures = (folder / "paths.png", folder / "moment.png")
+        made = [*pictures, *(folder / RUN / name for name in RUN_FILES)]
         for path in made:
             path.unlink(missing_ok=True)
         discard_recording(folder / RUN)
