@@ -83,6 +83,9 @@ class CameraHealth:
     clock_late_ms
         How late its clock is, in addition to what the rig says [ms], as the tracker estimates it;
         None while it is not known.
+    repaired_deg
+        By how much its pose was turned by an automatic repair of the rig [degrees]; None where it
+        is that of the site's rig.
     """
 
     state: CameraState = "down"
@@ -94,6 +97,7 @@ class CameraHealth:
     moved_deg: float | None = None
     moved_since_s: float | None = None
     clock_late_ms: float | None = None
+    repaired_deg: float | None = None
 
     @property
     def dropped(self) -> int:
@@ -125,6 +129,21 @@ class CameraHealth:
         return (
             f"camera {name} looks {self.moved_deg:.1f} degrees elsewhere than the rig says; run "
             "trecsim calibrate repair"
+        )
+
+    def said_of_repair(self, name: str) -> str | None:
+        """Return that the camera's pose was repaired, in a few words; None where it was not.
+
+        Examples
+        --------
+        >>> CameraHealth("live", repaired_deg=2.04).said_of_repair("north")
+        'the pose of camera north was repaired by 2.0 degrees; trecsim calibrate revoke undoes that'
+        """
+        if self.repaired_deg is None:
+            return None
+        return (
+            f"the pose of camera {name} was repaired by {self.repaired_deg:.1f} degrees; trecsim "
+            "calibrate revoke undoes that"
         )
 
     def to_json(self) -> dict[str, Any]:

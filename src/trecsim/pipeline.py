@@ -189,6 +189,7 @@ def live(
     tally: Tally | None = None,
     first_id: int = 0,
     silence: bool = True,
+    rigs: Callable[[], Rig | None] = lambda: None,
 ) -> None:
     """Track people in 3D from live sources until all end, or `stop` says so.
 
@@ -220,13 +221,16 @@ def live(
         Identity of the first person.
     silence
         Whether to log that a camera is silent; not where somebody else watches the cameras.
+    rigs
+        Asked after each arrival: the same cameras, calibrated anew, or None.
     """
     tally = tally if tally is not None else Tally()
     warm_up(losing=True)  # a kernel that is compiled later would stop everything for seconds
     arrivals = usable(_until(feed.arrivals(), stop), rig, feed.fault)
+    current = _Rigs(rig, rigs)
     while feed.is_read:
         follower = Follower(
-            rig,
+            current.rig,
             settings,
             lag_s=lag_s,
             tally=tally,
@@ -237,7 +241,7 @@ def live(
             silence=silence,
         )
         try:
-            flow(arrivals, follower, sinks)
+            flow(current.handed_to(follower, arrivals), follower, sinks)
         except Error:
             feed.is_read = False
             raise
@@ -256,6 +260,24 @@ def _until(
         yield arrival
         if stop():
             return
+
+
+class _Rigs:
+    """The rig in use, and who tells of a new one."""
+
+    def __init__(self, rig: Rig, rigs: Callable[[], Rig | None]) -> None:
+        self.rig, self._rigs = rig, rigs
+
+    def handed_to(
+        self, follower: Follower, arrivals: Iterable[Arrival[Poses2D]]
+    ) -> Iterator[Arrival[Poses2D]]:
+        """Yield what arrives, each after a new rig if there is one."""
+        for arrival in arrivals:
+            rig = self._rigs()
+            if rig is not None:
+                self.rig = rig
+                follower.take_rig(rig)
+            yield arrival
 
 
 def _failed(error: Exception) -> CrashError:

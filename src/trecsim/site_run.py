@@ -12,6 +12,7 @@ from trecsim.calibration import write_rig
 from trecsim.callbacks import Progress
 from trecsim.errors import InputError
 from trecsim.feed import Feed
+from trecsim.geometry import Rig
 from trecsim.pipeline import flow, live, recorded
 from trecsim.resuming import Later, stored_before
 from trecsim.run_sinks import live_sinks, recorded_sinks
@@ -50,6 +51,7 @@ def run(
     watchers: Sinks = NOBODY,
     store: SiteStore | None = None,
     recording: Callable[[Recorder], None] = lambda recorder: None,
+    rigs: Callable[[], Rig | None] = lambda: None,
     resume: bool = False,
     seconds: float | None = None,
     provisional: bool = False,
@@ -74,6 +76,8 @@ def run(
         Records live cameras, and deletes what is old; without it nothing is deleted.
     recording
         Is told what records a live site, once it does.
+    rigs
+        Asked while a live site runs: the same cameras, calibrated anew, or None.
     resume
         Go on with the recording in `out`, if there is one. Images up to its end are left out,
         identities go on above its highest.
@@ -107,7 +111,7 @@ def run(
         watch.gaps_s = gaps_before(folder) if resume else ()
         try:
             fault = _record(
-                checked, folder, watch, feed, watchers, store, recording,
+                checked, folder, watch, feed, watchers, store, recording, rigs,
                 resume=resume, provisional=provisional,
             )  # fmt: skip
             if fault is not None and watch.tally.frame_sets == 0:
@@ -133,6 +137,7 @@ def _record(
     watchers: Sinks,
     store: SiteStore | None,
     recording: Callable[[Recorder], None],
+    rigs: Callable[[], Rig | None],
     *,
     resume: bool,
     provisional: bool,
@@ -146,7 +151,7 @@ def _record(
                     checked, folder, watch, watchers, files, resume=resume, store=store
                 )
                 recording(recorder)
-                _run_live(checked, watch, feed, sinks)
+                _run_live(checked, watch, feed, sinks, rigs)
             else:
                 sinks = recorded_sinks(checked, folder, watch, watchers, files, resume=resume)
                 _run_recorded(checked, watch, sinks, files, provisional=provisional)
@@ -155,7 +160,13 @@ def _record(
     return None
 
 
-def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -> None:
+def _run_live(
+    checked: CheckedSite,
+    watch: RunWatch,
+    feed: Feed,
+    sinks: Sinks,
+    rigs: Callable[[], Rig | None],
+) -> None:
     site = checked.file.site
     if not _ready(warm_up_in_background(), watch):
         return
@@ -169,6 +180,7 @@ def _run_live(checked: CheckedSite, watch: RunWatch, feed: Feed, sinks: Sinks) -
         tally=watch.tally,
         first_id=watch.stored.next_person,
         silence=False,  # whoever runs a site watches its cameras
+        rigs=rigs,
     )
 
 

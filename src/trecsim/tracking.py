@@ -168,10 +168,7 @@ class Follower:
         self._tracker = Tracker(
             rig, settings, lag_s=lag_s, first_id=first_id, provisional=provisional
         )
-        self._reach, self._consistency = _Reach(rig), Consistency(rig)
-        self._learnt = LearntErrors(rig.names)
-        self._views = ViewWatch(rig)
-        self._rig = rig
+        self._watch(rig)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
         self._tally = tally if tally is not None else Tally()
@@ -185,6 +182,18 @@ class Follower:
         self._offsets_s = offsets_s
         self._now_s = math.nan  # by the clock of arrivals
         self._arrived_s: dict[tuple[str, float], float] = {}  # of images that wait
+
+    def take_rig(self, rig: Rig) -> None:
+        """Go on with the same cameras, whose poses were calibrated anew; their clocks stay."""
+        self._tracker.take_rig(rig)
+        self._watch(rig)
+        self._looked_s = math.nan
+
+    def _watch(self, rig: Rig) -> None:
+        """Judge poses by this rig from now on."""
+        self._rig = rig
+        self._reach, self._consistency = _Reach(rig), Consistency(rig)
+        self._learnt, self._views = LearntErrors(rig.names), ViewWatch(rig)
 
     @property
     def next_id(self) -> int:

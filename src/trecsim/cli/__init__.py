@@ -67,6 +67,7 @@ GROUPS = {
             "people": "Calibrate cameras from people who walk: poses, clocks, and a verdict.",
             "check": "Check by the people in a recording whether a rig is still right.",
             "repair": "Repair a rig by the people in a recording: as it is at the end.",
+            "revoke": "Take back the repair of a rig that a live site made by itself.",
         },
     ),
     "site": (

@@ -91,7 +91,40 @@ def repair(
     write_rig(made.rig, out, format="trecsim", remark=note)
     if made.result.verdict == "wrong":
         note(f"{out} is written, but do not use it: {made.result.reasons[0]}")
-    finish(made.result.summary(), json, told(out, made.result))
+    found = {one.name: one.row() for one in made.check.cameras}
+    finish({**made.result.summary(), "check": found}, json, told(out, made.result))
+
+
+def revoke(site: Path, /, *, out: Path | None = None, json: bool = False) -> None:
+    """Take back the repair of a rig that a live site made by itself.
+
+    The rig of the site file is used again: at once by a site that runs, which does not repair the
+    same camera again before its next start. The repaired rig stays as a file.
+
+    Parameters
+    ----------
+    site
+        The site file.
+    out
+        The directory of the run, if `trecsim run` was given one.
+    json
+        Print the summary as one JSON object.
+    """
+    from trecsim.service.rig_repairs import RigRepairs
+    from trecsim.site_run import recordings_folder
+    from trecsim.sites.site_reading import read_site
+
+    repairs = RigRepairs(out or recordings_folder(read_site(site)))
+    repair = repairs.revoke()
+    if repair is None:
+        raise InputError(
+            f"{repairs.folder}: no repair is in force; a site repairs its rig by itself only with "
+            "automatic = true in [repair]"
+        )
+    named = ", ".join(repair.turn_deg)
+    kept = repairs.folder / repair.rig
+    text = f"the repair of {named} is taken back; the repaired rig is still in {kept}"
+    finish({"cameras": dict(repair.turn_deg), "rig": kept}, json, text)
 
 
 def _line(one: "CameraCheck") -> str:

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from trecsim.errors import InputError
 from trecsim.fusion import birth, evidence, fitting, kernels, lifecycle
 from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.camera_errors import CameraErrors
@@ -144,6 +145,25 @@ class Tracker:
         self._end_tracks(update.association, replaced)
         self._reports.note(self._t_s, (self._people, self._single.people), self._looks)
         return self._snapshot(self._t_s)
+
+    def take_rig(self, rig: Rig) -> None:
+        """Go on with the same cameras, calibrated anew; tracks and identities go on.
+
+        What residuals told of the cameras belongs to the old rig, and is forgotten.
+
+        Raises
+        ------
+        InputError
+            When they are other cameras.
+        """
+        m = self._model
+        check_arguments(rig, m.settings, m.skeleton, 0.0)
+        if rig.names != m.rig.names:
+            raise InputError(f"expected the cameras {m.rig.names}, found {rig.names}")
+        self._errors = CameraErrors(rig)
+        self._model = build(rig, m.skeleton, m.settings, self._errors.known)
+        self._single.model = self._model
+        self._unassigned = Detections.nothing(len(m.skeleton.joints))
 
     @property
     def held(self) -> Held:

@@ -59,6 +59,10 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
         "trecsim_camera_moved_degrees", "By how much it looks elsewhere than the rig says.",
         labels=["camera"],
     )  # fmt: skip
+    repaired = GaugeMetricFamily(
+        "trecsim_camera_repaired_degrees", "By how much its pose was repaired while the site runs.",
+        labels=["camera"],
+    )  # fmt: skip
     late = GaugeMetricFamily(
         "trecsim_camera_clock_late_seconds",
         "How late its clock is, in addition to what the rig says.", labels=["camera"],
@@ -67,6 +71,7 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
         if camera.clock_late_ms is not None:
             late.add_metric([name], 1e-3 * camera.clock_late_ms)
         moved.add_metric([name], camera.moved_deg or 0.0)
+        repaired.add_metric([name], camera.repaired_deg or 0.0)
         for one in CAMERA_STATES:
             state.add_metric([name, one], float(camera.state == one))
         fps.add_metric([name], camera.fps)
@@ -74,7 +79,7 @@ def _of_cameras(health: Health) -> Iterator[Metric]:
             age.add_metric([name], camera.age_s)
         for reason, count in camera.dropped_by.items():
             dropped.add_metric([name, reason], count)
-    yield from (state, fps, age, dropped, moved, late)
+    yield from (state, fps, age, dropped, moved, repaired, late)
 
 
 def _of_stages(health: Health) -> Iterator[Metric]:

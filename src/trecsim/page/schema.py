@@ -108,6 +108,7 @@ _CAMERA = {
         "fault": _said("What is wrong; null where nothing is.", type=["string", "null"]),
         "moved_deg": _said("How far it looks elsewhere than the rig says; null: not.", **_MAYBE),
         "moved_since_s": _said("Since when [s]; null where it does not.", **_MAYBE),
+        "repaired_deg": _said("How far a repair has turned its pose; null: not.", **_MAYBE),
         "clock_late_ms": _said(
             "How late its clock is, as the tracker estimates it [ms].", **_MAYBE
         ),

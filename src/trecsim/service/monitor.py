@@ -159,6 +159,10 @@ class Monitor:
         """Take what records the site."""
         self._recorder = recorder
 
+    def take_rig(self, rig: Rig) -> None:
+        """Go on with the same cameras, calibrated anew."""
+        self._rig, self._views, self._newest = rig, ViewWatch(rig), {}
+
     def take_estimate(self, seconds: float, t_s: float) -> None:
         """Take how long the estimator looked at an image [s], and when that was taken [s]."""
         self._note("estimate", 1e3 * seconds, self._age_ms(t_s))

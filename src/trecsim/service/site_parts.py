@@ -14,13 +14,21 @@ from trecsim.health import (
     OutputHealth,
 )
 
-Kind = Literal["camera.health", "camera.moved", "fusion.health", "store.health", "output.health"]
+Kind = Literal[
+    "camera.health",
+    "camera.moved",
+    "camera.repaired",
+    "fusion.health",
+    "store.health",
+    "output.health",
+]
 Verdict = Literal["well", "faulty", "unknown"]
 Severity = Literal["warning", "alarm"]
 
 KINDS: Mapping[Kind, Severity] = {
     "camera.health": "warning",
     "camera.moved": "warning",
+    "camera.repaired": "warning",
     "fusion.health": "alarm",
     "store.health": "warning",
     "output.health": "warning",
@@ -30,6 +38,7 @@ KINDS: Mapping[Kind, Severity] = {
 LIMITS: Mapping[Kind, Mapping[str, float]] = {
     "camera.health": {"stale_s": STALE_S, "down_s": DOWN_S},
     "camera.moved": {},
+    "camera.repaired": {},
     "fusion.health": {"stalled_s": STALLED_S},
     "store.health": {},
     "output.health": {"late_s": LATE_S},
@@ -91,8 +100,9 @@ def parts_of(health: Health, read_since_s: float) -> list[PartState]:
     """
     cameras = [_camera(name, one, health, read_since_s) for name, one in health.cameras.items()]
     views = [_view(name, one, health) for name, one in health.cameras.items()]
+    repairs = [_repair(name, one, health) for name, one in health.cameras.items()]
     outputs = [_output(name, one, health) for name, one in health.outputs.items()]
-    return [*cameras, *views, _fusion(health), _store(health), *outputs]
+    return [*cameras, *views, *repairs, _fusion(health), _store(health), *outputs]
 
 
 def _camera(name: str, camera: CameraHealth, health: Health, read_since_s: float) -> PartState:
@@ -115,6 +125,15 @@ def _view(name: str, camera: CameraHealth, health: Health) -> PartState:
     return PartState(
         "camera.moved", name, verdict, "moved" if moved else "well", since_s, said, measures
     )
+
+
+def _repair(name: str, camera: CameraHealth, health: Health) -> PartState:
+    """Return whether the pose of a camera is that of the rig, or was repaired by itself."""
+    repaired = camera.repaired_deg is not None
+    verdict: Verdict = "faulty" if repaired else "well"
+    state = "repaired" if repaired else "well"
+    said, measures = camera.said_of_repair(name) or "", {"turn_deg": camera.repaired_deg}
+    return PartState("camera.repaired", name, verdict, state, health.t_s, said, measures)
 
 
 def _fusion(health: Health) -> PartState:

@@ -36,6 +36,8 @@ from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
 from trecsim.service.reloading import Reloading
+from trecsim.service.rig_keeper import RigKeeper
+from trecsim.service.rig_repairs import RigRepairs
 from trecsim.service.rule_watch import TYPES as RULE_TYPES
 from trecsim.service.rule_watch import RuleWatch, ends_of
 from trecsim.service.systemd import Heartbeat, notify
@@ -112,12 +114,14 @@ class SiteService:
             _rules_of(checked.file, checked.rig), self._put_event, signals
         )
         counting = Counting(checked.file.site)
+        keeper = _rig_keeper(checked, out, live=feed is not None)
         self._reloading = Reloading(
             checked.file, partial(self._apply, rules, counting, checked.rig)
         )
         watchers = monitor.sinks()
         watchers = replace(watchers, snapshots=[*watchers.snapshots, rules, counting])
-        told: list[Callable[[Health], None]] = [self._reloading]
+        watchers = replace(watchers, poses=[*watchers.poses, keeper])
+        told: list[Callable[[Health], None]] = [self._reloading, keeper]
         if self._page is not None:
             watchers = replace(watchers, snapshots=[*watchers.snapshots, self._page])
             told.append(self._page.health)
@@ -127,6 +131,7 @@ class SiteService:
             health = monitor.health()
             outputs = {one.name: one.health() for one in self._deliveries}
             judged_rules, counts = rules.health(health.t_s), counting.counts()
+            health = keeper.judged(health)
             return replace(health, rules=judged_rules, outputs=outputs, counts=counts)
 
         def asked() -> bool:
@@ -149,6 +154,7 @@ class SiteService:
             if self._pictures is not None:
                 ending.enter_context(self._pictures)
             ending.enter_context(Pulse(judged, tuple(told)))
+            ending.callback(keeper.close)
             if inputs is not None:
                 ending.callback(inputs.close)
             ending.enter_context(signals)
@@ -159,6 +165,7 @@ class SiteService:
                 watchers=watchers,
                 store=store,
                 recording=recording,
+                rigs=partial(self._new_rig, keeper, monitor, checked.file),
                 stop=asked,
                 picture=drawn,
                 **options,
@@ -237,11 +244,31 @@ class SiteService:
         elif request.kind == "picture" and self._pictures is not None:
             self._pictures.look(request.body["camera"])
 
+    def _new_rig(self, keeper: RigKeeper, monitor: Monitor, file: SiteFile) -> Rig | None:
+        """Return a rig that is to be used from now on, told to all who compare with it."""
+        rig = keeper.new_rig()
+        if rig is not None:
+            monitor.take_rig(rig)
+            self._show(file, rig)
+        return rig
+
     def _picture_maker(self, checked: CheckedSite) -> PictureMaker | None:
         """Return who makes pictures of the cameras, where the page shows them."""
         if self._page is None or not shows_pictures(checked.file):
             return None
         return PictureMaker(jpeg, self._page.picture)
+
+
+def _rig_keeper(checked: CheckedSite, out: Path | None, *, live: bool) -> RigKeeper:
+    """Return who repairs the rig, where the site file wants that."""
+    site = checked.file
+    given = f" --out {out}" if out is not None else ""
+    return RigKeeper(
+        checked.rig,
+        RigRepairs(out or recordings_folder(site)),
+        automatic=live and site.site.repair.automatic,
+        revoke_by=f"trecsim calibrate revoke {site.path}{given}",
+    )
 
 
 def _store(checked: CheckedSite, out: Path | None) -> SiteStore:

@@ -165,6 +165,14 @@ class OutputTable(Table):
     """Length of the paths in the picture of paths, up to the end of the run [s]."""
 
 
+class RepairTable(Table):
+    """What is done about a camera that was knocked while the site runs."""
+
+    automatic: bool = False
+    """Whether its pose is fitted to the people anew, beside being named. Each repair is logged, and
+    `trecsim calibrate revoke` takes it back; the rig file never changes."""
+
+
 class RetentionTable(Table):
     """How long a site with live cameras keeps what it stores; the oldest goes first."""
 
@@ -228,6 +236,8 @@ class Site(Ruled):
     """Settings of the association and the fit."""
     output: OutputTable = OutputTable()
     """What is kept of a run."""
+    repair: RepairTable = RepairTable()
+    """What is done about a camera that was knocked while the site runs."""
     retention: RetentionTable = RetentionTable()
     """How long a site with live cameras keeps what it stores."""
     page: PageTable | None = None
