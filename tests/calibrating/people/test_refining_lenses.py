@@ -9,6 +9,7 @@ from made_walkers import recording
 from trecsim.calibrating.people.adjusting import adjusted
 from trecsim.calibrating.people.camera_records import records
 from trecsim.calibrating.people.finding import find
+from trecsim.calibrating.people.lenses import evidence_for_lenses
 from trecsim.calibrating.people.pose_uncertainty import covariance_of
 from trecsim.calibrating.people.priors import Distance
 from trecsim.calibrating.people.tuning import LENS_SD
@@ -44,6 +45,14 @@ def test_right_focal_lengths_would_not_change_beyond_their_standard_deviation():
     sd = np.sqrt(np.diag(covariance_of(rig, free.own)).reshape(-1, free.own)[:, 8])
     assert np.abs(rig.state.lens[:, 0] / sd).max() < 1.5
     assert abs(rig.state.lens[:, 0].mean()) < 0.006
+
+
+def test_the_evidence_speaks_against_intrinsics_that_are_not_needed():
+    made = found(1.0, 1.0, 1.0)
+    free = dataclasses.replace(made.priors, lens_sd=np.tile(LENS_SD, (3, 1)))
+    start = made.rig.unknowns._replace(clock=np.zeros((3, 2)))
+    rig = adjusted(made.seen, made.rig.state, free, annealing=(1.0,), start=start)
+    assert evidence_for_lenses(rig, free) < 0.0
 
 
 def test_focal_lengths_that_are_clearly_off_are_refined():

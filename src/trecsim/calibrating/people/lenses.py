@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool
 
-from trecsim.calibrating.people.adjusting import Adjusted, adjusted, gained
+from trecsim.calibrating.people.adjusting import LENS, Adjusted, adjusted, gained
 from trecsim.calibrating.people.camera_records import CameraRecord
 from trecsim.calibrating.people.found import Found
 from trecsim.calibrating.people.holding_out import halves
 from trecsim.calibrating.people.observations import Observations
 from trecsim.calibrating.people.pose_uncertainty import covariance_of
 from trecsim.calibrating.people.priors import Priors
-from trecsim.calibrating.people.tuning import LENS_LEAST, LENS_NAMED, LENS_PRICE, LENS_SD
+from trecsim.calibrating.people.tuning import LENS_EVIDENCE, LENS_LEAST, LENS_NAMED, LENS_SD
 from trecsim.calibrating.people.variances import with_variances_of
 
 FEWEST = 3  # two cameras explain wrong intrinsics by their poses
@@ -23,9 +23,10 @@ def with_lenses(found: Found, records: tuple[CameraRecord, ...]) -> Found | None
 
     Notes
     -----
-    A wrong model of the people makes refined intrinsics fit better, too, and the longer the
-    recording the surer. So the intrinsics found in each half of the recording must explain the
-    other half better than the given ones, and by more than their number costs.
+    The evidence for other intrinsics must be clear: twice the logarithm of how many times likelier
+    the recording is with them than with the given ones, their prior counted (Kass and Raftery).
+    A wrong model of the people, as of a camera that moved, gives evidence, too. So the intrinsics
+    found in each half of the recording must also explain the other half better than the given ones.
     """
     n, known = len(found.priors.found), int(found.priors.found.sum())
     if known < FEWEST:
@@ -33,13 +34,22 @@ def with_lenses(found: Found, records: tuple[CameraRecord, ...]) -> Found | None
     priors = replace(found.priors, lens_sd=np.tile(LENS_SD, (n, 1)))
     start = found.rig.unknowns._replace(clock=np.zeros((n, 2)))
     rig = adjusted(found.seen, found.rig.state, priors, annealing=(1.0,), start=start)
-    price = LENS_PRICE * len(LENS_SD) * known
-    if gained(found.seen, found.rig, rig) < price:
+    if evidence_for_lenses(rig, priors) < LENS_EVIDENCE:
         return None
-    gains = _gains_elsewhere(found, records, priors)
-    if len(gains) < 2 or min(gains) <= 0.0 or sum(gains) < price:
-        return None
-    return replace(found, rig=rig, priors=priors)
+    return (
+        replace(found, rig=rig, priors=priors) if _holds_elsewhere(found, records, priors) else None
+    )
+
+
+def evidence_for_lenses(rig: Adjusted, priors: Priors) -> float:
+    """Return twice the log Bayes factor of refined intrinsics against the given ones (Laplace)."""
+    assert priors.lens_sd is not None
+    which = np.flatnonzero(priors.found)
+    rows = (which[:, None] * priors.own + np.arange(LENS.start, LENS.stop)).ravel()
+    precision = np.linalg.inv(covariance_of(rig, priors.own)[np.ix_(rows, rows)])
+    lens, prior = rig.state.lens[which].ravel(), priors.lens_sd[which].ravel()
+    _, logdet = np.linalg.slogdet(precision * np.outer(prior, prior))
+    return float(lens @ precision @ lens - logdet)
 
 
 def lenses_off(rig: Adjusted, own: int) -> Bool[np.ndarray, " cam"]:
@@ -50,15 +60,12 @@ def lenses_off(rig: Adjusted, own: int) -> Bool[np.ndarray, " cam"]:
     return off
 
 
-def _gains_elsewhere(
-    found: Found, records: tuple[CameraRecord, ...], priors: Priors
-) -> list[float]:
-    """Return what the intrinsics of each half gain in the other; nothing if one is too short."""
+def _holds_elsewhere(found: Found, records: tuple[CameraRecord, ...], priors: Priors) -> bool:
+    """Return whether the intrinsics found in each half of the recording lower the other's cost."""
     both = tuple(with_variances_of(found.seen, one) for one in halves(found, records))
     refined = [adjusted(one, found.rig.state, priors, annealing=(1.0,)) for one in both]
-    return [
-        _gain_with(one, found, other) for one, other in zip(both, reversed(refined), strict=True)
-    ]
+    others = zip(both, reversed(refined), strict=True)
+    return sum(_gain_with(one, found, other) for one, other in others) > 0.0
 
 
 def _gain_with(seen: Observations, found: Found, lenses_of: Adjusted) -> float:

@@ -128,9 +128,8 @@ OFFSET_LOOSE_S = 10.0
 
 LENS_SD = (0.02, 0.01, 0.01)
 """Standard deviation of a focal length, as a share of it, and of a principal point, over it."""
-LENS_PRICE = 2.0
-"""Refined intrinsics must lower the cost of people that were not used by so much per number
-(Akaike)."""
+LENS_EVIDENCE = 10.0
+"""Twice the logarithm of a Bayes factor that Kass and Raftery (1995) call very strong evidence."""
 LENS_NAMED, LENS_LEAST = 2.0, 0.008
 """A camera's intrinsics are named as off from so many standard deviations on, and so much."""
 
