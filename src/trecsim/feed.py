@@ -71,7 +71,7 @@ class Feed:
             self._boxes = [poses]
             deliver(cast(Sequence[Source[Poses2D]], self._sources), poses, self.fault)
             return poses.arrivals()
-        from trecsim.estimators.pool import estimate_live
+        from trecsim.estimators.live_images import estimate_live
 
         frames: Mailbox[Frame] = Mailbox(depth=1)  # an image that waits only gets older
         deliver(cast(Sequence[Source[Frame]], self._sources), frames, self.fault)

@@ -11,11 +11,9 @@ from trecsim.estimators import pool
 from trecsim.estimators.pool import (
     estimate,
     estimate_frames,
-    estimate_live,
     estimate_videos,
     open_videos,
 )
-from trecsim.sources.camera_mailbox import Mailbox, deliver
 from trecsim.values import Frame, Poses2D
 
 
@@ -217,14 +215,3 @@ def test_no_thread_is_left_at_the_end(videos):
     model = Brightness(2)
     list(estimate_videos(open_videos(videos, model), model))
     assert not working()
-
-
-def test_key_points_of_live_images_are_pixels_of_the_images_as_the_camera_took_them():
-    small = np.full((24, 32, 3), 7, np.uint8)
-    images = [Frame("north", 0, 0.0, small, (64, 48)), Frame("south", 0, 0.0, small)]
-    box = Mailbox()
-    deliver([[image] for image in images], box, pytest.fail)
-    poses = estimate_live(box, Brightness(), pytest.fail)
-    found = {one.item.camera: one.item.xy_px for one in poses.arrivals() if one.item}
-    np.testing.assert_allclose(found["south"], 7.0)
-    np.testing.assert_allclose(found["north"], (7.0 + 0.5) * 2.0 - 0.5)

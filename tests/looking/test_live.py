@@ -27,8 +27,8 @@ class Eyes:
         )
 
 
-def frame(camera, t_s):
-    return Frame(camera, 0, t_s, np.zeros((48, 64, 3), np.uint8))
+def frame(camera, t_s, index=0):
+    return Frame(camera, index, t_s, np.zeros((48, 64, 3), np.uint8))
 
 
 def test_each_camera_has_its_own_times_for_further_looks():
@@ -39,6 +39,18 @@ def test_each_camera_has_its_own_times_for_further_looks():
     assert [(camera, len(looks)) for camera, looks in eyes.asked] == [
         ("a", 2), ("a", 1), ("b", 2), ("b", 1), ("a", 2),
     ]  # fmt: skip
+
+
+def test_every_second_look_is_light_where_images_are_left_out():
+    class Fine(Eyes):
+        usual = (Look(128),)
+
+    eyes = Fine()
+    selective = SelectiveEstimator(eyes)
+    for index in [0, 1, 2, 5, 8, 11, 12, 13]:
+        selective(frame("a", index / 20, index))
+    sides = [looks[0].long_side for _, looks in eyes.asked]
+    assert sides == [128, 128, 128, 96, 128, 96, 128, 128]
 
 
 @pytest.mark.parametrize(

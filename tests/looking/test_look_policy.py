@@ -7,17 +7,19 @@ import pytest
 
 from trecsim.estimators.looks import Look
 from trecsim.looking import Attention, ByNeed, cost, noted
+from trecsim.looking.attention import turns_upright
 from trecsim.values import Poses2D
 
 SIZE_PX = (1000, 500)
 USUAL, COARSE = Look(512), Look(256)
-POLICY = ByNeed(USUAL, COARSE, newcomer_s=0.5, turned_s=2.0, lost_s=2.0)
+POLICY = ByNeed(USUAL, COARSE, newcomer_s=0.5, turned_s=2.0, pause_s=0.25)
 
 
 def person(left, top, right, bottom, head="up"):
     """Return key points that fill a box, with the shoulders at the side of the head."""
     xy_px = np.random.default_rng(0).uniform(0.4, 0.6, (17, 2))
-    xy_px[0], xy_px[16] = (0.0, 0.0), (1.0, 1.0)
+    xy_px[0], xy_px[1] = (0.0, 0.0), (1.0, 1.0)
+    xy_px[13:] = np.nan  # the legs are not shown
     ends = {"up": (0, 1, 1), "down": (1, 0, 1), "right": (1, 0, 0), "left": (0, 1, 0)}
     shoulders, hips, axis = ends[head]
     xy_px[[5, 6], axis], xy_px[[11, 12], axis] = shoulders, hips
@@ -61,7 +63,7 @@ def test_somebody_who_lies_is_looked_at_in_an_image_turned_upright(head, turn):
 
 def test_somebody_who_stands_on_the_head_is_looked_for_on_either_side():
     taken = looked([poses(i / 8, person(400, 100, 500, 300, "down")) for i in range(4)])
-    assert [[look.turns for look in looks if look.turns] for looks in taken] == [[], [1], [3], [1]]
+    assert [[look.turns for look in looks if look.turns] for looks in taken] == [[], [1], [3], []]
 
 
 def test_somebody_who_was_lost_in_the_middle_of_the_image_is_looked_for_on_either_side():
@@ -69,7 +71,21 @@ def test_somebody_who_was_lost_in_the_middle_of_the_image_is_looked_for_on_eithe
     taken = looked(there + [poses((1 + i) / 8) for i in range(25)])
     turns = [look.turns for looks in taken for look in looks if look.turns]
     assert turns[:4] == [1, 3, 1, 3]
-    assert len(turns) == 15  # for 2 s, from the image after the one that missed the person
+    # For 2 s, from the image after the one that missed the person: two at once, then every second.
+    assert len(turns) == 2 + 6
+
+
+def test_somebody_who_is_found_in_every_second_image_is_not_looked_for_in_all_of_them():
+    images = [poses(i / 8, *[person(400, 100, 500, 300)] * (i % 2)) for i in range(41)]
+    turns = [look.turns for looks in looked(images) for look in looks if look.turns]
+    assert len(turns) <= 2 + 20
+
+
+def test_who_bends_is_upright_and_who_lies_is_not():
+    bent, lying = (np.full((17, 2), np.nan) for _ in range(2))
+    bent[[5, 6]], bent[[11, 12]], bent[[15, 16]] = (100.0, 0.0), (50.0, 0.0), (50.0, 90.0)
+    lying[[5, 6]], lying[[11, 12]], lying[[15, 16]] = (0.0, 0.0), (50.0, 0.0), (130.0, 20.0)
+    np.testing.assert_array_equal(turns_upright(np.array([bent, lying])), [0, 3])
 
 
 @pytest.mark.parametrize("box", [(10, 100, 110, 300), (890, 100, 990, 300), (400, 5, 500, 200)])

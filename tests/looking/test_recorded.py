@@ -1,5 +1,7 @@
 """Videos are looked at within a budget, and the result does not depend on threads."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -10,12 +12,14 @@ from trecsim.estimators.pool import open_videos
 from trecsim.looking.recorded import estimate_within
 from trecsim.values import Poses2D
 
+SIZE_PX = (64, 48)
+
 
 class Eyes:
     """Finds one person where the image is as bright as it is; tells what it was asked for."""
 
     skeleton = "coco17"
-    usual = (Look(64), Look(32))
+    usual = (Look(128), Look(32))
 
     def __init__(self, workers=1):
         self.workers = workers
@@ -64,15 +68,43 @@ def test_looks_of_every_image_fit_into_the_whole_budget(videos):
     assert len(found) == 150
 
 
+def test_half_of_the_looks_are_light_and_every_camera_takes_them_in_turn(videos):
+    eyes, _ = estimated(videos, 0.25)
+    by_moment = {}
+    for camera, t_s, looks in eyes.asked:
+        by_moment.setdefault(round(t_s, 3), {})[camera] = looks[0].long_side
+    both = [sides for sides in by_moment.values() if len(sides) == 2]
+    assert both
+    assert all(sorted(sides.values()) == [96, 128] for sides in both)
+    for camera in videos:
+        sides = [looks[0].long_side for name, _, looks in eyes.asked if name == camera]
+        assert set(sides) == {96, 128}
+
+
+def test_a_budget_that_decoding_alone_would_spend_is_refused_with_what_is_possible(videos):
+    with pytest.raises(ConfigError, match=r"budget: 0\.0001 .* decoding .* give at least 0\.0"):
+        estimated(videos, 0.0001)
+
+
+def test_a_budget_that_finds_newcomers_late_is_told_at_the_start(videos, caplog):
+    estimated(videos, 0.02)
+    (record,) = caplog.records
+    found = re.search(r"only every (\S+) s, .* a budget of (\S+) would", record.getMessage())
+    assert float(found[1]) > 0.4
+    caplog.clear()
+    estimated(videos, 1.1 * float(found[2]))
+    assert not caplog.records
+
+
 @pytest.mark.parametrize("share", [0.1, 0.5])
 def test_the_budget_is_kept(videos, share):
     from trecsim.looking import cost
 
     eyes, _ = estimated(videos, share)
-    spent = sum(cost(looks, (64, 48)) for _, _, looks in eyes.asked)
-    last = sum(cost(looks, (64, 48)) for _, _, looks in eyes.asked[-2:])
-    assert spent - last <= share * 150 * cost(Eyes.usual, (64, 48))
-    assert spent >= 0.7 * share * 150 * cost(Eyes.usual, (64, 48))
+    spent = sum(cost(looks, SIZE_PX) for _, _, looks in eyes.asked)
+    last = sum(cost(looks, SIZE_PX) for _, _, looks in eyes.asked[-2:])
+    assert spent - last <= share * 150 * cost(Eyes.usual, SIZE_PX)
+    assert spent >= 0.7 * share * 150 * cost(Eyes.usual, SIZE_PX)
 
 
 def test_the_result_is_the_same_with_any_number_of_threads(videos):
@@ -101,12 +133,21 @@ def test_a_share_that_is_none_is_refused(videos, share):
         estimated(videos, share)
 
 
-def test_an_estimator_that_cannot_choose_is_refused_with_one_that_can(videos):
+def test_an_estimator_that_cannot_choose_looks_at_whole_images_which_is_said_once(videos, caplog):
     class Plain:
         skeleton = "coco17"
 
-        def __call__(self, frame):
-            raise AssertionError
+        def __init__(self):
+            self.seen = []
 
-    with pytest.raises(ConfigError, match=r"needs an estimator .* as movenet does; Plain cannot"):
-        list(estimate_within([], Plain(), 0.5))
+        def __call__(self, frame):
+            self.seen.append(frame.t_s)
+            return Poses2D(
+                frame.camera, frame.t_s, np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0)
+            )
+
+    plain = Plain()
+    found = list(estimate_within(open_videos(videos, plain), plain, 0.2))
+    assert 30 <= len(found) == len(plain.seen) <= 34  # a fifth of 150, and the first
+    (record,) = caplog.records
+    assert "Plain looks at whole images in one way only" in record.getMessage()

@@ -53,6 +53,29 @@ def test_the_number_of_threads_does_not_change_the_pictures(video, threads):
     assert all(np.array_equal(a.image, b.image) for a, b in zip(one, other, strict=True))
 
 
+@pytest.mark.parametrize(
+    ("name", "options", "fewest"),
+    [
+        ("a.mp4", {"b_frames": 2}, 8),
+        ("a.mkv", {"codec": "mjpeg"}, 25),
+        ("a.mp4", {"codec": "mpeg4"}, 0),
+    ],
+)
+def test_images_that_nobody_needs_are_not_decoded_and_the_others_are_the_same(
+    tmp_path, name, options, fewest
+):
+    video = VideoFile(write_video(tmp_path / name, numbered(50), **options), "a", threads=1)
+    needed_s = 1.02
+    found = list(video.pictures(needed_from=lambda: needed_s))
+    every = list(video)
+    assert [(one.index, one.t_s) for one in found] == [(one.index, one.t_s) for one in every]
+    assert sum(one.to_rgb is None for one in found) >= fewest
+    for one, other in zip(found, every, strict=True):
+        assert one.to_rgb is not None or one.t_s < needed_s
+        if one.to_rgb is not None:
+            np.testing.assert_array_equal(one.frame().image, other.image)
+
+
 @pytest.mark.parametrize("suffix", [".mp4", ".mkv", ".mov", ".ts"])
 def test_b_frames_come_in_the_order_of_showing(tmp_path, suffix):
     path = write_video(tmp_path / f"a{suffix}", numbered(30), b_frames=2)

@@ -49,9 +49,9 @@ def estimate(
     estimator
         `movenet`, `onnx:FILE`, `rtmlib:rtmo-m`, or the name of an installed plug-in.
     budget
-        Only movenet: share of the work of looking at every image, above 0 to 1. Images of all
-        cameras are looked at together, as often as it allows; the others have no line. With
-        `track --lag-s 0.1` or more, an eighth of 60 images per second loses little.
+        Share of the work of looking at every image, above 0 to 1. Images of all cameras are looked
+        at together, as often as it allows; the others have no line. With `track --lag-s 0.1` or
+        more, an eighth of 60 images per second loses little.
     long_side
         Longer side of the image given to the estimator [px]. Larger values find smaller people
         and take more time.

@@ -9,23 +9,19 @@ from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack, closing
-from functools import partial
 from heapq import merge
 from pathlib import Path
-from threading import Lock, Semaphore, Thread
 
 from trecsim.callbacks import Progress
 from trecsim.errors import Error, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, load, workers
 from trecsim.estimators.estimator_settings import cores
 from trecsim.sources import VideoFile, prefetched
-from trecsim.sources.camera_mailbox import TICK_S, Mailbox, as_fault
 from trecsim.sources.image_sizes import in_original
 from trecsim.sources.masks import Polygon
 from trecsim.sources.video import log_remark
 from trecsim.values import Frame, Poses2D
 
-_LIVE_DEPTH = 16  # poses of a camera that may wait for the fusion
 _BEGUN_PER_WORKER = 2  # enough that no worker waits while the consumer of the poses is busy
 
 
@@ -147,92 +143,6 @@ def estimate_videos(
                 progress(done, total)
             video = by_camera[poses.camera]
             yield in_original(poses, video.decoded_size_px, video.size_px)
-
-
-def estimate_live(
-    frames: Mailbox[Frame], estimator: Estimator2D, fault: Callable[[Exception], None]
-) -> Mailbox[Poses2D]:
-    """Find the people in the images of live cameras; return where the 2D poses arrive.
-
-    An image is taken when a thread is free for it, so images wait, and are dropped, in `frames`.
-    The poses of one camera keep their order, whichever thread is done first. Key points are pixels
-    of the images as the cameras took them, whatever size they come at.
-
-    Parameters
-    ----------
-    frames
-        Where the images arrive.
-    estimator
-        Called by as many threads as it takes.
-    fault
-        Is told, in another thread, when the estimator failed on an image; the next are tried.
-    """
-    poses: Mailbox[Poses2D] = Mailbox(_LIVE_DEPTH)
-    poses.begin()
-
-    def run() -> None:
-        try:
-            _estimate_live(frames, estimator, fault, poses)
-        except BaseException as error:  # the boundary of the thread: whatever it is, it is told
-            fault(as_fault(error))
-        finally:
-            frames.close()
-            poses.end()
-
-    Thread(target=run, name="estimate", daemon=True).start()
-    return poses
-
-
-def _estimate_live(
-    frames: Mailbox[Frame],
-    estimator: Estimator2D,
-    fault: Callable[[Exception], None],
-    poses: Mailbox[Poses2D],
-) -> None:
-    at_once = workers(estimator)
-    free = Semaphore(at_once)
-    in_order = Lock()
-    begun: dict[str, deque[Future[object]]] = {}
-
-    def finished(camera: str, _: Future[object]) -> None:
-        free.release()
-        with in_order:
-            while begun[camera] and begun[camera][0].done():
-                done = begun[camera].popleft()
-                error = done.exception()
-                if error is None:
-                    _put(done.result(), poses, fault)
-                else:
-                    fault(as_fault(error))
-
-    with ThreadPoolExecutor(at_once, thread_name_prefix="estimate") as pool:
-        while not frames.is_over and not poses.closed:
-            free.acquire()
-            frame = frames.take(TICK_S)
-            if frame is None:
-                free.release()
-                continue
-            future = pool.submit(_estimated, estimator, frame)
-            with in_order:
-                begun.setdefault(frame.camera, deque()).append(future)
-            future.add_done_callback(partial(finished, frame.camera))
-
-
-def _estimated(estimator: Estimator2D, frame: Frame) -> object:
-    """Return the 2D poses in an image, in pixels of the image as the camera took it."""
-    poses: object = estimator(frame)
-    if frame.size_px is None or not isinstance(poses, Poses2D):
-        return poses
-    height, width = frame.image.shape[:2]
-    return in_original(poses, (width, height), frame.size_px)
-
-
-def _put(found: object, poses: Mailbox[Poses2D], fault: Callable[[Exception], None]) -> None:
-    """Let 2D poses wait, and tell if an estimator returned something else."""
-    if isinstance(found, Poses2D):
-        poses.put(found)
-    else:
-        fault(InputError(f"the estimator returned {type(found).__name__}; expected Poses2D"))
 
 
 def estimate_frames(

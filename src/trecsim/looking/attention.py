@@ -11,7 +11,8 @@ from jaxtyping import Bool, Float64, Int64
 from trecsim.estimators.looks import Look
 from trecsim.values import Poses2D
 
-_SHOULDERS, _HIPS = [5, 6], [11, 12]
+_FROM_THE_TOP = [5, 6], [11, 12], [13, 14], [15, 16]  # shoulders, hips, knees, ankles
+SEARCH_S = 2.0  # so long somebody who was lost is looked for in turned images
 _SAME_SHARE = 0.7  # somebody has moved by less than this share of the size since the last look
 _BORDER_SHARE = 0.05  # who is so near to the border of the image may have left it
 
@@ -39,6 +40,8 @@ class Attention:
         The last turn, 1 or 3.
     lost_s
         When somebody was last found no more who had not left the image [s].
+    searched
+        Turned looks since somebody was lost, after nobody had been for `SEARCH_S`.
     """
 
     box_px: Float64[np.ndarray, "person 4"] = field(default_factory=_nobody)
@@ -47,6 +50,7 @@ class Attention:
     turned_s: float = -math.inf
     last_turn: int = 3
     lost_s: float = -math.inf
+    searched: int = 0
 
 
 def noted(
@@ -69,7 +73,12 @@ def noted(
     finest = max((look.long_side for look in looks), default=0)
     is_coarse = any(look.long_side < finest and not look.turns for look in looks)
     odd = [look.turns for look in looks if look.turns]
-    is_lost = bool(_lost(before.box_px, box_px, size_px).any())
+    lost = _lost(before.box_px, box_px, size_px)
+    is_lost = bool(lost.any())
+    # Who is found upright in every second look, as behind the edge of a door, starts no new search
+    # each time; who was lying does.
+    was_lying = bool(np.isin(before.turns[lost], (1, 3)).any())
+    is_new = is_lost and (was_lying or poses.t_s - before.lost_s >= SEARCH_S)
     return Attention(
         box_px,
         turns_upright(poses.xy_px),
@@ -77,6 +86,7 @@ def noted(
         poses.t_s if odd or before.turned_s == -math.inf else before.turned_s,
         odd[-1] if odd else before.last_turn,
         poses.t_s if is_lost else before.lost_s,
+        0 if is_new else before.searched + len(odd),
     )
 
 
@@ -90,23 +100,28 @@ def boxes(xy_px: Float64[np.ndarray, "person joint 2"]) -> Float64[np.ndarray, "
 def turns_upright(xy_px: Float64[np.ndarray, "person joint 2"]) -> Int64[np.ndarray, " person"]:
     """Return by how many quarter turns counter-clockwise the image has to be turned for each.
 
-    Then the trunk is upright, from the hips to the shoulders; 0 where it is not known.
+    Then the body is upright, from the ankles to the shoulders; from the knees or the hips, where
+    the ankles are not known. So who only bends is upright. It is 0 where nothing is known.
 
     Examples
     --------
     >>> lying = np.zeros((1, 17, 2))
-    >>> lying[0, [5, 6]] = (100.0, 0.0)  # the shoulders lie to the right of the hips
+    >>> lying[0, [5, 6]] = (100.0, 0.0)  # the shoulders lie to the right of the ankles
     >>> turns_upright(lying)
     array([1])
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of means of nothing, which are NaN
-        trunk = np.nanmean(xy_px[:, _SHOULDERS], axis=1) - np.nanmean(xy_px[:, _HIPS], axis=1)
-    right, up = trunk[:, 0], -trunk[:, 1]
+        shoulders, *lower = (np.nanmean(xy_px[:, pair], axis=1) for pair in _FROM_THE_TOP)
+    foot = lower[0]
+    for below in lower[1:]:
+        foot = np.where(np.isfinite(below), below, foot)
+    body = shoulders - foot
+    right, up = body[:, 0], -body[:, 1]
     aside = np.where(right > 0.0, 1, 3)
     ended = np.where(up < 0.0, 2, 0)
     turns = np.where(np.abs(right) > np.abs(up), aside, ended)
-    return np.where(np.isfinite(trunk).all(axis=1), turns, 0)
+    return np.where(np.isfinite(body).all(axis=1), turns, 0)
 
 
 def _lost(

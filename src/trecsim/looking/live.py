@@ -10,11 +10,14 @@ from trecsim.estimators import Estimator2D, image_limit_px, workers
 from trecsim.estimators.looks import Looker
 from trecsim.looking.attention import Attention, noted
 from trecsim.looking.recorded import by_need
+from trecsim.looking.schedule import lighter
 from trecsim.values import Frame, Poses2D
 
 
 class SelectiveEstimator:
     """An estimator that takes further looks at an image only where they may find somebody.
+
+    Where it cannot keep up with the images, every second look at a camera is a light one.
 
     Parameters
     ----------
@@ -26,7 +29,9 @@ class SelectiveEstimator:
         self.skeleton = estimator.skeleton
         self.image_limit_px = image_limit_px(estimator)
         self.workers = workers(estimator)
-        self._estimator, self._policy = estimator, by_need(estimator)
+        self._estimator, self._usual = estimator, by_need(estimator)
+        self._light = lighter(self._usual)
+        self._last: dict[str, tuple[int, bool]] = {}  # the last image, and whether it was light
         self._attention: dict[str, Attention] = defaultdict(Attention)
         self._one_at_a_time = Lock()
 
@@ -35,12 +40,20 @@ class SelectiveEstimator:
         height, width = frame.image.shape[:2]
         size_px = width, height
         with self._one_at_a_time:
-            looks = self._policy(self._attention[frame.camera], frame.t_s, size_px)
+            policy = self._light if self._is_light(frame) else self._usual
+            looks = policy(self._attention[frame.camera], frame.t_s, size_px)
         poses = self._estimator.look(frame, looks)
         with self._one_at_a_time:
             before = self._attention[frame.camera]
             self._attention[frame.camera] = noted(before, looks, poses, size_px)
         return poses
+
+    def _is_light(self, frame: Frame) -> bool:
+        """Return whether an image gets a light look: images were left out, the last was not."""
+        last, was_light = self._last.get(frame.camera, (frame.index - 1, False))
+        is_light = frame.index - last > 1 and not was_light
+        self._last[frame.camera] = frame.index, is_light
+        return is_light
 
 
 class BudgetedEstimator:

@@ -4,22 +4,31 @@ The fusion needs few images a second where it may lag behind by 0.1 s, and image
 the same moments tell it more than as many spread in time (`docs/decisions`, looking).
 """
 
+import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, closing
+from dataclasses import replace
 from heapq import merge
 
 from trecsim.callbacks import Progress
 from trecsim.errors import ConfigError
-from trecsim.estimators import Estimator2D, workers
+from trecsim.estimators import Estimator2D, image_limit_px, workers
 from trecsim.estimators.looks import Look, Looker
 from trecsim.looking.attention import Attention, noted
-from trecsim.looking.look_policy import ByNeed, LookPolicy, cost
+from trecsim.looking.look_policy import NEWCOMER_S, Always, ByNeed, cost, decoding_cost
+from trecsim.looking.schedule import Outlook, SchedulePolicy, Together, lighter
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.image_sizes import in_original
 from trecsim.sources.video import Picture
-from trecsim.values import Poses2D
+from trecsim.values import Frame, Poses2D
 
+logger = logging.getLogger(__name__)
+
+_USUAL_PX = 640  # long side of a network's input where an estimator does not tell it
+# Within a budget, who was lost is looked for in turned images so often [s]; live, in all. Somebody
+# behind the edge of a door is lost time and again: in every image, that took a third of the looks.
+_PAUSE_S = 0.25
 _SAME_MOMENT = 0.5  # images of different cameras closer than this share of a period go together
 
 
@@ -58,17 +67,18 @@ def estimate_within(
     """Yield 2D poses of opened videos, for a share of the work of looking at every image twice.
 
     All cameras are looked at together, as soon as the budget allows the next looks, in the way
-    `ByNeed` says. Images that are not looked at yield nothing. The same input gives the same poses,
-    however many threads there are.
+    `Together` and `ByNeed` say. Images that are not looked at yield nothing, and are not decoded
+    where no other image depends on them. The same input gives the same poses, however many threads
+    there are.
 
     Parameters
     ----------
     videos
         One per camera.
     estimator
-        One that can choose how to look, a `Looker`.
+        One that can choose how to look, a `Looker`; any other looks at whole images as it does.
     share
-        Of the estimator's work on all images, above 0 up to 1.
+        Of the work of decoding all images and looking at each of them, above 0 up to 1.
     progress
         Called with the images that are done and, if it is known, how many there are.
     wanted
@@ -77,41 +87,116 @@ def estimate_within(
     Raises
     ------
     ConfigError
-        When the estimator cannot choose how to look, or `share` is no share.
+        When `share` is no share, or too small for decoding alone.
     """
-    if not isinstance(estimator, Looker):
-        raise ConfigError(
-            "a budget needs an estimator that can look in several ways, as movenet does; "
-            f"{type(estimator).__name__} cannot"
-        )
     if not 0.0 < share <= 1.0:
         raise ConfigError(f"budget: expected a share above 0 up to 1, found {share:g}")
-    policy = by_need(estimator)
     rates = {video.camera: _rate(video) for video in videos}
-    budget = Budget(
-        share * sum(rates[video.camera] * cost(estimator.usual, video.size_px) for video in videos)
-    )
+    looker = _looker(estimator)
+    per_s = _for_looks(videos, looker, share)
+    budget, schedule = Budget(per_s), _schedule(videos, looker, per_s)
     by_camera = {video.camera: video for video in videos}
     known = [video.info.expected_frames for video in videos]
     total = sum(count or 0 for count in known) if None not in known else None
     within_s = _SAME_MOMENT / max(rates.values())
     with ExitStack() as stack:
-        streams = [stack.enter_context(closing(prefetched(video.pictures()))) for video in videos]
+
+        def needed_from_s() -> float:
+            return budget.next_s - within_s
+
+        streams = [
+            stack.enter_context(closing(prefetched(video.pictures(needed_from=needed_from_s))))
+            for video in videos
+        ]
         merged = merge(*streams, key=lambda picture: picture.t_s)
         pictures = filter(wanted, _counted(merged, progress, total))
         pool = stack.enter_context(ThreadPoolExecutor(workers(estimator)))
         sizes_px = {video.camera: video.decoded_size_px for video in videos}
         for poses in _in_turn(
-            moments(pictures, within_s), sizes_px, estimator, policy, budget, within_s, pool
+            moments(pictures, within_s), sizes_px, looker, schedule, budget, within_s, pool
         ):
             video = by_camera[poses.camera]
             yield in_original(poses, video.decoded_size_px, video.size_px)
+
+
+def _looker(estimator: Estimator2D) -> Looker:
+    if isinstance(estimator, Looker):
+        return estimator
+    logger.warning(
+        "budget: %s looks at whole images in one way only, so fewer images are looked at, and none "
+        "of them coarsely or turned",
+        type(estimator).__name__,
+    )
+    return WholeImages(estimator)
+
+
+class WholeImages:
+    """An estimator that cannot choose how to look, as one that has a single way.
+
+    Parameters
+    ----------
+    estimator
+        Any estimator.
+    """
+
+    def __init__(self, estimator: Estimator2D) -> None:
+        self.skeleton = estimator.skeleton
+        self.workers = workers(estimator)
+        self.usual: tuple[Look, ...] = (Look(max(image_limit_px(estimator) or (_USUAL_PX,))),)
+        self._estimator = estimator
+
+    def __call__(self, frame: Frame) -> Poses2D:
+        """Find the people in an image."""
+        return self._estimator(frame)
+
+    def look(self, frame: Frame, looks: Sequence[Look]) -> Poses2D:
+        """Find the people in an image, in the only way there is."""
+        return self._estimator(frame)
 
 
 def by_need(estimator: Looker) -> ByNeed:
     """Return the policy that takes the usual looks of an estimator, the further ones by need."""
     usual, *more = estimator.usual
     return ByNeed(usual, more[0] if more else None)
+
+
+def _schedule(videos: Sequence[VideoFile], estimator: Looker, per_s: float) -> SchedulePolicy:
+    """Return a schedule with light looks, unless there is time to look at every image finely."""
+    if isinstance(estimator, WholeImages):
+        whole = Always(estimator.usual)
+        return Together(whole, whole)
+    usual = replace(by_need(estimator), pause_s=_PAUSE_S)
+    all_images = sum(_rate(video) * cost([usual.usual], video.size_px) for video in videos)
+    return Together(usual, lighter(usual) if per_s < all_images else usual)
+
+
+def _for_looks(videos: Sequence[VideoFile], estimator: Looker, share: float) -> float:
+    """Return what looks may cost in a second, after decoding; say if that is little.
+
+    Raises
+    ------
+    ConfigError
+        When nothing remains.
+    """
+    usual = estimator.usual
+    decoding = sum(_rate(video) * decoding_cost(video.size_px) for video in videos)
+    looking = sum(_rate(video) * cost(usual, video.size_px) for video in videos)
+    least = sum(cost(usual[:1], video.size_px) for video in videos) / NEWCOMER_S
+    enough = (decoding + least) / (decoding + looking)
+    per_s = share * (decoding + looking) - decoding
+    if per_s <= 0.0:
+        raise ConfigError(
+            f"budget: {share:g} is too small, as decoding these videos alone takes "
+            f"{decoding / (decoding + looking):.3f} of the whole work; give at least {enough:.2g}, "
+            f"so that each camera is looked at every {NEWCOMER_S:g} s"
+        )
+    if per_s < least:
+        logger.warning(
+            "budget %g: each camera is looked at only every %.1f s, and people who come are found "
+            "that much later; a budget of %.2g would allow a look every %g s",
+            share, NEWCOMER_S * least / per_s, enough, NEWCOMER_S,
+        )  # fmt: skip
+    return per_s
 
 
 def _rate(video: VideoFile) -> float:
@@ -131,7 +216,7 @@ def _in_turn(
     pictures: Iterable[Sequence[Picture]],
     sizes_px: Mapping[str, tuple[int, int]],
     estimator: Looker,
-    policy: LookPolicy,
+    schedule: SchedulePolicy,
     budget: Budget,
     early_s: float,
     pool: Executor,
@@ -142,18 +227,20 @@ def _in_turn(
     def found(picture: Picture, looks: Sequence[Look]) -> Poses2D:
         return estimator.look(picture.frame(), looks)
 
+    number = 0
     for moment in pictures:
-        if moment[0].t_s < budget.next_s - early_s:
+        t_s = moment[0].t_s
+        if t_s < budget.next_s - early_s:
             continue
-        sizes = [sizes_px[picture.camera] for picture in moment]
-        planned = [
-            policy(attention[picture.camera], picture.t_s, size)
-            for picture, size in zip(moment, sizes, strict=True)
-        ]
-        budget.spend(sum(map(cost, planned, sizes)), moment[0].t_s)
-        for looks, poses in zip(planned, pool.map(found, moment, planned), strict=True):
-            before = attention[poses.camera]
-            attention[poses.camera] = noted(before, looks, poses, sizes_px[poses.camera])
+        there = {picture.camera: picture for picture in moment if picture.to_rgb is not None}
+        size_px = {camera: sizes_px[camera] for camera in there}
+        planned = schedule(Outlook(t_s, number, size_px, attention))
+        budget.spend(sum(cost(looks, size_px[camera]) for camera, looks in planned.items()), t_s)
+        number += 1
+        images = [there[camera] for camera in planned]
+        for poses in pool.map(found, images, planned.values()):
+            camera = poses.camera
+            attention[camera] = noted(attention[camera], planned[camera], poses, sizes_px[camera])
             yield poses
 
 

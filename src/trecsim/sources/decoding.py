@@ -1,10 +1,11 @@
 """Decode video files with PyAV: the one module that knows it (import it only when needed)."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from fractions import Fraction
+from heapq import heappop, heappush
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +33,20 @@ _OPTIONS = {
     "protocol_whitelist": "file",
     "max_pixels": str(MAX_IMAGE_PX),
 }
+
+
+@dataclass(frozen=True, slots=True)
+class NotDecoded:
+    """Stands for an image that was not decoded, as nobody needs it.
+
+    Attributes
+    ----------
+    pts, time_base
+        Its presentation time, as of PyAV's frames.
+    """
+
+    pts: int
+    time_base: Fraction
 
 
 @dataclass(slots=True)
@@ -99,23 +114,56 @@ class OpenVideo:
         except av.FFmpegError:  # files that cannot seek stay where they are
             return
 
-    def pictures(self) -> Iterator[Any]:
-        """Yield the images that can be decoded, in display order; count the others in `damaged`."""
+    def pictures(self, needed_from: Callable[[], float] | None = None) -> Iterator[Any]:
+        """Yield the images that can be decoded, in display order; count the others in `damaged`.
+
+        Parameters
+        ----------
+        needed_from
+            Images before this time [s] are not needed, and it never falls. Those of them that no
+            other image is decoded from are left out of decoding; a `NotDecoded` comes instead.
+        """
+        left_out: list[int] = []
+        for packet in self._packets():
+            early = needed_from is not None and _time_s(packet) < needed_from()
+            if early:
+                heappush(left_out, packet.pts)
+            for picture in self._decoded(packet, early=early):
+                while left_out and picture.pts is not None and left_out[0] <= picture.pts:
+                    if (pts := heappop(left_out)) != picture.pts:
+                        yield NotDecoded(pts, picture.time_base)
+                yield picture
+        while left_out:
+            yield NotDecoded(heappop(left_out), self.stream.time_base)
+
+    def _packets(self) -> Iterator[Any]:
         packets = self.container.demux(self.stream)
         while True:
             try:
                 packet = next(packets, None)
-                if packet is None:
-                    return
-                decoded = packet.decode()
             except av.FFmpegError:
                 self.damaged += 1
                 continue  # after an error of the container itself, `packets` is at its end
-            for picture in decoded:
-                if picture.is_corrupt:
-                    self.damaged += 1
-                else:
-                    yield picture
+            if packet is None:
+                return
+            yield packet
+
+    def _decoded(self, packet: Any, *, early: bool) -> Iterator[Any]:
+        """Yield the images that a packet completes; of an `early` one only if others need it."""
+        context = self.stream.codec_context
+        if early and context.codec.intra_only:
+            return
+        context.skip_frame = "NONREF" if early else "DEFAULT"
+        try:
+            decoded = packet.decode()
+        except av.FFmpegError:
+            self.damaged += 1
+            return
+        for picture in decoded:
+            if picture.is_corrupt:
+                self.damaged += 1
+            else:
+                yield picture
 
 
 @contextmanager
@@ -204,6 +252,11 @@ def check_size(path: Path, width: int, height: int) -> None:
             f"cannot read video {path}: its images are said to be {width} x {height} px, the "
             f"most that is read are {MAX_IMAGE_PX} px"
         )
+
+
+def _time_s(packet: Any) -> float:
+    """Return the presentation time of a packet [s]; NaN if it has none."""
+    return float("nan") if packet.pts is None else float(packet.pts * packet.time_base)
 
 
 def time_s(picture: Any) -> float | None:

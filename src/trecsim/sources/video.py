@@ -194,7 +194,9 @@ class VideoFile:
     def __iter__(self) -> Iterator[Frame]:
         return (picture.frame() for picture in self.pictures())
 
-    def pictures(self, from_s: float = 0.0) -> Iterator["Picture"]:
+    def pictures(
+        self, from_s: float = 0.0, needed_from: Callable[[], float] | None = None
+    ) -> Iterator["Picture"]:
         """Yield the same images, decoded but not yet turned into RGB.
 
         That takes most of the time, and is saved for those that nobody looks at.
@@ -203,6 +205,9 @@ class VideoFile:
         ----------
         from_s
             What is earlier may be left out; it is where the file has an index [s].
+        needed_from
+            Images before this time [s], which never falls, are not needed. Those that no other
+            image depends on are not decoded: they come without pixels.
         """
         decode = _decoding()
         begins_s = self._key_frame_s(from_s) if from_s > _WORTH_SEEKING_S else None
@@ -212,11 +217,13 @@ class VideoFile:
             clock = _Clock(self.info.fps or FALLBACK_FPS, counts_only=video.keeps_no_time)
             to_rgb = decode.RgbConverter(self.decoded_size_px, self.info.orientation)
             index = 0
-            for picture in video.pictures():
-                self._check_size(picture)
+            for picture in video.pictures(None if video.keeps_no_time else needed_from):
+                is_decoded = not isinstance(picture, decode.NotDecoded)
+                if is_decoded:
+                    self._check_size(picture)
                 t_s = clock(decode.time_s(picture))
                 if t_s is not None:
-                    make = partial(_masked, to_rgb, picture, self._mask)
+                    make = partial(_masked, to_rgb, picture, self._mask) if is_decoded else None
                     yield Picture(self.camera, index, t_s, make)
                     index += 1
             if begins_s is None:
@@ -281,16 +288,18 @@ class Picture:
     camera, index, t_s
         As of `Frame`.
     to_rgb
-        Returns the pixels; in one thread at a time for the pictures of one video.
+        Returns the pixels; in one thread at a time for the pictures of one video. None if it was
+        not decoded, as nobody needed it.
     """
 
     camera: str
     index: int
     t_s: float
-    to_rgb: Callable[[], Image]
+    to_rgb: Callable[[], Image] | None
 
     def frame(self) -> Frame:
         """Return the image in RGB."""
+        assert self.to_rgb is not None, "it was said not to be needed"
         return Frame(self.camera, self.index, self.t_s, self.to_rgb())
 
 
