@@ -22,7 +22,12 @@ from paper.page import report_page, slides_page
 from tables import tables
 
 TEXTS = ROOT / "docs" / "report"
-SCENE, FILM_S = "gate", 60.0
+CHAPTER_S = 21.0
+CHAPTERS = (
+    ("gate", "A gate: waiting, and who follows without a ticket"),
+    ("platform-edge", "A platform: who comes near the edge"),
+    ("falling", "A hall: somebody falls"),
+)
 _MAIN = "from trecsim.cli import main; main()"
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
@@ -70,15 +75,44 @@ def print_to_pdf(file: Path) -> None:
 
 
 def film(out: Path) -> Path:
-    """Simulate a scene, follow it, forecast, and make the film of it."""
+    """Make the film: each scene simulated, tracked, its rules judged, forecast, and drawn."""
     with tempfile.TemporaryDirectory() as name:
-        scene = Path(name) / "scene"
-        run(["simulate", SCENE, "--out", scene, "--seconds", FILM_S])
-        tracks = scene / "tracks.parquet"
-        run(["track", scene / "rig.toml", scene / "poses.jsonl", "--out", tracks, "--lag-s", 0.2])
-        run(["forecast", tracks, "--out", scene / "forecast.jsonl"])
-        run(["render", tracks, out, "--width", 1920, "--height", 1080])
+        chapters = [chapter(Path(name) / scene, scene, title) for scene, title in CHAPTERS]
+        join(chapters, out)
     return out
+
+
+def chapter(folder: Path, scene: str, title: str) -> Path:
+    """Make one chapter of the film in a folder of its own."""
+    run(["simulate", scene, "--out", folder, "--seconds", CHAPTER_S])
+    tracks, site, made = folder / "tracks.parquet", folder / "site.toml", folder / "film.mp4"
+    run(["track", folder / "rig.toml", folder / "poses.jsonl", "--out", tracks, "--lag-s", 0.2])
+    run(["assess", tracks, site, "--out", folder / "events.jsonl"])
+    run(["forecast", tracks, "--out", folder / "forecast.jsonl"])
+    size = ["--width", 1920, "--height", 1080]
+    run(["render", tracks, made, "--site", site, "--title", title, *size])
+    return made
+
+
+def join(films: list[Path], out: Path) -> None:
+    """Put films that were coded alike one after the other, without coding them anew."""
+    import av
+
+    with av.open(str(out), "w", options={"movflags": "faststart"}) as joined:
+        stream, shift = None, 0
+        for film in films:
+            with av.open(str(film)) as part:
+                source = part.streams.video[0]
+                stream = stream or joined.add_stream_from_template(source)
+                length = 0
+                for packet in part.demux(source):
+                    if packet.dts is None:
+                        continue
+                    length = max(length, packet.pts + (packet.duration or 0))
+                    packet.pts, packet.dts = packet.pts + shift, packet.dts + shift
+                    packet.stream = stream
+                    joined.mux(packet)
+                shift += length
 
 
 def run(arguments: list[object]) -> None:

@@ -12,8 +12,9 @@ from harness.machine import ROOT
 
 _STYLE = Path(__file__).with_name("paper.css").read_text(encoding="utf-8")
 _DISPLAY = re.compile(r"\$\$(.+?)\$\$", re.DOTALL)
-_INLINE = re.compile(r"(?<![\\$`\w])\$([^$\n]+?)\$(?![\w`])")
+_INLINE = re.compile(r"(?<![\\$`\w])\$(?!\s)([^$\n]+?(?:\n[^$\n]+?)?)\$(?![\w`])")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_MANY, _LONG = 8, 60  # columns, and letters of a cell
 _KINDS = {".svg": "image/svg+xml", ".png": "image/png", ".jpg": "image/jpeg"}
 
 
@@ -37,9 +38,21 @@ def slides_page(text: str) -> str:
     slides = []
     for number, part in enumerate(parts, 1):
         foot = f"<footer><span>{title}</span><span>{number}</span></footer>"
-        kind = "slide title" if number == 1 else "slide"
-        slides.append(f'<section class="{kind}">{_Body(captions=False).html(part)}{foot}</section>')
+        content, kind = _arranged(_Body(captions=False).html(part))
+        kind = "slide title" if number == 1 else kind
+        slides.append(f'<section class="{kind}">{content}{foot}</section>')
     return _page(title, "slides", "".join(slides))
+
+
+def _arranged(content: str) -> tuple[str, str]:
+    """Return a slide's content and class; with text and a picture, these stand side by side."""
+    pictures = "".join(re.findall(r"<figure>.*?</figure>", content, re.DOTALL))
+    text = re.sub(r"<figure>.*?</figure>", "", content, flags=re.DOTALL)
+    heading, mark, rest = text.partition("</h2>")
+    if not pictures or not rest.strip():
+        return content, "slide"
+    sides = f'<div class="sides"><div>{rest}</div><div>{pictures}</div></div>'
+    return f"{heading}{mark}{sides}", "slide"
 
 
 def _title_of(text: str) -> tuple[str, str]:
@@ -72,6 +85,7 @@ class _Body:
         made = re.sub(
             r"<p>\s*<img src=\"([^\"]+)\" alt=\"([^\"]*)\"[^>]*>\s*</p>", self._figure, made
         )
+        made = re.sub(r"<table>.*?</table>", _sized_table, made, flags=re.DOTALL)
         made = re.sub(r"<a href=\"(?!https?:)[^\"]*\">(.*?)</a>", r"\1", made, flags=re.DOTALL)
         return re.sub(r"<h([2-6])>(.*?)</h\1>", _with_id, made, flags=re.DOTALL)
 
@@ -95,9 +109,16 @@ class _Body:
         return f"<figure>{picture}{caption}</figure>"
 
 
+def _sized_table(found: re.Match[str]) -> str:
+    """Mark a table that needs the width of a page of its own: many columns, and long texts."""
+    head, cells = found[0].count("<th"), re.findall(r"<td[^>]*>(.*?)</td>", found[0], re.DOTALL)
+    wide = head >= _MANY and max((len(cell) for cell in cells), default=0) > _LONG
+    return found[0].replace("<table>", '<table class="wide">', 1) if wide else found[0]
+
+
 def _picture(name: str) -> str:
     """Return a picture of the docs as a part of the page."""
-    file = ROOT / "docs" / "pictures" / Path(name).name
+    file = ROOT / "docs" / "pictures" / name.partition("pictures/")[2]
     kind = _KINDS[file.suffix]
     code = base64.b64encode(file.read_bytes()).decode()
     return f'<img src="data:{kind};base64,{code}" alt="">'

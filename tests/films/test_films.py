@@ -16,7 +16,7 @@ from trecsim.calibration import write_rig
 from trecsim.errors import InputError, SetupError
 from trecsim.export.motions import collect
 from trecsim.films import FilmSettings, filming, render
-from trecsim.films.alerts import open_at, read_alerts
+from trecsim.films.alerts import Alert, open_at, read_alerts
 from trecsim.films.bodies_drawn import person_colour
 from trecsim.films.camera_tiles import CameraTile
 from trecsim.films.film_settings import FilmInput
@@ -24,6 +24,7 @@ from trecsim.films.people_at import Lookup
 from trecsim.films.predicted import Predicted
 from trecsim.films.scene3d import eye_on
 from trecsim.films.stage import stage_around
+from trecsim.films.strokes import ALARM, WARNING
 from trecsim.sources import VideoFile
 from trecsim.store.tracks import read_tracks
 
@@ -101,7 +102,7 @@ def test_paths_are_interrupted_where_nobody_was_tracked(tmp_path: Path) -> None:
     path_m = lookup.path_m(1)
     broken = np.isnan(path_m).all(axis=1)
     assert broken.sum() == 1
-    before = lookup.path_rows(1, 0.0, 2.0)
+    before = lookup.path_rows(1, 0.0, 2.0)  # the last points are less evened
     assert np.isfinite(path_m[before]).all()
     np.testing.assert_allclose(path_m[before][-1], floor_of(walking_m(t_s[24:25])), atol=0.05)
     after = lookup.path_rows(1, 2.0, 9.0)
@@ -172,9 +173,31 @@ def test_events_are_shown_while_they_are_open(tmp_path: Path) -> None:
     shown = {t_s: sorted(open_at(alerts, t_s).people) for t_s in (1.1, 1.3, 4.4, 4.6)}
     assert shown == {1.1: [], 1.3: [4], 4.4: [4], 4.6: []}
     assert alerts[0].text == "strip (edge): 4"
+    about_cameras = {"data": {"event": "c", "phase": "new", "severity": "warning"}}
+    file.write_text(json.dumps(about_cameras))
+    assert read_alerts(file) == []
     file.write_text('{"data": 3}\n')
     with pytest.raises(InputError, match="line 1 is no event"):
         read_alerts(file)
+
+
+def test_a_person_is_marked_by_the_worst_event_and_not_by_information() -> None:
+    def about(severity: str, *people: int) -> Alert:
+        return Alert(0.0, 9.0, severity, severity, people)
+
+    alerts = open_at([about("alarm", 1), about("warning", 1, 2), about("info", 1, 3)], 1.0)
+    marks = [alerts.colour(person) for person in (1, 2, 3, 4)]
+    assert marks == [ALARM, WARNING, None, None]
+
+
+def test_a_path_is_evened_over_the_steps_of_the_feet(tmp_path: Path) -> None:
+    t_s = np.arange(100) / RATE_HZ
+    xyz_m = walking_m(t_s)
+    xyz_m[:, 15, 1] += 0.2 * (np.sin(2 * np.pi * 1.6 * t_s) > 0)  # an ankle to and fro
+    lookup = Lookup(collect(read_tracks(recorded(tmp_path / "t.csv", {1: xyz_m}, t_s))))
+    path_m = lookup.path_m(1)[5:-5]
+    assert np.ptp(path_m[:, 1]) < 0.03 < np.ptp(xyz_m[:, 15:, 1].mean(axis=1))
+    assert (np.diff(path_m[:, 0]) > 0).all()
 
 
 def test_forecasts_are_shown_until_the_next_is_due(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ def render(
     width: int = 1280,
     height: int = 720,
     trail_s: float = 10.0,
+    title: str = "",
     json: bool = False,
 ) -> None:
     """Make a film or a picture of tracks: over the videos, in 3D and on the floor plan.
@@ -58,6 +59,8 @@ def render(
         Height of the image [px].
     trail_s
         Length of the paths behind people [s].
+    title
+        Text above the 3D view.
     json
         Print the summary as one JSON object.
     """
@@ -67,7 +70,7 @@ def render(
     from trecsim.films import render as make
 
     files = cameras_of(videos) if videos else {}
-    settings = FilmSettings(width, height, rate_hz, from_s, to_s, at_s, trail_s)
+    settings = FilmSettings(width, height, rate_hz, from_s, to_s, at_s, trail_s, title)
     shown = film_input(tracks, rig=rig, site=site, videos=files, events=events, forecasts=forecasts)
     with progress_bar("images", quiet=json, time_left=True) as bar:
         made = make(tracks, out, shown, settings, bar)

@@ -1,12 +1,15 @@
 """Events of rules as a film shows them: which are open at a moment, and about whom."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from trecsim.errors import InputError
+from trecsim.films.strokes import ALARM, WARNING, Colour
 
+_SEVERITIES = ("info", "warning", "alarm", "critical")
 _SHOWN_S = 3.0  # of what happens in a moment
 _FORGOTTEN_S = 3600.0  # an event without an end is no longer shown after this long
 
@@ -24,16 +27,34 @@ class Alert:
 
 @dataclass(frozen=True, slots=True)
 class Alerts:
-    """What is open at one moment."""
+    """What is open at one moment.
+
+    Attributes
+    ----------
+    open
+        The events.
+    people
+        The worst severity of those that are about each person.
+    """
 
     open: tuple[Alert, ...] = ()
-    people: frozenset[int] = field(default_factory=frozenset)
+    people: Mapping[int, str] = field(default_factory=dict)
+
+    def colour(self, person: int) -> Colour | None:
+        """Return the colour that marks a person; None without an event, or for mere information."""
+        return severity_colour(self.people[person]) if person in self.people else None
 
 
 def open_at(alerts: list[Alert], t_s: float) -> Alerts:
-    """Return the events that are open at a moment."""
+    """Return the events that are open at a moment, and the worst severity for each person."""
     now = tuple(one for one in alerts if one.from_s <= t_s < one.until_s)
-    return Alerts(now, frozenset(person for one in now for person in one.people))
+    by_severity = sorted(now, key=lambda one: _SEVERITIES.index(one.severity))
+    return Alerts(now, {person: one.severity for one in by_severity for person in one.people})
+
+
+def severity_colour(severity: str) -> Colour | None:
+    """Return the colour of an event; None for mere information."""
+    return {"info": None, "warning": WARNING}.get(severity, ALARM)
 
 
 def read_alerts(path: Path) -> list[Alert]:
@@ -64,6 +85,8 @@ def read_alerts(path: Path) -> list[Alert]:
 
 def _take(data: dict[str, Any], found: dict[str, Alert]) -> None:
     event, phase = str(data["event"]), data["phase"]
+    if "rule" not in data:  # of a camera or the disk, not of people
+        return
     before = found.get(event)
     if phase in ("new", "update"):
         from_s = before.from_s if before else float(data["t_detect_s"])
@@ -76,7 +99,8 @@ def _take(data: dict[str, Any], found: dict[str, Alert]) -> None:
         text = f"{data['rule']['id']} ({place})" if place else str(data["rule"]["id"])
         if people:
             text += ": " + ", ".join(str(one) for one in people[:4])
-        found[event] = Alert(from_s, until_s, str(data["severity"]), text, people)
+        severity = _SEVERITIES[_SEVERITIES.index(str(data["severity"]))]
+        found[event] = Alert(from_s, until_s, severity, text, people)
     elif phase in ("end", "close") and before is not None:
         ends = data.get("t_end_s")
         until_s = float(ends if ends is not None else data["t_detect_s"])

@@ -30,6 +30,8 @@ class FilmSettings:
         Moment of a picture [s], from the first time; None for one with the most people.
     trail_s
         Length of the paths behind people [s].
+    title
+        Text above the 3D view.
     """
 
     width: int = 1280
@@ -39,6 +41,7 @@ class FilmSettings:
     to_s: float | None = None
     at_s: float | None = None
     trail_s: float = 10.0
+    title: str = ""
 
     def __post_init__(self) -> None:
         for name, value in (("width", self.width), ("height", self.height)):

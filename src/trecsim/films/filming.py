@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from trecsim.errors import InputError
-from trecsim.films.alerts import Alert, Alerts, open_at, read_alerts
+from trecsim.films.alerts import Alert, Alerts, open_at, read_alerts, severity_colour
 from trecsim.films.camera_tiles import CameraTile
 from trecsim.films.film_layout import Layout, layout
 from trecsim.films.film_settings import FilmInput, FilmSettings
@@ -17,16 +17,7 @@ from trecsim.films.plan2d import Plan2D
 from trecsim.films.predicted import Predicted
 from trecsim.films.scene3d import Scene3D
 from trecsim.films.stage import stage_around
-from trecsim.films.strokes import (
-    ALARM,
-    FAINT,
-    INK,
-    WARNING,
-    Image,
-    Pen,
-    blank,
-    opencv,
-)
+from trecsim.films.strokes import EDGE, FAINT, INK, Image, Pen, blank, opencv
 from trecsim.sources import VideoFile, prefetched
 from trecsim.store.atomic import atomic_write
 
@@ -137,6 +128,7 @@ class _Projector:
         self.size = (settings.width // 2 * 2, settings.height // 2 * 2)
         self._empty = blank(*self.size)
         self._lookup = lookup
+        self._title = settings.title
         self._alerts: list[Alert] = read_alerts(shown.events) if shown.events else []
         self._predicted = Predicted(shown.forecasts)
         probes = [VideoFile(path, name) for name, path in shown.videos.items()]
@@ -167,6 +159,8 @@ class _Projector:
         self._scene.draw(image[parts.scene.slices], people, t_s, alerts)
         self._plan.draw(image[parts.plan.slices], people, t_s, alerts, self._predicted)
         self._write_line(image, t_s, len(people.person), alerts)
+        if self._title:
+            Pen(image).text(self._title, (14, parts.scene.top + 34), 24, INK)
         return image
 
     def _write_line(self, image: Image, t_s: float, people: int, alerts: Alerts) -> None:
@@ -179,8 +173,7 @@ class _Projector:
         pen.text(counted, (110, base), 16, FAINT)
         left = 220.0
         for alert in alerts.open[:4]:
-            tint = WARNING if alert.severity in ("warning", "info") else ALARM
-            pen.disc((left, base - 5), 6, tint)
+            pen.disc((left, base - 5), 6, severity_colour(alert.severity) or EDGE)
             pen.text(alert.text, (left + 12, base), 16, INK)
             left += 36 + pen.width_of(alert.text, 16)
 

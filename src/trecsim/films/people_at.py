@@ -12,6 +12,8 @@ _LEAST_SPAN_S = 0.25  # tracks of slow cameras are joined over this long at leas
 _SAME_S = 1e-6
 _PATH_STEP_S = 0.08  # between the points of a path: closer ones are the same pixels
 
+_EVENED = 4  # points before and after, so that a step of each foot is in the mean
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PeopleAt:
@@ -111,4 +113,18 @@ def _path(
     xyz_m, support = one.xyz_m[kept].astype(np.float64), one.support[kept].astype(np.int64)
     xy_m = floor_xy(xyz_m, support)
     breaks = np.flatnonzero(np.diff(t_s) > gap_s) + 1
+    parts = [_evened(part) for part in np.split(xy_m, breaks)]
+    xy_m = np.concatenate(parts)
     return np.insert(t_s, breaks, t_s[breaks]), np.insert(xy_m, breaks, np.nan, axis=0)
+
+
+def _evened(xy_m: Float64[np.ndarray, "point 2"]) -> Float64[np.ndarray, "point 2"]:
+    """Take the steps of the two feet out of a path: each point becomes the mean around it."""
+    known = np.isfinite(xy_m).all(axis=1)
+    sums = np.cumsum(np.vstack([np.zeros((1, 2)), np.where(known[:, None], xy_m, 0.0)]), axis=0)
+    counts = np.cumsum(np.concatenate([[0], known]))
+    number = np.arange(len(xy_m))
+    reach = np.minimum(np.minimum(number, len(xy_m) - 1 - number), _EVENED)
+    first, end = number - reach, number + reach + 1
+    means = (sums[end] - sums[first]) / np.maximum(counts[end] - counts[first], 1)[:, None]
+    return np.where(known[:, None], means, np.nan)

@@ -9,7 +9,7 @@ from trecsim.films.paths_drawn import Paths
 from trecsim.films.people_at import Lookup, PeopleAt
 from trecsim.films.predicted import Predicted
 from trecsim.films.stage import Stage
-from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, WHITE, Image, Pen, blank
+from trecsim.films.strokes import EDGE, FAINT, FLOOR, GRID, WHITE, Colour, Image, Pen, blank
 
 _SHOULDERS = [5, 6]
 _MARGIN_PX = 26
@@ -74,8 +74,8 @@ class Plan2D:
         middles = self._px(people.floor_m)
         shoulders = self._px(people.xyz_m[:, _SHOULDERS, :2])
         for at, person in enumerate(people.person):
-            alarmed = person in alerts.people
-            self._draw_person(pen, person, middles[at].tolist(), shoulders[at], alarmed)
+            mark = alerts.colour(person)
+            self._draw_person(pen, person, middles[at].tolist(), shoulders[at], mark)
 
     def _draw_forecast(self, pen: Pen, person: int, predicted: Predicted, t_s: float) -> None:
         tint = pale(person_colour(person), 0.25)
@@ -90,13 +90,13 @@ class Plan2D:
         person: int,
         middle: list[float],
         shoulders: Float64[np.ndarray, "2 2"],
-        alarmed: bool,
+        mark: Colour | None,
     ) -> None:
         tint = person_colour(person)
         pen.line(shoulders, tint, max(0.12 * self._px_per_m, 3.0))
         radius = min(max(0.2 * self._px_per_m, 9.0), 14.0)
-        if alarmed:
-            pen.ring(middle, radius + 4.0, ALARM, 2)
+        if mark:
+            pen.ring(middle, radius + 4.0, mark, 2)
         pen.disc(middle, radius, tint)
         text = str(person)
         size = 1.25 * radius if len(text) < 3 else radius

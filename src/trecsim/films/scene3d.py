@@ -10,7 +10,7 @@ from trecsim.films.bodies_drawn import Bodies
 from trecsim.films.paths_drawn import Paths
 from trecsim.films.people_at import Lookup, PeopleAt
 from trecsim.films.stage import Stage
-from trecsim.films.strokes import ALARM, EDGE, FAINT, FLOOR, GRID, Image, Pen, blank, fixed
+from trecsim.films.strokes import EDGE, FAINT, FLOOR, GRID, Image, Pen, blank, fixed
 
 _FROM_DEG, _DOWN_DEG = -62.0, 26.0
 _VIEW_DEG = 38.0
@@ -132,7 +132,7 @@ class Scene3D:
         rings_px = self._on_floor(rings_m.reshape(-1, 2)).reshape(rings_m.shape)
         known = np.isfinite(rings_px).all(axis=(1, 2))
         for at in np.flatnonzero(known).tolist():
-            ring, alarmed = fixed(rings_px[at]), people.person[at] in alerts.people
-            pen.fill(ring, ALARM if alarmed else EDGE, 0.5 if alarmed else 0.3)
-            if alarmed:
-                pen.strokes([ring], ALARM, 2)
+            ring, mark = fixed(rings_px[at]), alerts.colour(people.person[at])
+            pen.fill(ring, mark or EDGE, 0.5 if mark else 0.3)
+            if mark:
+                pen.strokes([ring], mark, 2)
