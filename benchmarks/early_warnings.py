@@ -125,7 +125,7 @@ def _ahead(
     xyz_m = np.zeros((*shape, 3))
     xyz_m[..., :2] = xy_m[:, None]
     people = Snapshot(t_s, person, xyz_m, np.zeros((*shape, 3, 3)), np.ones(shape, int))
-    return ahead_of(people, np.ones(len(person), bool), xy_m, made)
+    return ahead_of(people, np.ones(len(person), bool), made)
 
 
 def _paths(moments: list[Moment]) -> dict[int, Path]:

@@ -111,19 +111,49 @@ def reach(joints_m, z_m, towards):
     return max((np.dot(one[:2], towards) for one in counts), default=-math.inf)
 
 
-def reached_zone(corners, z_m, xy_m, cov_m2, joints_m):
-    """Return the probability that one person will have been in a polygon, per mode and step."""
+def reached_zone(parts, z_m, xy_m, cov_m2, joints_m, paths=16, grid=4000):
+    """Return the probability that one person will have been in a zone, per mode and step.
+
+    `parts` has the corners of the convex parts at each step. For some second components of z,
+    each of many first ones is tried at each step; where a part holds some at two steps, it holds
+    those in between at a time in between.
+    """
     there = np.zeros(xy_m.shape[:2])
-    for mode, step in np.ndindex(*there.shape):
-        at = xy_m[mode, step]
-        if z_m is not None:
-            distance, towards = to_border(corners, at)
-            out = reach(joints_m, z_m, towards)
-            if out == -math.inf:
-                continue
-            at = at + min(out, max(-distance, 0.0) + LEAST_M) * towards
-        there[mode, step] = inside(corners, at, cov_m2[mode, step])
-    return np.maximum.accumulate(there, axis=1)
+    if z_m is not None and reach(joints_m, z_m, np.zeros(2)) == -math.inf:
+        return there
+    first = norm.ppf((np.arange(grid) + 0.5) / grid)
+    for mode in range(len(xy_m)):
+        for second in norm.ppf((np.arange(paths) + 0.5) / paths):
+            was = np.zeros(grid, bool)
+            before = {}
+            for step, mean in enumerate(xy_m[mode]):
+                root = np.linalg.cholesky(known(cov_m2[mode, step]))
+                for n, corners in enumerate(parts[step]):
+                    low, high = _held(corners, mean, root, second, joints_m, z_m)
+                    now = [low, high] if low < high else []
+                    if now:
+                        both = now + before.get(n, [])
+                        was |= (first > min(both)) & (first < max(both))
+                    before[n] = now
+                there[mode, step] += was.mean() / paths
+    return there
+
+
+def _held(corners, mean, root, second, joints_m, z_m):
+    """Return which first components of z are inwards of all sides, moved by the joints' reach."""
+    low, high = -math.inf, math.inf
+    for a, b in sides(corners):
+        inwards = np.array([-(b - a)[1], (b - a)[0]]) / np.linalg.norm(b - a)
+        out = 0.0 if z_m is None else reach(joints_m, z_m, inwards)
+        missing = -((mean + root[:, 1] * second - a) @ inwards + out)
+        slope = root[:, 0] @ inwards
+        if slope > 0.0:
+            low = max(low, missing / slope)
+        elif slope < 0.0:
+            high = min(high, missing / slope)
+        elif missing > 0.0:
+            return math.inf, -math.inf
+    return low, high
 
 
 def reached_edge(points, depth_m, xy_m, cov_m2, joints_m):

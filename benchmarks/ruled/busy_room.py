@@ -191,7 +191,7 @@ def at_the_edge(rng: np.random.Generator, at_s: float) -> "Visit":
 
 
 def at_the_machine(rng: np.random.Generator, at_s: float) -> "Visit":
-    """Return a person who walks up to the machine, or past it."""
+    """Return a person who walks up to the machine from 3 m away, or past it."""
     from trecsim.lab.simulation.actions import Stand, Walk
 
     if rng.random() < 0.7:
@@ -199,7 +199,7 @@ def at_the_machine(rng: np.random.Generator, at_s: float) -> "Visit":
         actions = [
             Walk((inside,), _u(rng, 0.7, 1.3)), Stand(_u(rng, 1.0, 3.0)), Walk(((-1.6, 2.6),), 1.0),
         ]  # fmt: skip
-        return _visit((-1.6, 2.4), actions, at_s)
+        return _visit((1.0, _u(rng, 2.4, 2.7)), actions, at_s)
     return _visit((-1.5, 3.0), [Walk(((-1.5, 2.3), (-1.4, 2.0)), _u(rng, 0.7, 1.3))], at_s)
 
 

@@ -25,17 +25,21 @@ class Warned(NamedTuple):
 
 
 def warnings_of(events: Iterable[Mapping[str, Any]]) -> list[Warned]:
-    """Return the warnings among events; those that are open at the end are left out."""
+    """Return the warnings among events; those that are open at the end are left out.
+
+    A warning of somebody beyond an edge comes true when somebody is beyond, not near it: then the
+    events have a lead.
+    """
     given: dict[str, float] = {}
     done: list[Warned] = []
     for event in events:
         data = event["data"]
         identity = data["event"]
+        came = not data["predicted"] and data["lead_s"] is not None
         if data["phase"] == "new" and data["predicted"]:
             given[identity] = float(data["probability"])
-        elif identity in given and data["phase"] in ("update", "end"):
-            came = not data["predicted"]
-            lead_s = float(data["lead_s"]) if came and data["lead_s"] is not None else float("nan")
+        elif identity in given and (came or data["phase"] == "end"):
+            lead_s = float(data["lead_s"]) if came else float("nan")
             done.append(Warned(given.pop(identity), came, lead_s))
     return done
 

@@ -11,7 +11,7 @@ from typing import Any, TypedDict
 from trecsim.callbacks import Progress
 from trecsim.cloud_events import UNIX_FROM_S, event_of, event_text, numbered
 from trecsim.errors import InputError
-from trecsim.floor_points import floor_xy
+from trecsim.floor_points import path_xy
 from trecsim.forecasting import Forecaster as PathForecaster
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.geometry import Rig
@@ -110,7 +110,7 @@ class _Looking:
         """Take the next moment; see `Forecaster`."""
         if self._forecaster is None:
             return None
-        xy_m = floor_xy(snapshot.xyz_m, snapshot.support)
+        xy_m = path_xy(snapshot.xyz_m, snapshot.support)
         return self._forecaster.together(snapshot.t_s, snapshot.id, xy_m)
 
 

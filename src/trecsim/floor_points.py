@@ -67,3 +67,19 @@ def _weighted(
     shape = (*weights.shape, *(1,) * (values.ndim - 2))
     by = weights.reshape(shape)
     return np.asarray((by * np.where(by == 0.0, 0.0, values)).sum(axis=1))
+
+
+def path_xy(
+    xyz_m: Float64[np.ndarray, "person joint 3"], support: Int64[np.ndarray, "person joint"]
+) -> Float64[np.ndarray, "person 2"]:
+    """Return the point on the floor whose path is forecast [m].
+
+    It is the mean of the hips that a camera supports, dropped to the floor; where none is
+    supported, the floor point. In walking the mean of the ankles stops and starts with each step,
+    and its speed over 0.4 s says little; hips move nearly evenly.
+    """
+    hips_m = xyz_m[:, HIPS, :2]
+    counts = (support[:, HIPS] > 0) & np.isfinite(hips_m).all(axis=-1)
+    number = counts.sum(axis=1)[:, None]
+    middle_m = np.where(counts[..., None], hips_m, 0.0).sum(axis=1) / np.maximum(number, 1)
+    return np.where(number > 0, middle_m, floor_xy(xyz_m, support))

@@ -1,6 +1,7 @@
 """Early warnings: given before it happens, and taken back when it does not."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.machine import Timing
 from trecsim.safety.polygons import Polygon
 from trecsim.safety.warned import foreseen, unforeseen
+from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
 T = times(8.0)
@@ -71,6 +73,35 @@ def test_who_goes_straight_for_the_edge_is_expected_beyond_it() -> None:
     assert told(events, "phase", "predicted")[:2] == [("new", True), ("update", False)]
     warned, begun = (event["data"] for event in events[:2])
     assert warned["t_detect_s"] < begun["t_start_s"]
+
+
+def test_the_lead_at_an_edge_is_the_time_until_somebody_is_beyond_it() -> None:
+    path = through((0, -3, 0), (2.0, -0.3, 0), (5.0, -0.3, 0), (6.0, 0.6, 0))
+    straight = events_of(EDGE, walking(line((2.0, -4.0), (0.0, 1.3))))
+    begun = straight[1]["data"]
+    assert begun["lead_s"] == pytest.approx(begun["t_detect_s"] - straight[0]["data"]["t_detect_s"])
+    assert begun["lead_s"] >= 1.0
+    assert begun["t_start_s"] < begun["t_detect_s"]  # near the edge
+    waits = [event["data"] for event in events_of(EDGE, walking(path))]
+    assert [one["lead_s"] for one in waits if one["phase"] == "update"][:1] in ([], [None])
+
+
+def test_who_is_slow_to_step_is_foreseen_as_the_hips_move_not_as_the_feet_do() -> None:
+    path = line((-4.0, 0.0), (1.2, 0.0))
+    people = walking(path)
+    feet = [COCO17.index(f"{side}_ankle") for side in ("left", "right")]
+    stepped = []
+    for n, one in enumerate(people):  # each ankle stands while the other one steps
+        xyz_m = one.xyz_m.copy()
+        for ankle, phase in zip(feet, (0.0, 0.5), strict=True):
+            cycle = 1.2 * T[n] / 1.2 + phase
+            xyz_m[:, ankle, 0] += 0.6 * (min(2.0 * (cycle % 1.0), 1.0) - cycle % 1.0 - 0.25)
+        stepped.append(replace(one, xyz_m=xyz_m))
+    smooth, walked = events_of(RESTRICTED, people), events_of(RESTRICTED, stepped)
+    assert walked[0]["data"]["predicted"]
+    assert walked[0]["data"]["t_detect_s"] == pytest.approx(
+        smooth[0]["data"]["t_detect_s"], abs=0.3
+    )
 
 
 def test_the_same_frames_give_the_same_warnings() -> None:
@@ -169,4 +200,4 @@ def test_nothing_is_expected_of_people_whom_no_camera_supports() -> None:
         cov_m2, cov_m2[:, 0],
     )  # fmt: skip
     seen = np.array([False, True])
-    assert ahead_of(people, seen, here_m, made).person.tolist() == [people.id[1]]
+    assert ahead_of(people, seen, made).person.tolist() == [people.id[1]]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from made_live import any_snapshots
 from made_paths import bodies_on, falling, line, lying_m, moments
 from made_people import STANDING_M
-from trecsim.floor_points import ANKLES, HIPS, floor_points, floor_xy
+from trecsim.floor_points import ANKLES, HIPS, floor_points, floor_xy, path_xy
 from trecsim.safety.body_states import bodies
 from trecsim.safety.conditions.zones import at_least
 from trecsim.values import Snapshot
@@ -91,3 +91,15 @@ def test_at_least_so_many_equals_the_sum_over_all_cases(inside: list[float], lim
                 np.prod([p if bit else 1 - p for p, bit in zip(inside, bits, strict=True)])
             )
     assert at_least(limit, np.array(inside)) == pytest.approx(total, abs=1e-12)
+
+
+def test_forecasts_follow_the_hips_and_without_them_the_floor_point() -> None:
+    xyz_m, support = np.zeros((1, 17, 3)), np.full((1, 17), 2)
+    xyz_m[:, HIPS, 0], xyz_m[:, ANKLES, 0] = [1.0, 1.2], [3.0, 5.0]
+    np.testing.assert_allclose(path_xy(xyz_m, support), [[1.1, 0.0]])
+    support[:, HIPS[1]] = 0
+    np.testing.assert_allclose(path_xy(xyz_m, support), [[1.0, 0.0]])
+    support[:, HIPS[0]] = 0
+    np.testing.assert_allclose(path_xy(xyz_m, support), [[4.0, 0.0]])
+    support[:] = 0
+    np.testing.assert_allclose(path_xy(xyz_m, support), [[1.1, 0.0]])  # of who is coasting

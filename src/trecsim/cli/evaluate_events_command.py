@@ -64,7 +64,10 @@ def _more(result: "EventEvaluation", camera_days: float | None) -> Iterator[str]
     if not early.given:
         return
     lead = f", {early.row()['lead_s']:.2f} s before (median)" if early.leads_s else ""
-    yield f"early warnings: {early.given}, of which {early.came_true} came true{lead}"
+    yield (
+        f"early warnings: {early.given}, of which {early.came_true} came true{lead}; "
+        f"{early.unwarned} happened without one"
+    )
     for one in early.horizons:
         if one.count:
             yield (

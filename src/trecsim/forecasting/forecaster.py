@@ -5,7 +5,7 @@ import math
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from trecsim.floor_points import floor_xy
+from trecsim.floor_points import path_xy
 from trecsim.forecasting import constants
 from trecsim.forecasting.calibration import Calibration
 from trecsim.forecasting.forecasts import AHEAD_S, Forecast, Forecasts
@@ -55,7 +55,7 @@ class Forecaster:
 
     def __call__(self, snapshot: Snapshot) -> list[Forecast]:
         """Take the next moment; return a forecast for each person in it, when one is due."""
-        return self.step(snapshot.t_s, snapshot.id, floor_xy(snapshot.xyz_m, snapshot.support))
+        return self.step(snapshot.t_s, snapshot.id, path_xy(snapshot.xyz_m, snapshot.support))
 
     def step(
         self,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from trecsim.floor_points import floor_xy
+from trecsim.floor_points import path_xy
 from trecsim.forecasting import Forecaster
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.page.link import SnapshotPart
@@ -35,7 +35,7 @@ class LiveForecasts:
         shape = (len(person), _JOINTS)
         xyz_m = np.frombuffer(part.xyz_m).reshape(*shape, 3)
         support = np.frombuffer(part.support, np.int64).reshape(shape)
-        made = self._forecaster.together(part.t_s, person, floor_xy(xyz_m, support))
+        made = self._forecaster.together(part.t_s, person, path_xy(xyz_m, support))
         if made is None:
             return {}
         known = zip(person.tolist(), part.state, strict=True)

@@ -3,13 +3,14 @@
 Notes
 -----
 A forecast is a mixture: mode m has weight w_m and, at each time ahead, a mean and a covariance.
-Within a mode the error of a path grows steadily and hardly changes its direction, so the
-probability that the person has been at a place by a time is the highest of the probabilities up to
-then, ``F_m(t) = max_{s <= t} p_m(s)``, and over all modes ``F(t) = sum_m w_m F_m(t)``. This is
-never more than the share of all paths that get there, and less where paths may pass at different
-times. The body reaches farther than its floor point: where a rule is about joints, each mean is
-moved towards the place by as much as the joints stick out in that direction now, but not beyond
-its border.
+Within a mode the error of a path grows steadily and hardly changes its direction: a path that is
+one standard deviation to the left after one second is so after two. The probability that a person
+has been in a zone by a time is that of all these paths that are inside at any time up to then (see
+`trecsim.safety.kernels.zone_ahead`), and over all modes ``F(t) = sum_m w_m F_m(t)``. Where the
+error changes its direction on the way, more paths get there. Beyond an edge, F_m is the highest
+probability up to the time, ``F_m(t) = max_{s <= t} p_m(s)``: whoever is beyond at any time is so
+when that is most probable. The body reaches farther than its floor point: where a rule is about
+joints, borders are nearer by as much as the joints stick out in that direction now.
 """
 
 import math
@@ -23,8 +24,8 @@ from jaxtyping import Bool, Float64, Int64
 
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.directed_lines import Edge
-from trecsim.safety.kernels import LEAST, reached_edge, reached_zone
-from trecsim.safety.polygons import Polygon, plain
+from trecsim.safety.kernels import LEAST, MOST, reached_edge, reached_zone
+from trecsim.safety.polygons import Polygon, plain, sides_of
 from trecsim.safety.signals import Signals
 from trecsim.values import Snapshot
 
@@ -71,9 +72,9 @@ class Ahead:
     weight
         Of the modes.
     xy_m, cov_m2
-        Floor points of the modes [m], and their covariances [m^2].
+        Where the modes are on the floor [m], and their covariances [m^2].
     joint_m
-        Joints that a camera supports now, seen from the floor point [m]; NaN for others.
+        Joints that a camera supports now, seen from where the forecast begins [m]; NaN for others.
     signals
         What is known from feeds.
     """
@@ -92,7 +93,6 @@ class Ahead:
         polygon: Polygon,
         z_m: tuple[float, float] | None = None,
         *,
-        least: float = 0.0,
         within_s: float = math.inf,
     ) -> "Arrivals":
         """Return how probable it is that each person will have been in a polygon.
@@ -103,31 +103,31 @@ class Ahead:
             On the floor.
         z_m
             Joints between these heights count [m]; None looks at the floor point alone.
-        least, within_s
-            People may be left out whose probability within this time [s] is surely below `least`;
-            later times are computed only for those who are there by then.
+        within_s
+            Later times are computed only for people who may be there by then [s].
         """
         rows = np.flatnonzero(self._may_reach(polygon.corners_m))
-        by_mode = np.zeros(self.xy_m.shape[:-1])
-        steps = (0, _at(self.ahead_s, within_s), len(self.ahead_s))
-        self._raise(by_mode, rows, polygon, z_m, steps, least)
-        return self._arrivals(by_mode)
+        return self._reached(polygon.sides, rows, z_m, _at(self.ahead_s, within_s))
 
-    def _raise(
+    def _reached(
         self,
-        by_mode: Float64[np.ndarray, "person mode step"],
+        planes: Float64[np.ndarray, "time part side 3"],
         rows: Int64[np.ndarray, " row"],
-        polygon: Polygon,
         z_m: tuple[float, float] | None,
-        steps: tuple[int, int, int],
-        least: float = 0.0,
-    ) -> None:
-        """Raise probabilities to those of having been in a polygon; see `reached_zone`."""
-        heights_m = (-math.inf, math.inf) if z_m is None else (float(z_m[0]), float(z_m[1]))
-        reached_zone(
-            polygon.corners_m, polygon.is_convex, heights_m, z_m is None, rows, self.weight,
-            self.xy_m, self.cov_m2, self.joint_m, steps, least, by_mode,
-        )  # fmt: skip
+        asked: int,
+    ) -> "Arrivals":
+        """Return how probable it is that people will have been in a zone; see `reached_zone`."""
+        by_mode = np.zeros(self.xy_m.shape[:-1])
+        low_m, high_m = (-math.inf, math.inf) if z_m is None else z_m
+        times, parts, sides, _ = planes.shape
+        if parts and len(rows):
+            reached_zone(
+                planes, (float(low_m), float(high_m)), z_m is None, rows, self.weight, self.xy_m,
+                self.cov_m2, self.joint_m, asked, np.empty((times, parts, sides)),
+                np.empty((len(self.ahead_s), parts, sides, 3)), np.empty((parts, 2)),
+                np.empty((MOST, 2)), by_mode,
+            )  # fmt: skip
+        return self._arrivals(by_mode)
 
     def _arrivals(self, by_mode: Float64[np.ndarray, "person mode step"]) -> "Arrivals":
         """Return how probable it is over all modes that people will have been somewhere."""
@@ -146,13 +146,8 @@ class Ahead:
         z_m
             Joints between these heights count [m].
         """
-        by_mode = np.zeros(self.xy_m.shape[:-1])
         rows = np.arange(len(self.person))
-        for step, these in enumerate(polygons):
-            by_mode[:, :, step] = by_mode[:, :, max(step - 1, 0)]
-            for polygon in these:
-                self._raise(by_mode, rows, polygon, z_m, (step, step, step + 1))
-        return self._arrivals(by_mode)
+        return self._reached(sides_of(polygons), rows, z_m, len(self.ahead_s) - 1)
 
     def beyond(self, edge: Edge, depth_m: float) -> "Arrivals":
         """Return how probable it is that a joint of each person will have been beyond an edge.
@@ -227,7 +222,6 @@ def _at(ahead_s: Float64[np.ndarray, " step"], within_s: float) -> int:
 def ahead_of(
     people: Snapshot,
     is_seen: Bool[np.ndarray, " person"],
-    floor_m: Float64[np.ndarray, "person 2"],
     forecasts: Forecasts,
     signals: Signals | None = None,
 ) -> Ahead:
@@ -239,8 +233,6 @@ def ahead_of(
         The moment.
     is_seen
         Whom a camera supports: of others nothing is expected.
-    floor_m
-        Floor points [m].
     forecasts
         Made of this moment and of what was before.
     signals
@@ -250,17 +242,28 @@ def ahead_of(
     rows = [row for row in np.flatnonzero(is_seen) if int(people.id[row]) in known]
     at = [known[int(people.id[row])] for row in rows]
     ahead_s, xy_m = _finer(forecasts.ahead_s, forecasts.xy_m[at], forecasts.from_m[at])
-    _, cov_m2 = _finer(forecasts.ahead_s, forecasts.cov_m2[at], np.zeros((len(at), 2, 2)))
     xyz_m = people.xyz_m[rows]
     counts = (people.support[rows] > 0) & np.isfinite(xyz_m).all(axis=-1)
+    now_m2 = _mean_cov(people.cov_m2[rows, :, :2, :2], counts)
+    _, cov_m2 = _finer(forecasts.ahead_s, forecasts.cov_m2[at], now_m2)
     joint_m = xyz_m.copy()
-    joint_m[..., :2] -= floor_m[rows][:, None]
+    joint_m[..., :2] -= forecasts.from_m[at][:, None]
     joint_m[~counts] = np.nan
     return Ahead(
         forecasts.t_s, people.id[rows], ahead_s, plain(forecasts.weight[at]), plain(xy_m),
         plain(cov_m2), plain(joint_m),
         Signals() if signals is None else signals,
     )  # fmt: skip
+
+
+def _mean_cov(
+    cov_m2: Float64[np.ndarray, "person joint 2 2"], counts: Bool[np.ndarray, "person joint"]
+) -> Float64[np.ndarray, "person 2 2"]:
+    """Return the mean covariance of joints that count: how surely a joint is where it is now."""
+    known_m2 = np.where(counts[..., None, None], np.nan_to_num(cov_m2), 0.0).sum(axis=1)
+    number = np.maximum(counts.sum(axis=1), 1)[:, None, None]
+    mean_m2: Float64[np.ndarray, "person 2 2"] = known_m2 / number
+    return mean_m2
 
 
 def _finer(

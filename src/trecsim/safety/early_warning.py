@@ -24,7 +24,11 @@ class Forecaster(Protocol):
 
 @runtime_checkable
 class Foreseeing(Protocol):
-    """A condition of which it can be said how probable it is that somebody will fulfil it."""
+    """A condition of which it can be said how probable it is that somebody will fulfil it.
+
+    One with `of_worse = True` says it of the graver thing that counts at once, such as somebody
+    beyond an edge in place of near it.
+    """
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Return who is expected to fulfil the condition, by person.

@@ -47,10 +47,13 @@ class _Opened(NamedTuple):
         The predicted time; the identity of the episode follows from it [s].
     told_s
         When the warning was given [s].
+    came_s
+        When the worse thing began that was warned of, where the rule warns of such [s].
     """
 
     start_s: float
     told_s: float
+    came_s: float | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -344,12 +347,24 @@ class RuleEngine:
         rows = list(_rows(scene, key, change.finding))
         people = [person_entry(scene, row) for row in rows]
         names = {name for row in rows for name in self._cameras(scene, row)}
-        lead_s = None if opened is None else change.start_s - opened.told_s
+        lead_s = _lead_s(kept, key, change, t_s, predicted)
         if change.phase == "end":
             kept.opened.pop(key, None)
         return event_data(
             episode, rule, change, t_s, people, sorted(names), predicted=predicted, lead_s=lead_s
         )
+
+
+def _lead_s(kept: _Kept, key: int, change: Change, t_s: float, predicted: bool) -> float | None:
+    """Return how long before what was warned of the warning came; None where it has not begun."""
+    opened = kept.opened.get(key)
+    if opened is None:
+        return None
+    if predicted or not getattr(kept.foreseeing, "of_worse", False):
+        return change.start_s - opened.told_s
+    if opened.came_s is None and change.level > 0:
+        opened = kept.opened[key] = opened._replace(came_s=t_s)
+    return None if opened.came_s is None else opened.came_s - opened.told_s
 
 
 def _is_armed(rule: Rule, now: LocalTime | None, off: frozenset[str]) -> bool:

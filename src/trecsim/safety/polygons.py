@@ -9,8 +9,10 @@ the triangles that they form with the mean; that of such a triangle is the share
 full circle, minus what lies behind the side (Owen's T function at its two ends).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
@@ -87,6 +89,33 @@ class Polygon:
         way_m = _next(self.corners_m) - self.corners_m
         turn = way_m[:, 0] * _next(way_m)[:, 1] - way_m[:, 1] * _next(way_m)[:, 0]
         return bool((turn >= 0.0).all())
+
+    @cached_property
+    def parts(self) -> tuple[Float64[np.ndarray, "corner 2"], ...]:
+        """Convex parts that make it up: itself, or else triangles."""
+        if self.is_convex:
+            return (self.corners_m,)
+        left, parts = list(range(len(self.corners_m))), []
+        while len(left) > 3:
+            ear = next((n for n in range(len(left)) if self._is_ear(left, n)), 0)
+            parts.append(self.corners_m[[left[ear - 1], left[ear], left[(ear + 1) % len(left)]]])
+            del left[ear]
+        return (*parts, self.corners_m[left])
+
+    @cached_property
+    def sides(self) -> Float64[np.ndarray, "1 part side 3"]:
+        """Its sides as kernels take them, see `sides_of`."""
+        return sides_of([[self]])
+
+    def _is_ear(self, left: list[int], n: int) -> bool:
+        """Tell whether a corner and those beside it make a triangle that holds no other corner."""
+        triangle = [left[n - 1], left[n], left[(n + 1) % len(left)]]
+        a, b, c = self.corners_m[triangle]
+        if _cross(b - a, c - b) <= 0.0:
+            return False
+        others = self.corners_m[[one for one in left if one not in triangle]]
+        turns = [_cross(q - p, others - p) for p, q in ((a, b), (b, c), (c, a))]
+        return not (np.min(turns, axis=0) > 0.0).any()
 
     def probability(
         self, xy_m: Points, cov_m2: Float64[np.ndarray, "point 2 2"]
@@ -177,6 +206,37 @@ class Prism:
         return found
 
 
+def sides_of(polygons: Sequence[Sequence[Polygon]]) -> Float64[np.ndarray, "time part side 3"]:
+    """Return the sides of polygons as kernels take them: inward normal, and how far along it.
+
+    Parameters
+    ----------
+    polygons
+        At each time; what is missing at a time holds nothing.
+    """
+    parts = [[_sides(part) for one in these for part in one.parts] for these in polygons]
+    most = max((len(some) for some in parts), default=0)
+    sides = max((len(part) for some in parts for part in some), default=0)
+    found = np.zeros((len(parts), most, sides, 3))
+    found[..., 2] = np.inf
+    for at, some in enumerate(parts):
+        for n, part in enumerate(some):
+            found[at, n] = part[-1]  # the last side again in place of those that it has not
+            found[at, n, : len(part)] = part
+    return found
+
+
+def _sides(corners_m: Float64[np.ndarray, "corner 2"]) -> Float64[np.ndarray, "corner 3"]:
+    way_m = _next(corners_m) - corners_m
+    inwards = np.stack([-way_m[:, 1], way_m[:, 0]], axis=1) / np.hypot(*way_m.T)[:, None]
+    along: Float64[np.ndarray, " corner"] = (inwards * corners_m).sum(axis=1)
+    return np.concatenate([inwards, along[:, None]], axis=1)
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> Any:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
 def area_m2(corners_m: Float64[np.ndarray, "corner 2"]) -> float:
     """Return the area of a polygon [m^2], positive if its corners go counter-clockwise.
 
@@ -194,4 +254,4 @@ def _next(corners: Float64[np.ndarray, "corner *n"]) -> Float64[np.ndarray, "cor
     return np.concatenate([corners[1:], corners[:1]])
 
 
-__all__ = ["LEAST_SIGMA_M", "SURE", "Points", "Polygon", "Prism", "area_m2", "plain"]
+__all__ = ["LEAST_SIGMA_M", "SURE", "Points", "Polygon", "Prism", "area_m2", "plain", "sides_of"]

@@ -203,11 +203,7 @@ class Memory:
                 postures[judged] == "lying",
             )
         )  # fmt: skip
-        ahead = (
-            None
-            if forecasts is None
-            else ahead_of(people, seen, floor.xy_m, forecasts, self._signals)
-        )
+        ahead = None if forecasts is None else ahead_of(people, seen, forecasts, self._signals)
         scene = Scene(people, seen, floor, body, self._traces, ahead, self._signals)
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
         return scene

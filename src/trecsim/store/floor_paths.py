@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from trecsim.errors import InputError
-from trecsim.floor_points import floor_xy
+from trecsim.floor_points import path_xy
 from trecsim.forecasting import Moment
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.limits import FARTHEST_M, LATEST_S
@@ -57,7 +57,7 @@ def read_floor_paths(path: Path | str) -> list[Moment]:
 
 
 def _of_tracks(path: Path) -> list[Moment]:
-    return [(one.t_s, one.id, floor_xy(one.xyz_m, one.support)) for one in read_tracks(path)]
+    return [(one.t_s, one.id, path_xy(one.xyz_m, one.support)) for one in read_tracks(path)]
 
 
 def _rows_of_csv(path: Path) -> list[Row]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,20 @@ def test_what_has_just_begun_was_foretold_without_a_lead_and_older_things_were_n
     assert warning_scores(warned, true(9.6)).leads_s == (0.0,)
     assert warning_scores(warned, true(9.4)).came_true == 0
     assert warning_scores(warned, true(14.1)).came_true == 0
+
+
+def test_what_happened_without_a_warning_is_counted_for_rules_that_warn() -> None:
+    warned = warnings_of([warning(10.0, 0.9, 0.9, 0.9)])
+    assert warning_scores(warned, true(11.5, 90.0)).unwarned == 1
+    assert warning_scores([], true(11.5)).unwarned == 0
+
+
+def test_a_warning_at_an_edge_is_of_people_beyond_it_not_near_it() -> None:
+    warned = warnings_of([warning(10.0, 0.9, 0.9, 0.9)])
+    near = [replace(one, kind="edge.platform") for one in true(10.5)]
+    assert warning_scores(warned, near).came_true == 0
+    beyond = [replace(one, worse_s=11.25) for one in near]
+    assert warning_scores(warned, beyond).leads_s == (1.25,)
 
 
 def test_without_warnings_there_is_nothing_to_judge() -> None:

@@ -31,6 +31,8 @@ class EpisodeTold:
         Where the first person stood when it was told [m].
     is_warning
         Whether it was only predicted, and did not happen.
+    worse_s
+        In the truth: when the worse thing began, of which early warnings warn [s].
     """
 
     rule: str
@@ -41,6 +43,7 @@ class EpisodeTold:
     end_s: float | None
     floor_m: tuple[float, float] | None
     is_warning: bool = False
+    worse_s: float | None = None
 
 
 def read_episodes(path: Path) -> list[EpisodeTold]:
@@ -131,6 +134,7 @@ def _begun(data: Mapping[str, Any]) -> EpisodeTold:
         end_s=_time_s({"t_end_s": None, **data}, "t_end_s"),
         floor_m=_floor_m(data.get("people") or []),
         is_warning=bool(data.get("predicted", False)),
+        worse_s=_time_s({"worse_s": None, **(data.get("measures") or {})}, "worse_s"),
     )
 
 

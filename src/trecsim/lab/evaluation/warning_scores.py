@@ -19,6 +19,8 @@ BEGUN_S = 0.5
 """An episode that began this long before its warning still counts as warned of, with lead 0 [s]."""
 FASTEST_MPS, APART_M = 3.0, 1.5
 """A warning matches an episode within `APART_M`, plus `FASTEST_MPS` times the time between."""
+OF_WORSE = ("edge.platform",)
+"""Kinds of rules whose warnings are of something worse than what begins an episode."""
 BINS = 5
 """Number of bins of the probability, of equal width."""
 
@@ -98,18 +100,22 @@ class WarningScores:
         How long before the true beginning each of these was given [s].
     horizons
         By time.
+    unwarned
+        True happenings that no warning preceded, of rules that gave any.
     """
 
     given: int
     came_true: int
     leads_s: tuple[float, ...]
     horizons: tuple[Horizon, ...]
+    unwarned: int = 0
 
     def row(self) -> dict[str, Any]:
         """Return the scores as numbers with names."""
         return {
             "given": self.given,
             "came_true": self.came_true,
+            "unwarned": self.unwarned,
             "lead_s": float(np.median(self.leads_s)) if self.leads_s else math.nan,
             "within": {
                 f"{one.within_s:g}": {
@@ -174,17 +180,42 @@ def warning_scores(warned: Sequence[Warned], true: Sequence[EpisodeTold]) -> War
         _horizon(within_s, [one.within[n] for one in warned], leads_s)
         for n, within_s in enumerate(WITHIN_S)
     )
-    return WarningScores(len(warned), len(came), tuple(came), horizons)
+    return WarningScores(len(warned), len(came), tuple(came), horizons, _unwarned(warned, true))
+
+
+def _begins_s(true: EpisodeTold) -> float:
+    """Return when that began of which warnings warn [s]; infinity where it did not."""
+    if true.kind not in OF_WORSE:
+        return true.start_s
+    return math.inf if true.worse_s is None else true.worse_s
 
 
 def _lead_s(warned: Warned, true: Sequence[EpisodeTold]) -> float:
     """Return how long after the warning its episode began [s]; infinity where none did."""
     leads_s = [
-        one.start_s - warned.told_s
+        _begins_s(one) - warned.told_s
         for one in true
-        if one.rule == warned.rule and one.start_s >= warned.told_s - BEGUN_S and _same(warned, one)
+        if one.rule == warned.rule
+        and _begins_s(one) >= warned.told_s - BEGUN_S
+        and _same(warned, one)
     ]
     return max(min(leads_s, default=math.inf), 0.0)
+
+
+def _unwarned(warned: Sequence[Warned], true: Sequence[EpisodeTold]) -> int:
+    """Return how many true happenings no warning preceded, of rules that gave any."""
+    rules = {one.rule for one in warned}
+    return sum(
+        one.rule in rules
+        and math.isfinite(_begins_s(one))
+        and not any(
+            some.rule == one.rule
+            and -BEGUN_S <= _begins_s(one) - some.told_s <= WITHIN_S[-1]
+            and _same(some, one)
+            for some in warned
+        )
+        for one in true
+    )
 
 
 def _same(warned: Warned, true: EpisodeTold) -> bool:

@@ -103,11 +103,14 @@ class Happening(NamedTuple):
         When.
     direction
         Of a crossing.
+    worse_s
+        When something worse began, of which early warnings warn: somebody was beyond an edge [s].
     """
 
     people: tuple[int, ...]
     span: Span
     direction: str | None = None
+    worse_s: float | None = None
 
 
 def _enter(at: Place, person: TruePerson) -> list[Span]:
@@ -127,13 +130,18 @@ def _restricted(at: Place, person: TruePerson) -> list[Span]:
     return spans(person.t_s, holds, person.there, at.delays)
 
 
-def _edge(at: Place, person: TruePerson) -> list[Span]:
-    away_m = from_edge_m(at.points_m, person.xyz_m[..., :2])
-    away_m = np.where(away_m >= -at.rule.get("depth_m", 1000.0), away_m, np.nan)
-    with np.errstate(invalid="ignore"):
-        near = (away_m < at.rule.get("distance_m", 0.5)).any(axis=1)
-        beyond = (away_m < 0.0).any(axis=1)
-    return spans(person.t_s, near, person.there, at.delays, at_once=near & beyond)
+def _edge(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
+    for person in people:
+        away_m = from_edge_m(at.points_m, person.xyz_m[..., :2])
+        away_m = np.where(away_m >= -at.rule.get("depth_m", 1000.0), away_m, np.nan)
+        with np.errstate(invalid="ignore"):
+            near = (away_m < at.rule.get("distance_m", 0.5)).any(axis=1)
+            beyond = (away_m < 0.0).any(axis=1)
+        for span in spans(person.t_s, near, person.there, at.delays, at_once=near & beyond):
+            end_s = math.inf if span.end_s is None else span.end_s
+            over = beyond & (person.t_s >= span.start_s) & (person.t_s <= end_s)
+            worse_s = float(person.t_s[over][0]) if over.any() else None
+            yield Happening((person.number,), span, worse_s=worse_s)
 
 
 def _fall(at: Place, person: TruePerson) -> list[Span]:
@@ -341,7 +349,7 @@ NAIVE_KINDS: Mapping[str, Callable[[Place, Sequence[TruePerson]], Iterator[Happe
     "density.level": _density,
     "speed.running": _each(_running),
     "flow.wrong_way": _each(_wrong_way),
-    "edge.platform": _each(_edge),
+    "edge.platform": _edge,
     "body.fall": _each(_fall),
     "body.down": _each(_down),
     "lift.unload": _each(_unload),

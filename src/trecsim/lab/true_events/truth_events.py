@@ -128,7 +128,7 @@ def _data(
         "people": [_entry(people[number], told_s) for number in happening.people],
         **{kind: rule[kind] for kind in _PLACES if kind in rule},
         **({} if happening.direction is None else {"direction": happening.direction}),
-        "measures": {},
+        "measures": {} if happening.worse_s is None else {"worse_s": _rounded(happening.worse_s)},
         "evidence": {
             "t_from_s": _rounded(start_s - EVIDENCE_S),
             "t_to_s": _rounded(until_s + EVIDENCE_S),

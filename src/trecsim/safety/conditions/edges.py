@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -32,6 +32,8 @@ class AtEdge:
     edge: Edge
     distance_m: float
     depth_m: float
+    of_worse: ClassVar[bool] = True
+    """Warnings are of people beyond the edge, not near it."""
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""

@@ -13,8 +13,6 @@ from trecsim.safety.machine import LIKELY, Finding
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.rule_scene import Scene
 
-LEAST_AHEAD = 0.1
-"""What is expected with less than this is not told: rules warn, and take back, at more."""
 SURE = 0.9
 """Somebody who was inside with this probability has been inside."""
 
@@ -39,8 +37,7 @@ class InZone:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
-        arrivals = ahead.in_polygon(self.polygon, least=LEAST_AHEAD, within_s=within_s)
-        return arrivals.expected(within_s)
+        return ahead.in_polygon(self.polygon, within_s=within_s).expected(within_s)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +87,7 @@ class JointInZone:
 
     def expect(self, ahead: Ahead, within_s: float) -> Mapping[int, Expected]:
         """Look ahead; see `Foreseeing`."""
-        arrivals = ahead.in_polygon(
-            self.prism.polygon, self.prism.z_m, least=LEAST_AHEAD, within_s=within_s
-        )
+        arrivals = ahead.in_polygon(self.prism.polygon, self.prism.z_m, within_s=within_s)
         return arrivals.expected(within_s)
 
 

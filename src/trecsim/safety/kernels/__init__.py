@@ -12,11 +12,13 @@ from trecsim.safety.kernels.polygon_kernels import (
     nearest_sides,
 )
 from trecsim.safety.kernels.prism_kernels import inside_joints
-from trecsim.safety.kernels.zone_ahead import LEAST, reached_zone
+from trecsim.safety.kernels.zone_ahead import LEAST, MOST, PATHS, reached_zone
 
 __all__ = [
     "LEAST",
     "LEAST_SIGMA_M",
+    "MOST",
+    "PATHS",
     "SURE",
     "behind_line",
     "inside_joints",

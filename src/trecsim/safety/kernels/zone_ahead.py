@@ -1,28 +1,52 @@
-"""How probable it is that people will have been in a polygon by each time ahead.
+"""How probable it is that people will have been in a zone by each time ahead.
 
 Notes
 -----
-Within a mode, what counts is the highest probability up to each time. A point that surely adds
-nothing to it is not computed exactly: the probability of a convex polygon is at most that of the
-half plane behind the side which is nearest to the mean, that of any polygon at most that of the
-box around it.
+Within a mode, the error of a path grows steadily and hardly changes its direction: the path is
+``x(t) = m(t) + A(t) z`` with ``A A' = C(t)``, and one z for the whole path, normally distributed in
+two dimensions. For some values of the second component, each as probable as the others, the first
+ones with which the path is inside at a time are an interval, as a zone is made of convex parts. In
+between two times the interval moves from one to the next. The probability is that of the union of
+all intervals so far, in the mean over the second component.
+
+The body reaches farther than its floor point: each side of a zone is moved outwards by as much as
+the joints stick out inwards.
 """
 
 import math
+from statistics import NormalDist
+
+import numpy as np
 
 from trecsim.compiler import inner, kernel
-from trecsim.safety.kernels.gaussian_kernels import cdf
-from trecsim.safety.kernels.polygon_kernels import (
-    LEAST_SIGMA_M,
-    SURE,
-    box,
-    exactly_inside,
-    to_border,
-)
+from trecsim.safety.kernels.polygon_kernels import LEAST_SIGMA_M
 
 LEAST = 0.01
 """Later times are computed only for people who are at least so probably there in time."""
+PATHS = 16
+"""Values of the second component."""
 _LEAST_M2 = LEAST_SIGMA_M * LEAST_SIGMA_M
+_ACROSS = np.array([NormalDist().inv_cdf((n + 0.5) / PATHS) for n in range(PATHS)])
+_FARTHEST, _PER_UNIT = 6.0, 32
+_BELOW = np.array(
+    [NormalDist().cdf(n / _PER_UNIT - _FARTHEST) for n in range(2 * int(_FARTHEST) * _PER_UNIT + 1)]
+)
+_LEVEL = 1e-12  # a side that is so nearly parallel to the way bounds nothing along it
+MOST = 6
+"""Separate intervals that are kept."""
+
+
+@inner
+def _below(z):
+    """Return the probability that a standard normal variable is below z, to 3e-5."""
+    if z <= -_FARTHEST:
+        return 0.0
+    if z >= _FARTHEST:
+        return 1.0
+    place = (z + _FARTHEST) * _PER_UNIT
+    n = min(int(place), _BELOW.shape[0] - 2)
+    share = place - n
+    return (1.0 - share) * _BELOW[n] + share * _BELOW[n + 1]
 
 
 @inner
@@ -36,77 +60,126 @@ def _reach(joints_m, z_m, towards_x, towards_y):
 
 
 @inner
-def _farthest(joints_m):
-    """Return how far from the floor point joints are at most [m]."""
-    farthest = 0.0
-    for joint in range(joints_m.shape[0]):
-        x, y = joints_m[joint, 0], joints_m[joint, 1]
-        if x * x + y * y > farthest:
-            farthest = x * x + y * y
-    return math.sqrt(farthest)
+def _prepare(planes, reach_m, xy_m, cov_m2, end, lines):
+    """Write what bounds z at each time: ``a z1 + b z2 >= c`` for each side of each part.
 
-
-@inner
-def _above(corners, around, is_convex, x, y, distance, towards_x, towards_y, xx, xy, yy):
-    """Return an upper bound of the probability of a point that is outside; see the module."""
-    if is_convex:
-        variance = xx * towards_x * towards_x + yy * towards_y * towards_y
-        variance += 2.0 * xy * towards_x * towards_y
-        return cdf(distance / math.sqrt(max(variance, _LEAST_M2)))
-    low_x, low_y, high_x, high_y = around
-    away_x, away_y = max(low_x - x, x - high_x), max(low_y - y, y - high_y)
-    if away_x <= 0.0 and away_y <= 0.0:  # in a bay of the polygon
-        return 1.0
-    return cdf(-max(away_x / math.sqrt(xx), away_y / math.sqrt(yy)))
-
-
-@inner
-def _there(
-    corners, around, is_convex, z_m, floor_only, joints_m, farthest, xy_m, cov_m2, best, bound
-):
-    """Return the probability of being there at one time, if it is more than `best`, else `best`.
-
-    With `bound`, an upper bound of it in place of the probability.
+    Parameters
+    ----------
+    planes
+        Sides (time or 1, part, side, 3): inward normal, and how far along it the side is [m].
+    reach_m
+        How far the body sticks out inwards of each of them [m].
+    xy_m, cov_m2, end
+        Of one mode (step), up to a step.
+    lines
+        Is written (step, part, side, 3).
     """
-    x, y = xy_m[0], xy_m[1]
-    xx, xy, yy = cov_m2[0, 0] + _LEAST_M2, cov_m2[0, 1], cov_m2[1, 1] + _LEAST_M2
-    reach = SURE * math.sqrt(xx + yy)
-    wide = reach + farthest
-    low_x, low_y, high_x, high_y = around
-    if not (x + wide > low_x and x - wide < high_x and y + wide > low_y and y - wide < high_y):
-        return best
-    distance, towards_x, towards_y = to_border(corners, x, y)
-    if not floor_only:
-        out = _reach(joints_m, z_m, towards_x, towards_y)
-        if out == -math.inf:
-            return best
-        moved = min(out, max(-distance, 0.0) + LEAST_SIGMA_M)
-        x, y = x + moved * towards_x, y + moved * towards_y
-        if distance < 0.0 and -distance > out > 0.0:  # the same side stays the nearest
-            distance += moved
+    for step in range(end):
+        at = step if planes.shape[0] > 1 else 0
+        scale_x = math.sqrt(cov_m2[step, 0, 0] + _LEAST_M2)
+        shear = cov_m2[step, 0, 1] / scale_x
+        scale_y = math.sqrt(max(cov_m2[step, 1, 1] + _LEAST_M2 - shear * shear, _LEAST_M2))
+        for part in range(planes.shape[1]):
+            for side in range(planes.shape[2]):
+                normal_x, normal_y = planes[at, part, side, 0], planes[at, part, side, 1]
+                lines[step, part, side, 0] = normal_x * scale_x + normal_y * shear
+                lines[step, part, side, 1] = normal_y * scale_y
+                lines[step, part, side, 2] = (
+                    planes[at, part, side, 2] - reach_m[at, part, side]
+                    - normal_x * xy_m[step, 0] - normal_y * xy_m[step, 1]
+                )  # fmt: skip
+
+
+@inner
+def _interval(lines, across):
+    """Return from which first component to which one part holds the path; empty if reversed."""
+    low, high = -math.inf, math.inf
+    for side in range(lines.shape[0]):
+        slope, least = lines[side, 0], lines[side, 2] - across * lines[side, 1]
+        if slope > _LEVEL:
+            low = max(low, least / slope)
+        elif slope < -_LEVEL:
+            high = min(high, least / slope)
+        elif least > 0.0:
+            return math.inf, -math.inf
+    return low, high
+
+
+@inner
+def _add(intervals, count, low, high):
+    """Unite an interval with `count` separate ones; return how many there are then."""
+    n = 0
+    while n < count:
+        if intervals[n, 0] <= high and low <= intervals[n, 1]:
+            low, high = min(low, intervals[n, 0]), max(high, intervals[n, 1])
+            count -= 1
+            intervals[n, 0], intervals[n, 1] = intervals[count, 0], intervals[count, 1]
+            n = 0  # the longer one may reach others
         else:
-            distance, towards_x, towards_y = to_border(corners, x, y)
-    if distance < 0.0:
-        if distance <= -reach:
-            return best
-        above = _above(corners, around, is_convex, x, y, distance, towards_x, towards_y, xx, xy, yy)
-        if bound or above <= best:
-            return max(above, best)
-    elif distance >= reach or bound:
-        return 1.0
-    return max(best, exactly_inside(corners, x, y, xx, xy, yy))
+            n += 1
+    if count < intervals.shape[0]:
+        intervals[count, 0], intervals[count, 1] = low, high
+        count += 1
+    return count
+
+
+@inner
+def _follow(lines, end, before, intervals, by):
+    """Write the probability of having been there by each step to `by`."""
+    for step in range(end):
+        by[step] = 0.0
+    for k in range(PATHS):
+        count = 0
+        for part in range(lines.shape[1]):
+            before[part, 0], before[part, 1] = math.inf, -math.inf
+        inside = 0.0
+        for step in range(end):
+            has_grown = False
+            for part in range(lines.shape[1]):
+                low, high = _interval(lines[step, part], _ACROSS[k])
+                if low < high:
+                    count = _add(
+                        intervals, count, min(low, before[part, 0]), max(high, before[part, 1])
+                    )
+                    before[part, 0], before[part, 1] = low, high
+                    has_grown = True
+                else:
+                    before[part, 0], before[part, 1] = math.inf, -math.inf
+            if has_grown:
+                inside = 0.0
+                for n in range(count):
+                    inside += _below(intervals[n, 1]) - _below(intervals[n, 0])
+            by[step] += inside / PATHS
+
+
+@inner
+def _has_reach(planes, z_m, floor_only, joints_m, reach_m):
+    """Write how far the body reaches across each side; return whether a joint is between them."""
+    for at in range(planes.shape[0]):
+        for part in range(planes.shape[1]):
+            for side in range(planes.shape[2]):
+                reach_m[at, part, side] = 0.0
+                if not floor_only:
+                    reach = _reach(
+                        joints_m, z_m, planes[at, part, side, 0], planes[at, part, side, 1]
+                    )
+                    if reach == -math.inf:
+                        return False
+                    reach_m[at, part, side] = reach
+    return True
 
 
 @kernel
 def reached_zone(
-    corners, is_convex, z_m, floor_only, rows, weight, xy_m, cov_m2, joint_m, steps, least, by_mode
-):
-    """Raise `by_mode` to the probability that people will have been in a polygon.
+    planes, z_m, floor_only, rows, weight, xy_m, cov_m2, joint_m, asked, reach_m, lines, before,
+    intervals, by_mode,
+):  # fmt: skip
+    """Write the probability that people will have been in a zone to `by_mode`.
 
     Parameters
     ----------
-    corners, is_convex
-        The polygon [m].
+    planes
+        Its sides, see `_prepare`: of one time, or of each step where it moves.
     z_m
         Joints between these heights count [m].
     floor_only
@@ -117,73 +190,28 @@ def reached_zone(
         Of the modes (person, mode, step): weights, floor points [m] and covariances [m^2].
     joint_m
         Joints seen from the floor point [m]; NaN for those that do not count.
-    steps
-        First step, the step asked for, and the end: the steps after the one asked for are computed
-        only for people who are there by then with `LEAST`.
-    least
-        People may be left out whose probability by the step asked for is surely below this.
+    asked
+        Later steps than this are computed only for people who are there by then with `LEAST`.
+    reach_m, lines, before, intervals
+        Room to work in: (time, part, side), (step, part, side, 3), (part, 2), (MOST, 2).
     by_mode
-        Probabilities so far, per person, mode and step: never less than at the step before.
+        Probabilities per person, mode and step.
     """
-    around = box(corners)
-    first, asked, end = steps[0], steps[1] + 1, steps[2]
+    steps = xy_m.shape[2]
     for person in rows:
-        farthest = 0.0 if floor_only else _farthest(joint_m[person])
-        if least > 0.0 and least > _at_most(
-            corners, around, is_convex, z_m, floor_only, joint_m[person], farthest,
-            weight[person], xy_m[person], cov_m2[person], first, asked,
-        ):  # fmt: skip
+        if not _has_reach(planes, z_m, floor_only, joint_m[person], reach_m):
             continue
         reached = 0.0
         for mode in range(xy_m.shape[1]):
-            reached += weight[person, mode] * _follow(
-                corners, around, is_convex, z_m, floor_only, joint_m[person], farthest,
-                xy_m[person, mode], cov_m2[person, mode], first, asked, by_mode[person, mode],
-            )  # fmt: skip
+            by = by_mode[person, mode]
+            _prepare(planes, reach_m, xy_m[person, mode], cov_m2[person, mode], asked + 1, lines)
+            _follow(lines, asked + 1, before, intervals, by)
+            reached += weight[person, mode] * by[asked]
         for mode in range(xy_m.shape[1]):
-            if reached > LEAST:
-                _follow(
-                    corners, around, is_convex, z_m, floor_only, joint_m[person], farthest,
-                    xy_m[person, mode], cov_m2[person, mode], asked, end, by_mode[person, mode],
-                )  # fmt: skip
+            by = by_mode[person, mode]
+            if reached > LEAST and asked + 1 < steps:
+                _prepare(planes, reach_m, xy_m[person, mode], cov_m2[person, mode], steps, lines)
+                _follow(lines, steps, before, intervals, by)
             else:
-                for step in range(asked, end):
-                    by_mode[person, mode, step] = max(
-                        by_mode[person, mode, step], by_mode[person, mode, step - 1]
-                    )
-
-
-@inner
-def _at_most(
-    corners, around, is_convex, z_m, floor_only, joints_m, farthest, weight, xy_m, cov_m2, first,
-    asked,
-):  # fmt: skip
-    """Return an upper bound of the probability that one person will have been there in time."""
-    most = 0.0
-    for mode in range(xy_m.shape[0]):
-        best = 0.0
-        for step in range(first, asked):
-            if best < 1.0:
-                best = _there(
-                    corners, around, is_convex, z_m, floor_only, joints_m, farthest,
-                    xy_m[mode, step], cov_m2[mode, step], best, True,
-                )  # fmt: skip
-        most += weight[mode] * best
-    return most
-
-
-@inner
-def _follow(
-    corners, around, is_convex, z_m, floor_only, joints_m, farthest, xy_m, cov_m2, first, end, by
-):
-    """Raise the probabilities of one mode; return the last one."""
-    best = by[first - 1] if first > 0 else 0.0
-    for step in range(first, end):
-        best = max(best, by[step])
-        if best < 1.0:
-            best = _there(
-                corners, around, is_convex, z_m, floor_only, joints_m, farthest, xy_m[step],
-                cov_m2[step], best, False,
-            )  # fmt: skip
-        by[step] = best
-    return best
+                for step in range(asked + 1, steps):
+                    by[step] = by[asked]
