@@ -16,6 +16,7 @@ sources are read as they deliver, and none waits for another.
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TypedDict
 
@@ -27,7 +28,7 @@ from trecsim.fusion.arguments import check_arguments
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
 from trecsim.sinks import Sinks
-from trecsim.skeleton import COCO17
+from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sources import read_poses
 from trecsim.sources.base import Arrival
 from trecsim.sources.usable import usable
@@ -36,7 +37,7 @@ from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.rig_digest import rig_sha256
 from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks import kept_of, tracks_writer
-from trecsim.tracking import Follower, Tally, logger
+from trecsim.tracking import Follower, Tally, logger, skeleton_of
 from trecsim.values import Poses2D, Snapshot
 
 LIVE_DELAY_S = 0.1  # a live frame set waits this long for a camera that is late
@@ -146,11 +147,14 @@ def track(
     for text in settings.remarks() if settings else ():
         logger.warning("fusion: %s", text)
     images = read_poses(poses, rig_cameras=rig.names, fps=fps, names=names)
+    first = next(images, None)
+    skeleton = COCO17 if first is None else skeleton_of(first)
+    images = chain([] if first is None else [first], images)
     tally, kept = Tally(), kept_of(out)
     try:
         with ExitStack() as files:
             tracks = files.enter_context(
-                tracks_writer(out, tracks_info(rig), provisional=provisional)
+                tracks_writer(out, tracks_info(rig, skeleton), provisional=provisional)
             )
             steps = [files.enter_context(TimingWriter(timing))] if timing is not None else []
             sinks = Sinks([tracks, _Told(tally, progress)], steps)
@@ -162,6 +166,7 @@ def track(
                 tally=tally,
                 step=sinks.take_step,
                 provisional=provisional,
+                skeleton=skeleton,
             )
             flow(recorded(images), follower, sinks)
     except InputError as error:
@@ -298,9 +303,9 @@ class _Told:
             self.progress(self.tally.frame_sets, None)
 
 
-def tracks_info(rig: Rig) -> TracksInfo:
+def tracks_info(rig: Rig, skeleton: Skeleton = COCO17) -> TracksInfo:
     """Return what a file of tracks says about itself."""
-    return TracksInfo(rig_sha256=rig_sha256(rig))
+    return TracksInfo(skeleton=skeleton, rig_sha256=rig_sha256(rig))
 
 
 def _with_kept(what: object, kept: Path, tally: Tally, timing: Path | None) -> str:

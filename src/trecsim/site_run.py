@@ -23,6 +23,7 @@ from trecsim.sites import fusion_settings
 from trecsim.sites.check import CheckedSite, load_estimator
 from trecsim.sites.site_reading import SiteFile
 from trecsim.sources import prefetched, read_poses
+from trecsim.sources.usable import coco17
 from trecsim.store.claiming import FolderClaim
 from trecsim.store.names import RIG
 from trecsim.store.recorder import Recorder
@@ -229,6 +230,11 @@ def _checked_before(remark: str) -> None:
 
 
 def _poses(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, None]:
+    with closing(_estimated(checked, watch)) as found:
+        yield from map(coco17, found)
+
+
+def _estimated(checked: CheckedSite, watch: RunWatch) -> Generator[Poses2D, None, None]:
     site = checked.file.site
     wanted = Later(checked.rig, watch.stored.last_s)
     if site.poses is not None:

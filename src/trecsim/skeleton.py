@@ -77,4 +77,33 @@ COCO17 = _skeleton(
     ),
 )
 
-SKELETONS = {skeleton.name: skeleton for skeleton in (COCO17,)}
+HALPE26 = _skeleton(
+    "halpe26",
+    " ".join(COCO17.joints) + " head neck mid_hip left_big_toe right_big_toe left_small_toe "
+    "right_small_toe left_heel right_heel",
+    (
+        *((COCO17.joints[a], COCO17.joints[b]) for a, b in COCO17.limbs),
+        ("head", "neck"),
+        ("neck", "left_shoulder"),
+        ("neck", "right_shoulder"),
+        ("mid_hip", "left_hip"),
+        ("mid_hip", "right_hip"),
+        *((f"{side}_ankle", f"{side}_heel") for side in ("left", "right")),
+        *((f"{side}_heel", f"{side}_big_toe") for side in ("left", "right")),
+        *((f"{side}_big_toe", f"{side}_small_toe") for side in ("left", "right")),
+    ),
+)
+"""COCO-17, then head, neck, middle of the hips, and feet."""
+
+SKELETONS = {skeleton.name: skeleton for skeleton in (COCO17, HALPE26)}
+
+
+def skeleton_with(joints: int) -> Skeleton | None:
+    """Return the known skeleton with so many joints; None if there is none.
+
+    Examples
+    --------
+    >>> skeleton_with(26).name
+    'halpe26'
+    """
+    return next((one for one in SKELETONS.values() if len(one.joints) == joints), None)

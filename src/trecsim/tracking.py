@@ -17,7 +17,7 @@ from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.arguments import called, check_arguments
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
-from trecsim.skeleton import COCO17
+from trecsim.skeleton import COCO17, Skeleton, skeleton_with
 from trecsim.store.timing_csv import StepTiming
 from trecsim.sync import FrameSetBuffer
 from trecsim.values import FrameSet, Poses2D, Snapshot
@@ -145,6 +145,8 @@ class Follower:
         Whether tracks that are not confirmed yet are reported, too.
     silence
         Whether to log that a camera is silent; not where somebody else watches the cameras.
+    skeleton
+        The joints that the 2D poses have.
 
     Raises
     ------
@@ -164,10 +166,13 @@ class Follower:
         first_id: int = 0,
         provisional: bool = False,
         silence: bool = True,
+        skeleton: Skeleton = COCO17,
     ) -> None:
         self._tracker = Tracker(
-            rig, settings, lag_s=lag_s, first_id=first_id, provisional=provisional
-        )
+            rig, settings, skeleton=skeleton, lag_s=lag_s, first_id=first_id,
+            provisional=provisional,
+        )  # fmt: skip
+        self._skeleton = skeleton
         self._watch(rig)
         offsets_s = {camera.name: camera.time_offset_s for camera in rig}
         self._drifting = {camera.name: camera for camera in rig if camera.time_drift_ppm}
@@ -209,7 +214,18 @@ class Follower:
             The image.
         arrived_s
             When it arrived, by one steady clock for all cameras [s]; None in a recording.
+
+        Raises
+        ------
+        InputError
+            When its people do not have the joints of the skeleton.
         """
+        if image.xy_px.shape[1] != len(self._skeleton.joints):
+            raise InputError(
+                f"camera {image.camera!r}, {image.t_s:.3f} s: expected the "
+                f"{len(self._skeleton.joints)} key points of {self._skeleton.name}, found "
+                f"{image.xy_px.shape[1]}; all 2D poses of a recording must have the same"
+            )
         if (camera := self._drifting.get(image.camera)) is not None:
             image = replace(image, t_s=image.t_s + camera.drift_s(image.t_s))
         if arrived_s is not None:
@@ -299,6 +315,24 @@ class Follower:
         return self._now_s - arrived_s
 
 
+def skeleton_of(image: Poses2D) -> Skeleton:
+    """Return the skeleton of 2D poses, told by the number of their key points.
+
+    Raises
+    ------
+    InputError
+        When no known skeleton has so many.
+    """
+    joints = image.xy_px.shape[1]
+    skeleton = skeleton_with(joints)
+    if skeleton is None:
+        raise InputError(
+            f"camera {image.camera!r}, {image.t_s:.3f} s: no known skeleton has {joints} key "
+            "points; expected 17 (coco17) or 26 (halpe26)"
+        )
+    return skeleton
+
+
 def follow(
     poses: Iterable[Poses2D],
     rig: Rig,
@@ -363,13 +397,17 @@ def _followed(
     tally: Tally,
 ) -> Iterator[Snapshot]:
     warm_up()
-    follower = Follower(rig, settings, lag_s=lag_s, tally=tally)
+    follower: Follower | None = None
     fault: Error | None = None
     try:
         for image in _each_checked(poses):
+            if follower is None:
+                skeleton = skeleton_of(image)
+                follower = Follower(rig, settings, lag_s=lag_s, tally=tally, skeleton=skeleton)
             yield from follower.add(image)
     except Error as error:  # what came before it is good, and is given first
         fault = error
-    yield from follower.flush()
+    if follower is not None:
+        yield from follower.flush()
     if fault is not None:
         raise fault

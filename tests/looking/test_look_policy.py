@@ -63,7 +63,12 @@ def test_somebody_who_lies_is_looked_at_in_an_image_turned_upright(head, turn):
 
 def test_somebody_who_stands_on_the_head_is_looked_for_on_either_side():
     taken = looked([poses(i / 8, person(400, 100, 500, 300, "down")) for i in range(4)])
-    assert [[look.turns for look in looks if look.turns] for looks in taken] == [[], [1], [3], []]
+    assert [[look.turns for look in looks if look.turns] for looks in taken] == [
+        [],
+        [1, 3],
+        [],
+        [1],
+    ]
 
 
 def test_somebody_who_was_lost_in_the_middle_of_the_image_is_looked_for_on_either_side():
@@ -71,8 +76,8 @@ def test_somebody_who_was_lost_in_the_middle_of_the_image_is_looked_for_on_eithe
     taken = looked(there + [poses((1 + i) / 8) for i in range(25)])
     turns = [look.turns for looks in taken for look in looks if look.turns]
     assert turns[:4] == [1, 3, 1, 3]
-    # For 2 s, from the image after the one that missed the person: two at once, then every second.
-    assert len(turns) == 2 + 6
+    # For 2 s, from the image after the one that missed the person: both sides, then every second.
+    assert len(turns) == 2 + 7
 
 
 def test_somebody_who_is_found_in_every_second_image_is_not_looked_for_in_all_of_them():

@@ -66,8 +66,8 @@ class ByNeed:
     turned_s
         A turned look is taken at least so often [s].
     pause_s
-        Who was lost is looked for in the next two images, turned to either side; then again after
-        so long each time [s], for `SEARCH_S`.
+        Who was lost is looked for in the next image, turned to both sides; then to either side in
+        turn for `SEARCH_S`, again after so long each time [s].
     """
 
     usual: Look
@@ -93,8 +93,10 @@ class ByNeed:
         if turns & {1, 3}:
             return tuple(sorted(turns & {1, 3}))
         # Nobody stands on the head: that is the poor skeleton of somebody who lies or bends.
-        is_urgent = seen.searched < 2 or t_s - seen.turned_s >= self.pause_s
-        is_lost = is_urgent and (2 in turns or t_s - seen.lost_s < SEARCH_S)
+        is_lost = 2 in turns or t_s - seen.lost_s < SEARCH_S
+        if is_lost and not seen.searched:
+            return 1, 3
+        is_lost &= t_s - seen.turned_s >= self.pause_s
         is_due = seen.turned_s + self.turned_s <= t_s and seen.turned_s > -math.inf
         return (4 - seen.last_turn,) if is_lost or is_due else ()
 

@@ -8,14 +8,13 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 from trecsim.errors import InputError
-from trecsim.skeleton import COCO17
 from trecsim.store.atomic import partial_path
 from trecsim.store.frames import tidy_frame, wide_frame
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, read_parquet
 from trecsim.store.parquet_writing import write_file
 from trecsim.store.rows import confirmed_only
-from trecsim.store.tracks_csv import CsvWriter, read_csv
+from trecsim.store.tracks_csv import CsvWriter, csv_skeleton, read_csv
 from trecsim.store.tracks_parquet import ParquetTracksWriter, tables_of
 from trecsim.values import Snapshot
 
@@ -160,7 +159,7 @@ class Tracks(Iterator[Snapshot]):
 
     def _read(self) -> Iterator[Snapshot]:
         if _suffix(self.path) == ".csv":
-            everything = read_csv(self.path, COCO17)
+            everything = read_csv(self.path, csv_skeleton(self.path))
             return (one for one in everything if self.from_s <= one.t_s <= self.until_s)
         snapshots = read_parquet(self.path, self.from_s, self.until_s)
         if self.provisional:
@@ -247,7 +246,7 @@ def every_moment(path: Path | str) -> Iterator[Snapshot]:
         When the file is missing or wrong.
     """
     file = _file_of(Path(path))
-    return read_csv(file, COCO17) if _suffix(file) == ".csv" else read_parquet(file)
+    return read_csv(file, csv_skeleton(file)) if _suffix(file) == ".csv" else read_parquet(file)
 
 
 def export_tracks(
@@ -283,7 +282,8 @@ def export_tracks(
     """
     path, out = _file_of(Path(path)), Path(out)
     suffix = _suffix(out)
-    info = TracksInfo(details=False) if _suffix(path) == ".csv" else read_info(path)
+    is_csv = _suffix(path) == ".csv"
+    info = TracksInfo(csv_skeleton(path), details=False) if is_csv else read_info(path)
     extent = _Extent(progress)
     snapshots = extent.watch(read_tracks(path, provisional=provisional or suffix == ".parquet"))
     if suffix == ".csv":

@@ -17,7 +17,7 @@ import pyarrow as pa
 from pyarrow import csv as pa_csv
 
 from trecsim.errors import InputError
-from trecsim.skeleton import COCO17, Skeleton
+from trecsim.skeleton import COCO17, HALPE26, Skeleton
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.growing import GrowingFile, KeepsPartial, without_cut_line
 from trecsim.store.native import native_reader
@@ -38,6 +38,7 @@ from trecsim.values import Snapshot
 _MISSING = ["", "nan", "NaN", "NA"]  # what we, pandas and R write
 _AS_TEXT = SCHEMA.set(SCHEMA.get_field_index("joint"), pa.field("joint", pa.string(), False))
 _BUFFERED_ROWS = 4096
+_HEAD_BYTES = 1 << 16  # holds the joints of the first people
 _CHUNK_BYTES = 1 << 20
 
 
@@ -106,6 +107,14 @@ class CsvWriter(KeepsPartial):
             self._write_rows()
         finally:
             self._file.abandon()
+
+
+def csv_skeleton(path: Path) -> Skeleton:
+    """Return the skeleton of a file of tracks: the joints of its first people tell it."""
+    with opened_for_reading(path) as file:
+        head = file.read(_HEAD_BYTES)
+    more = set(HALPE26.joints) - set(COCO17.joints)
+    return HALPE26 if any(f",{joint},".encode() in head for joint in more) else COCO17
 
 
 def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
