@@ -46,7 +46,7 @@ COMMANDS = {
     "simulate": "Simulate a scene: synthetic 2D poses with ground truth.",
     "study": "Vary settings of the fusion on synthetic scenes; report which of them matter.",
     "doctor": "Check the installation, and the cameras of a site.",
-    "warmup": "Compile the kernels of the fusion now instead of at the first run.",
+    "warmup": "Compile the kernels of the fusion and the rules now instead of at the first run.",
     "sample": "Download a real multi-camera recording to try.",
 }
 GROUPS = {

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 _BAR = 30  # height of the line with time and events [px]
 _WORTH_A_ROW = 1.5  # rows of tiles take room from the views below
+_UPPER_SHARE = 0.7  # of the 3D view above the plan
 _TILES_SHARE = 0.55  # of the height, at most
 
 
@@ -36,7 +37,7 @@ class Layout:
     bar: Box
 
 
-def layout(width: int, height: int, aspects: list[float]) -> Layout:
+def layout(width: int, height: int, aspects: list[float], *, stacked: bool = False) -> Layout:
     """Divide an image.
 
     Parameters
@@ -45,6 +46,8 @@ def layout(width: int, height: int, aspects: list[float]) -> Layout:
         Size of the image [px].
     aspects
         Width by height of each camera's images.
+    stacked
+        Whether the plan is below the 3D view instead of beside it.
 
     Examples
     --------
@@ -54,6 +57,10 @@ def layout(width: int, height: int, aspects: list[float]) -> Layout:
     """
     tiles, top = _tiles(width, height, aspects)
     bottom = height - _BAR
+    if stacked:
+        split = top + round(_UPPER_SHARE * (bottom - top))
+        upper, lower = Box(0, top, width, split - top), Box(0, split, width, bottom - split)
+        return Layout(tiles, upper, lower, Box(0, bottom, width, _BAR))
     split = round(0.65 * width)
     return Layout(
         tiles,

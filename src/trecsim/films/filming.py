@@ -5,6 +5,8 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from trecsim.errors import InputError
 from trecsim.films.alerts import Alert, Alerts, open_at, read_alerts, severity_colour
 from trecsim.films.camera_tiles import CameraTile
@@ -13,10 +15,10 @@ from trecsim.films.film_settings import FilmInput, FilmSettings
 from trecsim.films.film_times import part_of, times_of
 from trecsim.films.film_writer import write_film
 from trecsim.films.people_at import Lookup
-from trecsim.films.plan2d import Plan2D
+from trecsim.films.plan2d import Plan2D, px_per_m
 from trecsim.films.predicted import Predicted
-from trecsim.films.scene3d import Scene3D
-from trecsim.films.stage import stage_around
+from trecsim.films.scene3d import Scene3D, eye_on
+from trecsim.films.stage import Stage, stage_around
 from trecsim.films.strokes import EDGE, FAINT, INK, Image, Pen, blank, opencv
 from trecsim.sources import VideoFile, prefetched
 from trecsim.store.atomic import atomic_write
@@ -133,12 +135,13 @@ class _Projector:
         self._predicted = Predicted(shown.forecasts)
         probes = [VideoFile(path, name) for name, path in shown.videos.items()]
         aspects = [one.size_px[0] / one.size_px[1] for one in probes]
-        self._layout: Layout = layout(*self.size, aspects)
+        floor_m = lookup.floor_m(times_s[0] - settings.trail_s, times_s[-1])
+        stage = stage_around(floor_m, shown.rig, shown.zones, shown.lines)
+        candidates = [layout(*self.size, aspects, stacked=stacked) for stacked in (False, True)]
+        self._layout: Layout = max(candidates, key=lambda one: _worth(stage, one))
         self._tiles = _tiles(shown, probes, self._layout, times_s)
         for tile in self._tiles:
             stack.callback(tile.close)
-        floor_m = lookup.floor_m(times_s[0] - settings.trail_s, times_s[-1])
-        stage = stage_around(floor_m, shown.rig, shown.zones, shown.lines)
         scene, plan, trail_s = self._layout.scene, self._layout.plan, settings.trail_s
         self._scene = Scene3D(stage, scene.width, scene.height, lookup, trail_s)
         self._plan = Plan2D(stage, plan.width, plan.height, lookup, trail_s)
@@ -176,6 +179,14 @@ class _Projector:
             pen.disc((left, base - 5), 6, severity_colour(alert.severity) or EDGE)
             pen.text(alert.text, (left + 12, base), 16, INK)
             left += 36 + pen.width_of(alert.text, 16)
+
+
+def _worth(stage: Stage, parts: Layout) -> float:
+    """Return how large people are in a layout, above all in the 3D view."""
+    eye = eye_on(stage, parts.scene.width, parts.scene.height)
+    middle_m = np.append((stage.low_m + stage.high_m) / 2, 0.0)
+    in_scene = float(eye.px_per_m(eye.depth_m(middle_m)))
+    return in_scene**2 * px_per_m(stage, parts.plan.width, parts.plan.height)
 
 
 def _counted(images: Iterator[Image], of: int, progress: Progress | None) -> Iterator[Image]:

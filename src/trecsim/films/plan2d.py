@@ -15,14 +15,19 @@ _SHOULDERS = [5, 6]
 _MARGIN_PX = 26
 
 
+def px_per_m(stage: Stage, width: int, height: int) -> float:
+    """Return the size of a metre on a plan that shows all of the floor [px]."""
+    room = np.array([width, height]) - 2.0 * _MARGIN_PX
+    return float((room / stage.size_m).min())
+
+
 class Plan2D:
     """Draws the floor plan; what stands still is drawn once."""
 
     def __init__(
         self, stage: Stage, width: int, height: int, lookup: Lookup, trail_s: float
     ) -> None:
-        room = np.array([width, height]) - 2.0 * _MARGIN_PX
-        self._px_per_m = float((room / stage.size_m).min())
+        self._px_per_m = px_per_m(stage, width, height)
         self._low_m = stage.low_m
         self._bottom_px = np.array([width, height]) / 2 + self._px_per_m * stage.size_m * [
             -0.5,
@@ -45,7 +50,9 @@ class Plan2D:
         for name, zone in stage.zones.items():
             pen.area(self._px(zone), EDGE, 0.15)
             pen.line(self._px(np.concatenate([zone, zone[:1]])), EDGE, 1)
-            pen.text(name, self._px(zone.mean(axis=0)[None])[0], 13, FAINT, "middle")
+            corners = self._px(zone)
+            left, top = corners[corners.sum(axis=1).argmin()]
+            pen.text(name, (left + 6, top + 16), 13, FAINT)
         for line in stage.lines.values():
             pen.line(self._px(line), FAINT, 2)
         for at_m in stage.cameras_m():

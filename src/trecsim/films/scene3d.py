@@ -12,9 +12,10 @@ from trecsim.films.people_at import Lookup, PeopleAt
 from trecsim.films.stage import Stage
 from trecsim.films.strokes import EDGE, FAINT, FLOOR, GRID, Image, Pen, blank, fixed
 
-_FROM_DEG, _DOWN_DEG = -62.0, 26.0
-_VIEW_DEG = 38.0
+_FROM_DEG, _DOWN_DEG = -66.0, 28.0
+_VIEW_DEG = 46.0
 _HEIGHT_M = 1.9
+_HIGHEST_M = 4.0  # cameras up to here are in the image
 _FILLED = 0.94
 _TURN = np.linspace(0.0, 2.0 * np.pi, 25)
 _SHADOW_M = 0.28 * np.stack([np.cos(_TURN), np.sin(_TURN)], axis=1)
@@ -65,9 +66,11 @@ def eye_on(stage: Stage, width: int, height: int) -> Eye:
     axes = np.stack([right, np.cross(forward, right), forward])
     corners = stage.corners()
     box = np.concatenate([np.insert(corners, 2, 0.0, 1), np.insert(corners, 2, _HEIGHT_M, 1)])
+    cameras_m = stage.cameras_m()
+    box = np.concatenate([box, np.minimum(cameras_m, [np.inf, np.inf, _HIGHEST_M])])
     size = np.array([width, height])
-    focal = min(size) / 2 / np.tan(np.radians(_VIEW_DEG / 2))
-    far = 2.0 * float(np.linalg.norm(stage.size_m)) + 5.0
+    focal = max(size) / 2 / np.tan(np.radians(_VIEW_DEG / 2))
+    far = 2.0 * (float(np.linalg.norm(stage.size_m)) + 5.0) * max(size) / min(size)
     near, best = 0.0, far
     for _ in range(40):
         away = (near + best) / 2
