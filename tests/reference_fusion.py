@@ -170,11 +170,12 @@ def midpoint(p, u, q, v):
     return (a + b) / 2, np.linalg.norm(a - b)
 
 
-def bias_information(model, j, x, last_s, now_s):
+def bias_information(model, j, x, last_s, quality, now_s):
     """Information on a joint whose key points all err for good, and what calibrations add."""
     info, of_cameras = np.zeros((3, 3)), np.zeros((3, 3))
     for c in np.flatnonzero(last_s > now_s - 0.12):
         sigma_px = model.noise.sigma_m[j] * model.cameras.focal_px[c] / depth(model.cameras.P[c], x)
+        sigma_px /= np.sqrt(min(quality[c], 1.0) if quality[c] > 0 else 0.2)
         J = exact_jacobian(model.cameras.P[c], x)
         var = model.noise.bias_share * (sigma_px**2 + model.noise.floor_px**2)
         info += J.T @ J / var
@@ -182,18 +183,18 @@ def bias_information(model, j, x, last_s, now_s):
     return info, of_cameras
 
 
-def lasting_m2(model, j, x, last_s, now_s):
+def lasting_m2(model, j, x, last_s, quality, now_s):
     """Covariance of the lasting error of a joint's position."""
     two_s = np.sort(last_s)[-2]
     off_m = 0.1 + 0.1 * np.clip(now_s - 0.12 - two_s, 0.0, 5.0)
-    info, of_cameras = bias_information(model, j, x, last_s, now_s)
+    info, of_cameras = bias_information(model, j, x, last_s, quality, now_s)
     own_m2 = np.linalg.inv(info + np.eye(3) / off_m**2)
     return own_m2 + own_m2 @ of_cameras @ own_m2
 
 
-def wandering_m2ps2(model, j, x, last_s, now_s):
+def wandering_m2ps2(model, j, x, last_s, quality, now_s):
     """Covariance of the error of a joint's velocity that lasting errors cause as they wander."""
-    info, _ = bias_information(model, j, x, last_s, now_s)
+    info, _ = bias_information(model, j, x, last_s, quality, now_s)
     return np.linalg.inv(info / 5.0**2 + np.eye(3) / 0.2**2)
 
 

@@ -25,7 +25,8 @@ def state(x, cov, joint_s, limbs=NO_LIMBS, limb_m=None, off_m2=None, quality=Non
     nothing = np.zeros((1, *joint_s.shape))
     sights = kernels.Sights(
         joint_s.max(axis=0), np.full(4, 0.12), joint_s[None],
-        nothing if off_m2 is None else off_m2[None], nothing if quality is None else quality[None],
+        nothing if off_m2 is None else off_m2[None],
+        nothing + 1.0 if quality is None else quality[None],
     )  # fmt: skip
     kernels.report_all(
         MODEL.cameras, MODEL.noise, limbs,
@@ -40,13 +41,15 @@ def test_lasting_errors_are_added_as_by_the_reference(seed):
     rng = np.random.default_rng(seed)
     x, cov = somebody(rng)
     joint_s = rng.choice([0.5, 1.05, -np.inf], (17, 4))
-    said, said_m2, said_m2ps2 = state(x, cov, joint_s)
+    quality = rng.choice([0.0, 0.04, 0.5, 1.0, 1.5], (17, 4))
+    said, said_m2, said_m2ps2 = state(x, cov, joint_s, quality=quality)
     np.testing.assert_array_equal(said, x)
     for j in range(17):
-        lasting = reference.lasting_m2(MODEL, j, x[j], joint_s[j], NOW_S)
+        seen = joint_s[j], quality[j]
+        lasting = reference.lasting_m2(MODEL, j, x[j], *seen, NOW_S)
         common = MODEL.noise.common_m2[j] * np.eye(3)
         np.testing.assert_allclose(said_m2[j], cov[j] + lasting + common, rtol=1e-9, atol=1e-10)
-        wandering = reference.wandering_m2ps2(MODEL, j, x[j], joint_s[j], NOW_S)
+        wandering = reference.wandering_m2ps2(MODEL, j, x[j], *seen, NOW_S)
         np.testing.assert_allclose(said_m2ps2[j], wandering, rtol=1e-9, atol=1e-10)
 
 

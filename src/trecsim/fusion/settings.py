@@ -156,7 +156,7 @@ class FusionSettings:
         0.3, (0.1, 1.0), "1 for synthetic key points with independent noise"
     )
     bias_share: float = _setting(
-        1.0,
+        0.85,
         (0.3, 2.0),
         "with the estimator, if `trecsim evaluate` finds the uncertainty too small or too large",
     )

@@ -102,9 +102,9 @@ CAMERA_SETTLE_S: Final = 10.0
 CAMERA_RENEW_S: Final = 0.5
 # A turn that a camera's whole image tells is as exact as the errors of key points that last [rad].
 PUSH_SIGMA_RAD: Final = 0.003
-# Weight of the usual variance of turns against that of one camera's angle; cameras whose image
-# directions a point in space takes up.
-PRIOR_WEIGHT: Final = 3.0
+# Weight of the usual variance of turns against that of one camera's angle: the residuals of two
+# cameras that agree outweigh it. Cameras whose image directions a point in space takes up.
+PRIOR_WEIGHT: Final = 1.0
 EYES_OF_A_POINT: Final = 1.5
 
 # --------------------------------------------------------------------------------- limbs and ground
@@ -156,6 +156,9 @@ UNSEEN_DRIFT_S: Final = 5.0
 # Time after which nothing is left of a second camera's say about which of the two places on the ray
 # of one camera a limb's end is in [s].
 TWO_PLACES_S: Final = 0.5
+# A key point that the newest image of its camera no longer shows was a weak one: the inverse of its
+# noise variance, relative to that of a good one.
+FADED_QUALITY: Final = 0.2
 # A bias wanders by about one standard deviation in 0.2 s [1/s]. In a direction that no camera
 # observes, the error of the velocity that this makes is at most so large [m/s].
 BIAS_WANDER_PER_S: Final = 5.0

@@ -12,6 +12,7 @@ from trecsim.fusion.kernels.small_matrices import invert3, sandwich3
 from trecsim.fusion.kernels.track_groups import Bodies
 from trecsim.fusion.tuning import (
     BIAS_WANDER_PER_S,
+    FADED_QUALITY,
     NEAR_M,
     SUPPORT_S,
     TWO_PLACES_S,
@@ -23,7 +24,7 @@ from trecsim.fusion.tuning import (
 
 
 @inner
-def bias_information(cameras, noise, j, x, last_s, sights, now_s, info, M):
+def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info, M):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
     Parameters
@@ -32,8 +33,10 @@ def bias_information(cameras, noise, j, x, last_s, sights, now_s, info, M):
         `Cameras` and `Noise`.
     j, x
         The joint and its place, (3,).
-    last_s, sights, now_s
-        When each camera last supported it, (cam,), `Sights`, and the time of what is stated [s].
+    last_s, quality, sights, now_s
+        When each camera last supported it, (cam,), the inverse of the noise variance of the key
+        point in its newest image relative to a good one, (cam,), 0 if it shows none; `Sights`, and
+        the time of what is stated [s].
     info
         Result, the upper triangle of (3, 3) [1/m^2]; singular where fewer than two cameras see the
         joint.
@@ -51,7 +54,8 @@ def bias_information(cameras, noise, j, x, last_s, sights, now_s, info, M):
         w, _, _, du, dv = project(P, c, x[0], x[1], x[2])
         if not w > NEAR_M:
             continue
-        sigma_px = usual_m * focal_px[c] / w
+        q = min(quality[c], 1.0) if quality[c] > 0.0 else FADED_QUALITY
+        sigma_px = usual_m * focal_px[c] / (w * math.sqrt(q))
         weight = 1.0 / (share * (sigma_px * sigma_px + least_px2))
         of_camera = weight * weight * cameras.error_px2[c]
         for p in range(3):
@@ -229,7 +233,8 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
     M, of_cameras_m2 = np.empty((3, 3)), np.empty((x.shape[1], 3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
-            bias_information(cameras, noise, j, x[k, j], joint_s[k, j], sights, now_s, info, M)
+            last_s, quality = joint_s[k, j], sights.quality[k, j]
+            bias_information(cameras, noise, j, x[k, j], last_s, quality, sights, now_s, info, M)
             off_m = unseen_sigma_m(joint_s[k, j], now_s)
             widen(cov_m2[k, j], info, 1.0, off_m, bounded, bias_m2)
             sandwich3(bias_m2, M, of_cameras_m2[j])
