@@ -242,6 +242,41 @@ def test_a_draft_is_checked_kept_and_made_live_once(changing: RunningPage, folde
     assert gone.status_code == 409
 
 
+def test_beds_and_portals_are_drawn_as_zones_are_and_kept_in_the_history(
+    changing: RunningPage, folder: Path
+) -> None:
+    bed, door = {"polygon_m": ZONE["polygon_m"], "z_m": [0, 0.9]}, {"points_m": [[0, 4], [2, 4]]}
+    (folder / "site.toml").write_text(f"{TEXT}\n[exclusions.old]\n{_toml(bed)}")
+    before, client = version(folder), changing.client
+    client.delete("/api/site/draft")
+    parts = client.get("/api/site/parts").json()
+    assert (parts["exclusions"], parts["portals"]) == ({"old": bed}, {})
+    places = {"exclusions": {"bed": bed}, "portals": {"north": door}}
+    crossed = {"polygon_m": [[0, 0], [2, 2], [2, 0], [0, 2]]}
+    body = {"based_on": before, "zones": parts["zones"]}
+    wrong = client.put("/api/site/draft", json={**body, "exclusions": {"bed": crossed}})
+    assert [one["at"] for one in wrong.json()["faults"]] == [["exclusions", "bed"]]
+    first = client.put("/api/site/draft", json={**body, **places})
+    assert first.status_code == 200, first.text
+    asked = {"based_on": before, "revision": first.json()["revision"]}
+    assert client.post("/api/site/draft/live", json=asked).status_code == 200
+    made = tomllib.loads((folder / "site.toml").read_text())
+    assert (made["exclusions"], made["portals"]) == ({"bed": bed}, {"north": door})
+    kept = client.get(f"/api/site/history/{before}")
+    if kept.status_code == 200:  # with a ledger there is a folder for it
+        assert kept.json()["exclusions"] == {"old": bed}
+    # A draft of who knows neither leaves both as they are.
+    body["based_on"] = version(folder)
+    second = client.put("/api/site/draft", json=body)
+    asked = {"based_on": version(folder), "revision": second.json()["revision"]}
+    assert client.post("/api/site/draft/live", json=asked).status_code == 200
+    assert tomllib.loads((folder / "site.toml").read_text())["portals"] == {"north": door}
+
+
+def _toml(table: dict) -> str:
+    return "".join(f"{key} = {value}\n" for key, value in table.items())
+
+
 def test_a_site_without_pictures_has_none(changing: RunningPage) -> None:
     assert changing.client.get("/api/cameras/north/picture").status_code == 404
 
@@ -330,7 +365,8 @@ def test_places_can_be_added_replaced_and_removed() -> None:
     )
     found = tomllib.loads(added)
     assert (set(found["zones"]), set(found["lines"])) == ({"a"}, {"gate"})
-    removed = with_parts(added, {})
+    assert with_parts(added, {}) == added  # what is not given stays
+    removed = with_parts(added, {"zones": {}, "lines": {}})
     assert "zones" not in tomllib.loads(removed)
     assert tomllib.loads(removed)["fusion"] == {"death_s": 2.0}
     assert removed.startswith("# The hall.")

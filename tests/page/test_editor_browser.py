@@ -182,3 +182,20 @@ def test_what_two_people_change_at_once_is_told_and_neither_is_lost(chromium, ha
         kept = hall.client.get("/api/site/draft").json()
         assert kept["zones"]["exit-strip"]["z_m"] == [0, 2.2]
         assert kept["lines"] == {}
+
+
+def test_a_bed_and_a_portal_are_drawn_and_told_among_the_changes(chromium, hall) -> None:
+    with opened(chromium, f"{hall.process.url}zones", width=1440, height=900) as page:
+        page.get_by_role("group", name="Tool").get_by_role("button", name="Bed").click()
+        with page.expect_response(lambda answer: answer.request.method == "PUT") as answer:
+            press_plan(page, (0.3, 0.4), (0.5, 0.4), (0.5, 0.5), (0.3, 0.5), (0.3, 0.4))
+        assert answer.value.status == 200, answer.value.text()
+        assert page.get_by_label("To", exact=True).input_value() == "2.5"
+        page.get_by_role("group", name="Tool").get_by_role("button", name="Portal").click()
+        with page.expect_response(lambda answer: answer.request.method == "PUT") as answer:
+            press_plan(page, (0.6, 0.7), (0.8, 0.7))
+        assert answer.value.status == 200, answer.value.text()
+        expect(page.locator(".bar p")).to_contain_text("Exclusion 1 added and Portal 1 added")
+        draft = hall.client.get("/api/site/draft").json()
+        assert len(draft["exclusions"]["exclusion-1"]["polygon_m"]) == 4
+        assert len(draft["portals"]["portal-1"]["points_m"]) == 2

@@ -5,6 +5,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from trecsim.safety.signals import Signal
 from trecsim.service.live_signals import Followed, KeptSignals
 from trecsim.sites.feed_files import kept_signals
@@ -63,3 +65,18 @@ def test_a_recording_that_cannot_be_written_keeps_no_message_from_the_rules(
     source = KeptSignals(lambda t_s: given)
     source.keep_in(tmp_path / "gone")
     assert source(4.5) == source(4.6) == given
+
+
+def test_a_place_that_the_site_does_not_have_is_logged_once_with_the_nearest_name(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    given = [Signal("f", 4.0, "grant", "gata"), Signal("f", 4.1, "grant", "gate")]
+    lines = {"gate": 1}
+    source = KeptSignals(lambda t_s: given, lambda: (lines, ()))
+    assert source(4.5) == source(4.6) == given
+    (told,) = caplog.messages
+    assert "feed f tells of line 'gata'" in told
+    assert "gate" in told.partition(";")[2]
+    del lines["gate"]  # a site file that was changed meanwhile
+    source(4.7)
+    assert len(caplog.messages) == 3

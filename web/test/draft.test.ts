@@ -1,8 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import {
-  changes, crosses, kindOf, nothing, renamed, same, snap, withCorners, withKey, without, type Parts,
+  changes, crosses, drafted, kindOf, least, most, nothing, renamed, same, snap, withCorners, withHeights,
+  withKey, without, type Parts,
 } from "../src/state/draft.ts";
+import { readSite, type Point } from "../src/state/site.ts";
 import { readWeek, writeWeek } from "../src/state/schedule.ts";
 
 const parts: Parts = {
@@ -25,6 +27,20 @@ test("a place that is removed takes its rules away", () => {
   const next = without(parts, "zones", "strip");
   assert.equal(kindOf(next, "strip"), null);
   assert.deepEqual(next.rules.map((rule) => rule.id), ["b"]);
+});
+
+test("a bed has corners and a height as a zone has, a portal two ends as a line, and both are told", () => {
+  const corners: Point[] = [[0, 0], [2, 0], [2, 1], [0, 1]];
+  const bed = withHeights(withCorners(parts, "exclusions", "bed", corners), "exclusions", "bed", [0, 0.8]);
+  assert.deepEqual(bed.exclusions.bed, { polygon_m: corners, z_m: [0, 0.8] });
+  const both = withCorners(bed, "portals", "north", [[0, 4], [2, 4]]);
+  assert.deepEqual(both.portals.north, { points_m: [[0, 4], [2, 4]] });
+  assert.deepEqual([least("exclusions"), least("portals"), most("portals")], [3, 2, 2]);
+  assert.equal(kindOf(both, "north"), "portals");
+  assert.deepEqual(changes(parts, both), ["Bed added", "North added"]);
+  const site = drafted(readSite({}), both);
+  assert.deepEqual(site.exclusions.map((one) => [one.name, one.z]), [["bed", [0, 0.8]]]);
+  assert.deepEqual(site.portals.map((one) => one.name), ["north"]);
 });
 
 test("changes are told by name, and no change is none", () => {

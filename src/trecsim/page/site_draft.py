@@ -1,4 +1,4 @@
-"""The draft of a site: zones, lines, edges and rules that are not live yet."""
+"""The draft of a site: places and rules that are not live yet."""
 
 import hashlib
 import shutil
@@ -30,7 +30,7 @@ class Draft(msgspec.Struct, frozen=True):
         Who changed it last.
     zones, lines, edges
         All of them, as in the site file.
-    rules
+    exclusions, portals, rules
         All of them; None for those of the site file.
     """
 
@@ -41,11 +41,14 @@ class Draft(msgspec.Struct, frozen=True):
     lines: dict[str, dict[str, Any]]
     edges: dict[str, dict[str, Any]]
     rules: list[dict[str, Any]] | None = None
+    exclusions: dict[str, dict[str, Any]] | None = None
+    portals: dict[str, dict[str, Any]] | None = None
 
     @property
     def places(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """Zones, lines and edges by kind."""
-        return {kind: getattr(self, kind) for kind in PLACES}
+        """Places by kind, without those that are as in the site file."""
+        found = {kind: getattr(self, kind) for kind in PLACES}
+        return {kind: tables for kind, tables in found.items() if tables is not None}
 
 
 class ConflictError(Error):
@@ -114,7 +117,7 @@ class DraftDesk:
         return self._examined(self.draft)
 
     def parts(self) -> dict[str, Any]:
-        """Return zones, lines, edges and rules of the site file, and its version."""
+        """Return places and rules of the site file, and its version."""
         text = self._text()
         return {"version": version_of(text), **parts_of(text)}
 

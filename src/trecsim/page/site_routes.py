@@ -41,6 +41,8 @@ class DraftBody(msgspec.Struct, frozen=True):
     lines: _Tables = {}
     edges: _Tables = {}
     rules: list[dict[str, Any]] | None = None
+    exclusions: _Tables | None = None
+    portals: _Tables | None = None
 
 
 class TryBody(msgspec.Struct, frozen=True):
@@ -146,7 +148,7 @@ class SiteDesk:
         return json_answer({"versions": kept})
 
     async def version(self, request: Request) -> Response:
-        """Return zones, lines, edges and rules of an earlier version."""
+        """Return places and rules of an earlier version."""
         history, version = self._desk().history, request.path_params["version"]
         text = None if history is None else await asyncio.to_thread(history.text, version)
         if text is None:
@@ -164,6 +166,8 @@ class SiteDesk:
             given.lines,
             given.edges,
             given.rules,
+            given.exclusions,
+            given.portals,
         )
         try:
             kept = await _done(partial(self._desk().put, wanted))

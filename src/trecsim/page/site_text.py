@@ -1,4 +1,4 @@
-"""A site file with other zones, lines, edges and rules; everything else in it stays as it is.
+"""A site file with other places and rules; everything else in it stays as it is.
 
 The text is cut into its tables. A table that does not change stays to the letter; in one that
 changes, comments and the order of the keys stay. A comment directly above a table belongs to it.
@@ -13,7 +13,7 @@ from typing import Any
 
 from trecsim.errors import InputError
 
-PLACES = ("zones", "lines", "edges")
+PLACES = ("zones", "lines", "edges", "exclusions", "portals")
 RULES = "rules"
 _KEY = r"""(?:[A-Za-z0-9_-]+|"[^"]*"|'[^']*')"""
 # The whole line: a row of an array over several lines begins with a bracket, too.
@@ -57,7 +57,7 @@ def with_parts(text: str, places: Places, rules: Rules | None = None) -> str:
     text
         A TOML document.
     places
-        All zones, lines and edges from now on.
+        All places of some kinds from now on; those of other kinds stay as they are.
     rules
         All rules from now on; None to leave them as they are.
 
@@ -68,8 +68,8 @@ def with_parts(text: str, places: Places, rules: Rules | None = None) -> str:
     """
     try:
         blocks = _blocks(text)
-        for kind in PLACES:
-            blocks = _with_tables(blocks, kind, list(places.get(kind, {}).items()))
+        for kind, tables in places.items():
+            blocks = _with_tables(blocks, kind, list(tables.items()))
         if rules is not None:
             blocks = _with_tables(blocks, RULES, [(str(rule.get("id")), rule) for rule in rules])
     except ValueError:  # a table of its own is no TOML: a header within a text
@@ -77,14 +77,14 @@ def with_parts(text: str, places: Places, rules: Rules | None = None) -> str:
     changed = "\n".join(line for block in blocks for line in (*block.lead, *block.lines)) + "\n"
     if not _is_right(text, changed, places, rules):
         raise InputError(
-            "zones, lines, edges and rules of this site file cannot be changed from the page: "
+            "places and rules of this site file cannot be changed from the page: "
             "expected them as tables, as [zones.NAME] and [[rules]]; change the file by hand"
         )
     return changed
 
 
 def parts_of(text: str) -> dict[str, Any]:
-    """Return zones, lines, edges and rules of a site file as it writes them, without defaults."""
+    """Return places and rules of a site file as it writes them, without defaults."""
     data = tomllib.loads(text)
     parts: dict[str, Any] = {kind: data.get(kind, {}) for kind in PLACES}
     return {**parts, RULES: data.get(RULES, [])}
@@ -183,7 +183,8 @@ def _is_right(before: str, after: str, places: Places, rules: Rules | None) -> b
         old, new = tomllib.loads(before), tomllib.loads(after)
     except ValueError:
         return False
-    wanted: dict[str, Any] = {kind: dict(places[kind]) for kind in PLACES if places.get(kind)}
+    now = {kind: places.get(kind, old.get(kind)) for kind in PLACES}
+    wanted: dict[str, Any] = {kind: dict(tables) for kind, tables in now.items() if tables}
     if rules is None:
         rules = old.get(RULES, [])
     if rules:

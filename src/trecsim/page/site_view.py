@@ -23,7 +23,7 @@ class SiteView:
         SHA-256 of the site file, in hexadecimal digits.
     cameras
         `size_px`, `K`, `distortion_model`, `distortion` and `T_cam_world` by name.
-    zones, lines, edges
+    zones, lines, edges, exclusions, portals, volumes
         As in the site file, by name.
     floor_m
         Extent of the floor to draw: least x, least y, greatest x, greatest y [m].
@@ -49,6 +49,9 @@ class SiteView:
     zones: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     lines: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     edges: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    exclusions: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    portals: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    volumes: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     floor_m: Sequence[float] = (-5.0, -5.0, 5.0, 5.0)
     rules: Mapping[str, int] = field(default_factory=lambda: {"armed": 0, "total": 0})
     rule_ids: Sequence[str] = ()

@@ -5,13 +5,13 @@ import math
 import os
 import threading
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from trecsim.safety.signals import Signal, SignalSource, with_taken
-from trecsim.sites.feed_files import LONGEST_LINE, line_of, signal_of
+from trecsim.sites.feed_files import LONGEST_LINE, line_of, name_remarks, signal_of
 from trecsim.store.atomic import PRIVATE_FILE
 from trecsim.store.names import SIGNALS
 
@@ -21,6 +21,10 @@ LOOK_S = 0.02
 """Time between two looks at the files [s]."""
 MOST_WAITING = 20_000
 """Most messages of a feed that wait for the next frame set; the oldest are dropped."""
+MOST_REMARKS = 100
+"""Unknown names of places that are logged; a feed that floods must not fill the log."""
+PlaceNames = tuple[Collection[str], Collection[str]]
+"""Names of lines, and of volumes."""
 _MOST_BYTES = 1_000_000  # that are read at one look
 _HOUR_S = 3600.0
 
@@ -125,10 +129,15 @@ class KeptSignals:
     ----------
     source
         Where the messages come from.
+    places
+        Returns the names of the lines and of the volumes of the site; None to check no names.
     """
 
-    def __init__(self, source: SignalSource | Followed) -> None:
-        self._source = source
+    def __init__(
+        self, source: SignalSource | Followed, places: Callable[[], PlaceNames] | None = None
+    ) -> None:
+        self._source, self._places = source, places
+        self._remarked: set[str] = set()
         self._folder: Path | None = None
         self._failed = False
 
@@ -139,6 +148,7 @@ class KeptSignals:
     def __call__(self, t_s: float) -> Sequence[Signal]:
         """Return the messages that have come since; see `SignalSource`."""
         signals = self._source(t_s)
+        self._check_names(signals)
         if signals and self._folder is not None:
             self._keep(self._folder, t_s, signals)
         return signals
@@ -156,6 +166,15 @@ class KeptSignals:
     ) -> None:
         if isinstance(self._source, Followed):
             self._source.__exit__(kind, error, trace)
+
+    def _check_names(self, signals: Sequence[Signal]) -> None:
+        """Log which places messages name that the site does not have: each once."""
+        if not signals or self._places is None or len(self._remarked) >= MOST_REMARKS:
+            return
+        for remark in name_remarks(signals, *self._places()):
+            if remark not in self._remarked:
+                self._remarked.add(remark)
+                logger.warning("%s", remark)
 
     def _keep(self, folder: Path, t_s: float, signals: Sequence[Signal]) -> None:
         path = folder / SIGNALS.format(f"{math.floor(t_s / _HOUR_S):010d}")

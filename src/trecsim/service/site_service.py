@@ -31,7 +31,7 @@ from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
 from trecsim.service.live_inputs import LiveInputs
-from trecsim.service.live_signals import Followed, KeptSignals
+from trecsim.service.live_signals import Followed, KeptSignals, PlaceNames
 from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
@@ -72,6 +72,7 @@ class SiteService:
         self._pictures: PictureMaker | None = None
         self._deliveries: list[Delivery] = []
         self._rules: RuleWatch | None = None
+        self._site: Site | None = None
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -109,7 +110,8 @@ class SiteService:
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        signals = KeptSignals(_signals(checked.file.site, inputs))
+        self._site = checked.file.site
+        signals = KeptSignals(_signals(self._site, inputs), self._named_places)
         rules = self._rules = RuleWatch(
             _rules_of(checked.file, checked.rig), self._put_event, signals
         )
@@ -194,9 +196,15 @@ class SiteService:
 
     def _apply(self, rules: RuleWatch, counting: Counting, rig: Rig, file: SiteFile) -> None:
         """Take over what has changed in a site file."""
+        self._site = file.site
         rules.change(_rules_of(file, rig))
         counting.change(file.site)
         self._show(file, rig)
+
+    def _named_places(self) -> PlaceNames:
+        """Return the names of lines and volumes, as messages of feeds should have them."""
+        site = self._site
+        return ((), ()) if site is None else (site.lines, site.volumes)
 
     def _put_event(self, event: dict[str, Any]) -> None:
         """Keep and show an event of a rule; of a recording, only show it."""

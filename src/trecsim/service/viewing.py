@@ -1,8 +1,10 @@
 """What the page shows of a site."""
 
 import time
+from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from trecsim.assessing import armed_rules
 from trecsim.errors import Error
@@ -17,6 +19,7 @@ from trecsim.site_run import recordings_folder
 from trecsim.sites.mode_tables import modes_of
 from trecsim.sites.rules import zone_of
 from trecsim.sites.site_reading import SiteFile, read_draft
+from trecsim.toml_models.table import Table
 
 
 def site_view(file: SiteFile, rig: Rig) -> SiteView:
@@ -35,15 +38,20 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         *(zone.polygon_m for zone in site.zones.values()),
         *(line.points_m for line in site.lines.values()),
         *(edge.points_m for edge in site.edges.values()),
+        *(one.polygon_m for one in site.exclusions.values()),
+        *(one.points_m for one in site.portals.values()),
     ]
     return SiteView(
         name=site.name,
         timezone=site.timezone,
         version=sha256(file.text.encode()).hexdigest(),
         cameras=cameras_of(rig),
-        zones={name: zone.model_dump(mode="json") for name, zone in site.zones.items()},
-        lines={name: line.model_dump(mode="json") for name, line in site.lines.items()},
-        edges={name: edge.model_dump(mode="json") for name, edge in site.edges.items()},
+        zones=_tables(site.zones),
+        lines=_tables(site.lines),
+        edges=_tables(site.edges),
+        exclusions=_tables(site.exclusions),
+        portals=_tables(site.portals),
+        volumes=_tables(site.volumes),
         floor_m=floor_of(rig, outlines_m=outlines_m),
         rule_ids=[rule.id for rule in site.rules],
         mode=None if mode is None else mode.name,
@@ -53,6 +61,10 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         rules={"armed": armed_rules(site, time.time()), "total": len(site.rules)},
         pictures=shows_pictures(file),
     )
+
+
+def _tables(tables: Mapping[str, Table]) -> dict[str, dict[str, Any]]:
+    return {name: table.model_dump(mode="json") for name, table in tables.items()}
 
 
 def shows_pictures(file: SiteFile) -> bool:

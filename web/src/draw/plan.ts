@@ -2,6 +2,7 @@
 
 import type { Person, Snapshot } from "../state/people.ts";
 import type { Point, Site } from "../state/site.ts";
+import { boxesAt } from "../state/volumes.ts";
 import { slotOf } from "../state/marks.ts";
 import type { Severity } from "../state/messages.ts";
 import { named } from "../state/words.ts";
@@ -146,7 +147,70 @@ function drawHeat(
   }
 }
 
+/** Draw what no rule is about: beds and benches hatched, ways in and out, boxes that move. */
+function drawOthers(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void {
+  for (const one of input.site.exclusions) {
+    const chosen = one.name === input.chosen;
+    const ink = chosen ? c.accent : c.text3;
+    hatch(pen, view, one.polygon, alpha(ink, 0.5));
+    trace(pen, view, one.polygon, true);
+    pen.strokeStyle = ink;
+    pen.lineWidth = chosen ? 2 : 1;
+    pen.stroke();
+    if (input.names) {
+      const [x, y] = corner(view, one.polygon);
+      write(pen, c, named(one.name), x + 8, y + 13, chosen ? c.accent : c.text3, 12);
+    }
+  }
+  for (const portal of input.site.portals) {
+    trace(pen, view, portal.points, false);
+    pen.strokeStyle = portal.name === input.chosen ? c.accent : c.text2;
+    pen.lineWidth = 3;
+    pen.setLineDash([2, 4]);
+    pen.stroke();
+    pen.setLineDash([]);
+    pen.lineWidth = 1.3;
+    if (input.names) drawWayIn(pen, view, portal.points);
+  }
+  const now = input.snapshot?.t ?? null;
+  for (const volume of input.site.volumes) {
+    trace(pen, view, volume.path, false);
+    pen.strokeStyle = alpha(c.text3, 0.6);
+    pen.lineWidth = 1;
+    pen.setLineDash([1, 4]);
+    pen.stroke();
+    pen.setLineDash([]);
+    for (const box of now === null ? [] : boxesAt(volume, now)) {
+      trace(pen, view, box, true);
+      pen.fillStyle = alpha(c.text2, 0.25);
+      pen.fill();
+      pen.strokeStyle = c.text2;
+      pen.lineWidth = 1.5;
+      pen.stroke();
+    }
+  }
+}
+
+function hatch(pen: Pen, view: PlanView, polygon: readonly Point[], ink: string): void {
+  const corners = polygon.map((p) => view.to(p));
+  const [xs, ys] = [corners.map((p) => p[0]), corners.map((p) => p[1])];
+  const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  pen.save();
+  trace(pen, view, polygon, true);
+  pen.clip();
+  pen.beginPath();
+  for (let x = left - (bottom - top); x < right; x += 8) {
+    pen.moveTo(x, bottom);
+    pen.lineTo(x + bottom - top, top);
+  }
+  pen.strokeStyle = ink;
+  pen.lineWidth = 1;
+  pen.stroke();
+  pen.restore();
+}
+
 function drawZones(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void {
+  drawOthers(pen, c, view, input);
   for (const zone of input.site.zones) {
     const severity = input.active.get(zone.name);
     const chosen = zone.name === input.chosen;

@@ -9,7 +9,9 @@ export interface LiveParts extends Parts {
   has_file: boolean;
 }
 
-export interface Draft extends Omit<Parts, "rules"> {
+export interface Draft extends Omit<Parts, "rules" | "exclusions" | "portals"> {
+  exclusions: Parts["exclusions"] | null;
+  portals: Parts["portals"] | null;
   based_on: string;
   revision: number;
   by: string;

@@ -19,6 +19,7 @@ import type { Severity } from "../state/messages.ts";
 import { JOINTS, type Person, type Snapshot } from "../state/people.ts";
 import type { Camera, Point, Site } from "../state/site.ts";
 import { invert } from "../draw/lens.ts";
+import { boxesAt } from "../state/volumes.ts";
 import { named } from "../state/words.ts";
 
 export interface SceneInput {
@@ -199,6 +200,15 @@ export class Scene {
     for (const part of parts) part.begin();
     this.#bodies.rimTone = rgb(c.floor);
     for (const person of input.snapshot?.people ?? []) this.#one(input, c, person);
+    if (input.site && input.layers.zones && input.snapshot) {
+      for (const volume of input.site.volumes) {
+        for (const box of boxesAt(volume, input.snapshot.t)) {
+          prism(this.#moving, box, volume.bottom, volume.bottom + volume.size[2], rgb(c.text2), {
+            width: 1.6, alpha: 0.9,
+          });
+        }
+      }
+    }
     for (const part of parts) part.end();
   }
 
@@ -450,6 +460,26 @@ function zoneLines(
   for (const line of site.lines) {
     lines.chain(line.points.map((p): P3 => [p[0], p[1], 0.008]), rgb(c.zone), { width: 1.6, dash: [8, 4] });
   }
+  for (const one of site.exclusions) {
+    const faint = { width: 1, alpha: 0.7 };
+    prism(lines, one.polygon, ground(parts, one) + 0.008, one.z[1], rgb(c.text3), faint);
+  }
+  for (const portal of site.portals) {
+    lines.chain(portal.points.map((p): P3 => [p[0], p[1], 0.008]), rgb(c.text2), { width: 3, dash: [2, 4] });
+  }
+  for (const volume of site.volumes) {
+    const path = volume.path.map((p): P3 => [p[0], p[1], 0.008]);
+    lines.chain(path, rgb(c.text3), { width: 1, dash: [1, 4] });
+  }
+}
+
+/** Draw the rims of a body over a polygon, and its corners. */
+function prism(
+  lines: Segments, polygon: readonly Point[], low: number, high: number, tone: Rgb,
+  look: { width: number; alpha: number },
+): void {
+  for (const z of [low, high]) lines.chain(polygon.map((p): P3 => [p[0], p[1], z]), tone, look, true);
+  for (const p of polygon) lines.add([p[0], p[1], low], [p[0], p[1], high], tone, look);
 }
 
 function frustum(lines: Segments, camera: Camera, c: Palette, faulty: boolean): void {

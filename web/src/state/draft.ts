@@ -3,11 +3,16 @@
 import type { Point, Site } from "./site.ts";
 import { named } from "./words.ts";
 
-export type PlaceKind = "zones" | "lines" | "edges";
-export const PLACE_KINDS: readonly PlaceKind[] = ["zones", "lines", "edges"];
-export const ONE: Record<PlaceKind, "zone" | "line" | "edge"> = {
-  zones: "zone", lines: "line", edges: "edge",
+export type PlaceKind = "zones" | "lines" | "edges" | "exclusions" | "portals";
+export const PLACE_KINDS: readonly PlaceKind[] = ["zones", "lines", "edges", "exclusions", "portals"];
+export type OneKind = "zone" | "line" | "edge" | "exclusion" | "portal";
+export const ONE: Record<PlaceKind, OneKind> = {
+  zones: "zone", lines: "line", edges: "edge", exclusions: "exclusion", portals: "portal",
 };
+/** Whether a place is an area with a height: a zone, or a volume in which lying is normal. */
+export const isArea = (kind: PlaceKind): boolean => kind === "zones" || kind === "exclusions";
+/** Whether a place is a line between two points, with a direction. */
+export const isLine = (kind: PlaceKind): boolean => kind === "lines" || kind === "portals";
 
 export type Table = Readonly<Record<string, unknown>>;
 export interface Rule extends Table {
@@ -20,10 +25,14 @@ export interface Parts {
   zones: Readonly<Record<string, Table>>;
   lines: Readonly<Record<string, Table>>;
   edges: Readonly<Record<string, Table>>;
+  exclusions: Readonly<Record<string, Table>>;
+  portals: Readonly<Record<string, Table>>;
   rules: readonly Rule[];
 }
 
-export const nothing: Parts = { zones: {}, lines: {}, edges: {}, rules: [] };
+export const nothing: Parts = {
+  zones: {}, lines: {}, edges: {}, exclusions: {}, portals: {}, rules: [],
+};
 
 export interface Key {
   name: string;
@@ -53,9 +62,9 @@ export interface Remark {
   text: string;
 }
 
-const pointsKey = (kind: PlaceKind): string => (kind === "zones" ? "polygon_m" : "points_m");
-export const least = (kind: PlaceKind): number => (kind === "zones" ? 3 : 2);
-export const most = (kind: PlaceKind): number => (kind === "lines" ? 2 : 1000);
+const pointsKey = (kind: PlaceKind): string => (isArea(kind) ? "polygon_m" : "points_m");
+export const least = (kind: PlaceKind): number => (isArea(kind) ? 3 : 2);
+export const most = (kind: PlaceKind): number => (isLine(kind) ? 2 : 1000);
 
 /** Return the corners of a place. */
 export function corners(parts: Parts, kind: PlaceKind, name: string): Point[] {
@@ -85,8 +94,9 @@ export function withCorners(
   return withTable(parts, kind, name, { ...parts[kind][name], [pointsKey(kind)]: exact(points) });
 }
 
-export const withHeights = (parts: Parts, name: string, z: readonly [number, number]): Parts =>
-  withTable(parts, "zones", name, { ...parts.zones[name], z_m: z });
+export const withHeights = (
+  parts: Parts, kind: PlaceKind, name: string, z: readonly [number, number],
+): Parts => withTable(parts, kind, name, { ...parts[kind][name], z_m: z });
 
 /** Return a name that no place of this kind has. */
 export function freeName(parts: Parts, kind: PlaceKind): string {
@@ -229,15 +239,19 @@ export function snap(point: Point, free: boolean, straight: Point | null): Point
 
 /** Return the site with the places of a draft in place of its own. */
 export function drafted(site: Site, parts: Parts): Site {
-  const path = (kind: "lines" | "edges") =>
+  const path = (kind: "lines" | "edges" | "portals") =>
     Object.keys(parts[kind]).map((name) => ({ name, points: corners(parts, kind, name) }));
+  const areas = (kind: "zones" | "exclusions") =>
+    Object.entries(parts[kind]).map(([name, table]) => ({
+      name, polygon: corners(parts, kind, name), z: heights(table), restricted: false,
+    }));
   return {
     ...site,
-    zones: Object.entries(parts.zones).map(([name, table]) => ({
-      name, polygon: corners(parts, "zones", name), z: heights(table), restricted: false,
-    })),
+    zones: areas("zones"),
+    exclusions: areas("exclusions"),
     lines: path("lines"),
     edges: path("edges"),
+    portals: path("portals"),
   };
 }
 

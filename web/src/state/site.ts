@@ -24,6 +24,18 @@ export interface Path {
   points: Point[];
 }
 
+/** A box that moves along a path, once or again and again; see docs/rules.md. */
+export interface Volume {
+  name: string;
+  size: Point3;
+  bottom: number;
+  path: Point[];
+  pathS: number[];
+  startS: number;
+  periodS: number | null;
+  heading: number | null;
+}
+
 export interface Site {
   name: string;
   version: string;
@@ -36,6 +48,12 @@ export interface Site {
   zones: Zone[];
   lines: Path[];
   edges: Path[];
+  /** Where lying is normal: beds and benches. */
+  exclusions: Zone[];
+  /** Ways in and out. */
+  portals: Path[];
+  /** Boxes that move by a timetable. */
+  volumes: Volume[];
   floor: { low: Point; high: Point };
   armed: number;
   rules: number;
@@ -73,6 +91,8 @@ export function readSite(body: unknown): Site {
   const zones = entries(site.zones).map(([name, value]) => readZone(name, value));
   const edges = entries(site.edges).map(([name, value]) => readPath(name, value));
   const lines = entries(site.lines).map(([name, value]) => readPath(name, value));
+  const exclusions = entries(site.exclusions).map(([name, value]) => readZone(name, value));
+  const portals = entries(site.portals).map(([name, value]) => readPath(name, value));
   return {
     name: typeof site.name === "string" ? site.name : "site",
     version: typeof outer.version === "string" ? outer.version : "",
@@ -86,6 +106,9 @@ export function readSite(body: unknown): Site {
     zones: zones.filter((zone) => zone.polygon.length > 2),
     lines: lines.filter((line) => line.points.length > 1),
     edges: edges.filter((edge) => edge.points.length > 1),
+    exclusions: exclusions.filter((one) => one.polygon.length > 2),
+    portals: portals.filter((one) => one.points.length > 1),
+    volumes: entries(site.volumes).flatMap(([name, value]) => readVolume(name, value)),
     floor: readFloor(site.floor ?? site.floor_m, cameras, zones, edges),
     armed: number(rules.armed, 0),
     rules: number(rules.total, 0),
@@ -121,6 +144,19 @@ function readZone(name: string, value: Json): Zone {
     z: [number(z[0], 0), number(z[1], 2.5)],
     restricted: value.restricted === true,
   };
+}
+
+function readVolume(name: string, value: Json): Volume[] {
+  const [size, path] = [value.size_m, points(value.path_m)];
+  const pathS = Array.isArray(value.path_s) ? value.path_s.filter(Number.isFinite) as number[] : [0];
+  if (!Array.isArray(size) || size.length !== 3 || !size.every(Number.isFinite)) return [];
+  if (path.length === 0 || path.length !== pathS.length) return []; // a feed tells where it is
+  return [{
+    name, size: size as unknown as Point3, bottom: number(value.bottom_m, 0), path, pathS,
+    startS: number(value.start_s, 0),
+    periodS: typeof value.period_s === "number" && value.period_s > 0 ? value.period_s : null,
+    heading: typeof value.heading_deg === "number" ? value.heading_deg * Math.PI / 180 : null,
+  }];
 }
 
 const readPath = (name: string, value: Json): Path => ({ name, points: points(value.points_m) });

@@ -70,8 +70,8 @@ export class Desk {
       const [live, draft, kinds] = await Promise.all([
         getParts(), getDraft(), this.kinds.length ? this.kinds : getKinds(),
       ]);
-      const { version, remarks, zones, lines, edges, rules } = live;
-      this.live = { zones, lines, edges, rules };
+      const { version, remarks, zones, lines, edges, exclusions, portals, rules } = live;
+      this.live = { zones, lines, edges, exclusions, portals, rules };
       this.version = version;
       this.hasFile = live.has_file;
       this.kinds = kinds;
@@ -91,9 +91,13 @@ export class Desk {
 
   #take(draft: Draft): void {
     const { zones, lines, edges } = draft;
+    const { exclusions, portals, rules } = this.live;
     this.#taken(
-      { zones, lines, edges, rules: draft.rules ?? this.live.rules }, draft.revision, draft.by,
-      draft.remarks,
+      {
+        zones, lines, edges, exclusions: draft.exclusions ?? exclusions,
+        portals: draft.portals ?? portals, rules: draft.rules ?? rules,
+      },
+      draft.revision, draft.by, draft.remarks,
     );
   }
 

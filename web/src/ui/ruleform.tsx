@@ -5,7 +5,7 @@ import { desk, useDesk } from "./desk.ts";
 import { Entry } from "./entry.tsx";
 import { Glyph, Icon } from "./icons.tsx";
 import {
-  withKey, withKind, withoutRule, type Key, type Kind, type Remark, type Rule,
+  withKey, withKind, withoutRule, type Key, type Kind, type OneKind, type Remark, type Rule,
 } from "../state/draft.ts";
 import { always, DAYS, readWeek, writeWeek, type Week } from "../state/schedule.ts";
 import type { Severity } from "../state/messages.ts";
@@ -31,7 +31,7 @@ export const KIND_NAMES: Record<string, string> = {
 
 export const kindName = (kind: string): string => KIND_NAMES[kind] ?? named(kind.replaceAll(".", " "));
 
-export function RuleForm({ n, rule, at }: { n: number; rule: Rule; at: "zone" | "line" | "edge" | null }) {
+export function RuleForm({ n, rule, at }: { n: number; rule: Rule; at: OneKind | null }) {
   const { kinds, mayEdit, remarks, faults } = useDesk();
   const kind = kinds.find((one) => one.name === rule.kind);
   const fits = kinds.filter((one) =>

@@ -6,8 +6,8 @@ import { Entry } from "./entry.tsx";
 import { Icon } from "./icons.tsx";
 import { kindName, Remarks, RuleForm } from "./ruleform.tsx";
 import {
-  area, corners, everywhere, heights, least, length, ONE, renamed, rulesOf, withCorners, withHeights,
-  without, withRule, type PlaceKind,
+  area, corners, everywhere, heights, isArea, isLine, least, length, ONE, renamed, rulesOf, withCorners,
+  withHeights, without, withRule, type OneKind, type PlaceKind,
 } from "../state/draft.ts";
 import type { Point } from "../state/site.ts";
 import { named } from "../state/words.ts";
@@ -16,7 +16,7 @@ import { store } from "../store.ts";
 export function PlaceForm({ kind, name }: { kind: PlaceKind; name: string }) {
   const { parts, mayEdit, faults, remarks } = useDesk();
   const points = corners(parts, kind, name);
-  const z = heights(parts.zones[name]);
+  const z = heights(parts[kind][name]);
   const here = faults.filter((one) => one.at[0] === kind && one.at[1] === name);
   const doubts = remarks.filter((one) => one.at[0] === kind && one.at[1] === name);
   const rename = (to: string) => {
@@ -41,15 +41,15 @@ export function PlaceForm({ kind, name }: { kind: PlaceKind; name: string }) {
             <Entry value={name} pattern="[A-Za-z0-9_\-]{1,64}" required
               title="Letters, digits, - and _" commit={rename} />
           </label>
-          {kind === "zones" && (
+          {isArea(kind) && (
             <div class="row" role="group" aria-label="Height">
               <span>Height</span>
-              <Metres label="From" value={z[0]} set={(low) => desk.change(withHeights(desk.parts, name, [low, z[1]]))} />
+              <Metres label="From" value={z[0]} set={(low) => desk.change(withHeights(desk.parts, kind, name, [low, z[1]]))} />
               <span>to</span>
-              <Metres label="To" value={z[1]} set={(high) => desk.change(withHeights(desk.parts, name, [z[0], high]))} />
+              <Metres label="To" value={z[1]} set={(high) => desk.change(withHeights(desk.parts, kind, name, [z[0], high]))} />
             </div>
           )}
-          {kind === "lines" && mayEdit && (
+          {isLine(kind) && mayEdit && (
             <div class="row"><span>“In” is where the arrow points</span>
               <button type="button" class="button" onClick={() =>
                 desk.change(withCorners(desk.parts, kind, name, [...points].reverse()))}>Turn round</button>
@@ -65,12 +65,20 @@ export function PlaceForm({ kind, name }: { kind: PlaceKind; name: string }) {
         </fieldset>
         <dl class="facts-list">
           <div>
-            <dt>{kind === "zones" ? "Area" : "Length"}</dt>
-            <dd>{kind === "zones" ? `${area(points).toFixed(1)} m²` : `${length(points).toFixed(2)} m`}</dd>
+            <dt>{isArea(kind) ? "Area" : "Length"}</dt>
+            <dd>{isArea(kind) ? `${area(points).toFixed(1)} m²` : `${length(points).toFixed(2)} m`}</dd>
           </div>
         </dl>
       </div>
-      <Rules of={rulesOf(parts, kind, name)} at={ONE[kind]} place={name} />
+      {kind === "exclusions" && (
+        <div class="block"><p class="empty">Lying in it is normal: rules on falls and on people who are down leave it out.</p></div>
+      )}
+      {kind === "portals" && (
+        <div class="block"><p class="empty">The report of a day counts who comes and goes here.</p></div>
+      )}
+      {kind !== "exclusions" && kind !== "portals" && (
+        <Rules of={rulesOf(parts, kind, name)} at={ONE[kind]} place={name} />
+      )}
       {mayEdit && (
         <div class="block">
           <button type="button" class="button quiet" onClick={remove}>
@@ -94,7 +102,7 @@ export function EverywhereForm() {
 
 function Rules(
   { of, at, place }:
-  { of: ReturnType<typeof everywhere>; at: "zone" | "line" | "edge" | null; place: string | null },
+  { of: ReturnType<typeof everywhere>; at: OneKind | null; place: string | null },
 ) {
   const { mayEdit, kinds } = useDesk();
   const fits = kinds.filter((one) =>
@@ -144,7 +152,7 @@ function Corners({ kind, name, points }: { kind: PlaceKind; name: string; points
   };
   return (
     <details class="more" open={open} onToggle={(event) => setOpen(event.currentTarget.open)}>
-      <summary>{points.length} {kind === "zones" ? "corners" : "points"}</summary>
+      <summary>{points.length} {isArea(kind) ? "corners" : "points"}</summary>
       {open && points.map((p, n) => (
         <div class="row" key={n} role="group" aria-label={`Corner ${n + 1}`}>
           <span>{n + 1}</span>

@@ -10,7 +10,7 @@ import { fit } from "../draw/mark.ts";
 import { palette } from "../draw/palette.ts";
 import { drawPlan, planView, type PlanView } from "../draw/plan.ts";
 import {
-  area, corners, crosses, distance, drafted, freeName, kindOf, least, middle, most,
+  area, corners, crosses, distance, drafted, freeName, isArea, isLine, kindOf, least, middle, most,
   PLACE_KINDS, snap, withCorners, type Parts, type PlaceKind,
 } from "../state/draft.ts";
 import type { Point, Site } from "../state/site.ts";
@@ -22,6 +22,7 @@ export type Tool = "select" | PlaceKind;
 const TOOLS: [Tool, string, string, string][] = [
   ["select", "Select", "V", "select"], ["zones", "Zone", "Z", "area"],
   ["lines", "Line", "I", "line"], ["edges", "Edge", "D", "edge"],
+  ["exclusions", "Bed", "B", "area"], ["portals", "Portal", "P", "line"],
 ];
 const MARGIN = 56;
 const NEAR_PX = 12;
@@ -29,6 +30,8 @@ const HINTS: Record<Tool, string> = {
   select: "Drag a corner, or a ring to add one. Shift: straight. Alt: no grid. Delete removes it.",
   zones: "Click the corners. Click the first one again, or press Enter, to close the zone.",
   lines: "Click both ends. The arrow shows the direction “in”.",
+  exclusions: "Click the corners of a bed or bench: lying there is no alert. Enter closes it.",
+  portals: "Click both ends of a way in and out. The arrow points into the site.",
   edges: "Click along the edge, the drop on the left. Enter ends it.",
 };
 
@@ -268,7 +271,7 @@ function Target(
   { view, kind, points, down }:
   { view: PlanView; kind: PlaceKind; points: Point[]; down: (event: PointerEvent) => void },
 ) {
-  const closed = kind === "zones";
+  const closed = isArea(kind);
   return <path class={`target ${closed ? "closed" : ""}`} d={path(view, points, closed)}
     onPointerDown={down} />;
 }
@@ -287,7 +290,7 @@ interface ChosenProps {
 }
 
 function Chosen({ view, kind, name, points, hand, handles, take, split, nudge, setHand }: ChosenProps) {
-  const closed = kind === "zones";
+  const closed = isArea(kind);
   const wrong = closed && crosses(points);
   const sides = points.map((p, i): [Point, Point, number] =>
     [p, points[(i + 1) % points.length] as Point, i]).slice(0, closed ? undefined : -1);
@@ -296,7 +299,7 @@ function Chosen({ view, kind, name, points, hand, handles, take, split, nudge, s
     <g class={`chosen ${wrong ? "wrong" : ""}`}>
       <path class={closed ? "area" : "way"} d={path(view, points, closed)} />
       {kind === "edges" && <path class="teeth" d={teeth(view, points)} />}
-      {kind === "lines" && <path class="arrow" d={arrow(view, points)} />}
+      {isLine(kind) && <path class="arrow" d={arrow(view, points)} />}
       {closed && (
         <g class="label">
           <text x={centre[0]} y={centre[1] - 4} class="name">{named(name)}</text>

@@ -10,7 +10,7 @@ import { EverywhereForm, PlaceForm } from "./zoneform.tsx";
 import { ZoneChecks } from "./zonechecks.tsx";
 import { ZonePlan, type Tool } from "./zoneplan.tsx";
 import {
-  changes, everywhere, freeName, kindOf, ONE, PLACE_KINDS, rulesOf, withCorners, type PlaceKind,
+  changes, everywhere, freeName, isArea, kindOf, ONE, PLACE_KINDS, rulesOf, withCorners, type PlaceKind,
 } from "../state/draft.ts";
 import type { Point } from "../state/site.ts";
 import { getVersion, getVersions, type Version } from "../net/drafts.ts";
@@ -20,8 +20,12 @@ import "../styles/zones.css";
 
 /** The subject that stands for rules about no place; no place can have this name. */
 export const EVERYWHERE = "*";
-const ICONS: Record<PlaceKind, IconName> = { zones: "area", lines: "line", edges: "edge" };
-const HEADS: Record<PlaceKind, string> = { zones: "Zones", lines: "Lines", edges: "Edges" };
+const ICONS: Record<PlaceKind, IconName> = {
+  zones: "area", lines: "line", edges: "edge", exclusions: "area", portals: "line",
+};
+const HEADS: Record<PlaceKind, string> = {
+  zones: "Zones", lines: "Lines", edges: "Edges", exclusions: "Beds and benches", portals: "Portals",
+};
 
 export function Zones() {
   const { address, state } = useStore();
@@ -33,7 +37,7 @@ export function Zones() {
   return (
     <div class="zones">
       <Bar />
-      <section class="names" aria-label="Zones, lines and edges">
+      <section class="names" aria-label="Places">
         <div class="scroll">
           {PLACE_KINDS.map((of) => <Group key={of} of={of} />)}
           <Everywhere />
@@ -76,7 +80,7 @@ function Nothing() {
 
 function useKeys(setTool: (tool: Tool) => void): void {
   useEffect(() => {
-    const tools: Record<string, Tool> = { v: "select", z: "zones", i: "lines", d: "edges" };
+    const tools: Record<string, Tool> = { v: "select", z: "zones", i: "lines", d: "edges", b: "exclusions", p: "portals" };
     const pressed = (event: KeyboardEvent) => {
       const target = event.target as HTMLElement;
       if (target.closest("input, select, textarea, dialog") || !desk.mayEdit) return;
@@ -148,8 +152,8 @@ function Earlier() {
   const take = async (version: string) => {
     setOpen(false);
     try {
-      const { zones, lines, edges, rules } = await getVersion(version);
-      desk.change({ zones, lines, edges, rules });
+      const { zones, lines, edges, exclusions, portals, rules } = await getVersion(version);
+      desk.change({ zones, lines, edges, exclusions, portals, rules });
     } catch (error) {
       store.toast(`Could not load it: ${error instanceof Error ? error.message : String(error)}`);
     }
@@ -238,7 +242,7 @@ function Add() {
     if (!site) return;
     const { low, high } = site.floor;
     const [x, y] = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2].map((v) => Math.round(v)) as [number, number];
-    const shape: Point[] = of === "zones"
+    const shape: Point[] = isArea(of)
       ? [[x - 1, y - 1], [x + 1, y - 1], [x + 1, y + 1], [x - 1, y + 1]] : [[x - 1, y], [x + 1, y]];
     const name = freeName(desk.parts, of);
     desk.change(withCorners(desk.parts, of, name, shape));
