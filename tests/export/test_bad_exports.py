@@ -1,6 +1,7 @@
 """Exports that cannot be: one line that says why, and nothing left behind."""
 
 import os
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
@@ -129,6 +130,44 @@ def test_a_full_disk_is_told_and_nothing_is_left(
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(SetupError, match="the disk is full"):
         exported(tracks, tmp_path / f"o{ending}")
+    assert sorted(tmp_path.iterdir()) == [tracks]
+
+
+@pytest.mark.parametrize("kept", [100, 600, 5_000])
+def test_a_c3d_file_that_ends_too_early_is_a_full_disk(
+    kept: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ezc3d = pytest.importorskip("ezc3d")
+    tracks, _, _ = two_walkers(tmp_path)
+    whole = ezc3d.c3d.write
+
+    def cut(file: object, path: str) -> None:
+        whole(file, path)
+        os.truncate(path, kept)
+
+    monkeypatch.setattr(ezc3d.c3d, "write", cut)
+    with pytest.raises(SetupError, match="the disk is full"):
+        exported(tracks, tmp_path / "o.c3d")
+    assert sorted(tmp_path.iterdir()) == [tracks]
+
+
+@pytest.mark.parametrize("ending", [".usdc", ".rrd"])
+def test_a_full_disk_is_told_where_other_packages_write(ending: str, tmp_path: Path) -> None:
+    for name in ("pxr.Sdf", "rerun"):
+        pytest.importorskip(name, reason="optional packages are not installed")
+    resource = pytest.importorskip("resource")
+    tracks, _, _ = two_walkers(tmp_path)
+    (whole,) = exported(tracks, tmp_path / f"whole{ending}").files
+    size, limits = whole.stat().st_size, resource.getrlimit(resource.RLIMIT_FSIZE)
+    whole.unlink()
+    ignored = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size // 2, limits[1]))
+    try:
+        with pytest.raises(SetupError, match="the size of files is limited"):
+            exported(tracks, tmp_path / f"o{ending}")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, ignored)
     assert sorted(tmp_path.iterdir()) == [tracks]
 
 

@@ -24,7 +24,7 @@ def write_rerun(motion: Motion, path: Path, about: About) -> None:
     colours = np.column_stack([colour, np.full(len(colour), 255)]).astype(np.uint8)
     strips = xyz_m[:, np.array(about.skeleton.limbs)]
     stream = rr.RecordingStream("trecsim", recording_id=about.name)
-    stream.save(str(path))
+    kept = stream.memory_recording()  # written here: where the disk is full, rerun waits for ever
     stream.log("people", rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     index = rr.TimeColumn("time", duration=times_s - motion.t0_s)
     stream.send_columns(
@@ -45,7 +45,7 @@ def write_rerun(motion: Motion, path: Path, about: About) -> None:
             strips=strips.reshape(-1, 2, 3), colors=np.repeat(colours, limbs, axis=0),
         ).partition(counts * limbs),
     )  # fmt: skip
-    stream.flush()
+    path.write_bytes(kept.drain_as_bytes())
     stream.disconnect()
 
 
