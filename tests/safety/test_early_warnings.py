@@ -104,6 +104,11 @@ def test_who_is_slow_to_step_is_foreseen_as_the_hips_move_not_as_the_feet_do() -
     )
 
 
+def test_of_what_is_there_already_nobody_is_warned() -> None:
+    inside = walking(line((-0.4, 0.0), (0.6, 0.0)))
+    assert told(events_of(RESTRICTED, inside), "phase", "predicted")[0] == ("new", False)
+
+
 def test_the_same_frames_give_the_same_warnings() -> None:
     people = walking(line((-4.0, 0.0), (1.2, 0.0)), line((2.0, -4.0), (0.0, 1.3)), sigma_m=0.03)
     assert events_of(RESTRICTED + EDGE.replace('"r"', '"e"'), people) == events_of(

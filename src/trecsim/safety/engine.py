@@ -1,6 +1,6 @@
 """Judges all rules of a site, moment by moment."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, tzinfo
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from trecsim.safety.event_data import (
 )
 from trecsim.safety.machine import (
     IDLE,
+    LIKELY,
     NOTHING,
     Change,
     Ending,
@@ -253,7 +254,7 @@ class RuleEngine:
             return
         timing, t_s = kept.rule.timing, scene.t_s
         seen, there = scene.seen_ids | {HERE}, scene.ids
-        yield from self._look_ahead(kept, scene, seen, there)
+        yield from self._look_ahead(kept, scene, found)
         for key in sorted({*kept.episodes, *found}):
             before, finding = kept.episodes.get(key, IDLE), found.get(key)
             if finding is None and key not in seen:  # coasting, or lost
@@ -268,16 +269,24 @@ class RuleEngine:
             self._keep(kept, key, after, t_s)
 
     def _look_ahead(
-        self, kept: _Kept, scene: Scene, seen: frozenset[int], there: frozenset[int]
+        self, kept: _Kept, scene: Scene, found: Mapping[int, Finding]
     ) -> Iterator[EventData]:
-        """Warn of what is expected, and take back warnings of what is not expected any more."""
+        """Warn of what is expected, and take back warnings of what is not expected any more.
+
+        What is there already is no warning any more: the rule tells it after its delay.
+        """
         condition, rule, t_s = kept.foreseeing, kept.rule, scene.t_s
         if condition is None:
             return
+        seen, there = scene.seen_ids, scene.ids
         expected = {} if scene.ahead is None else condition.expect(scene.ahead, rule.early_s)
         for key in sorted({*kept.warned, *expected}):
             episode, before = kept.episodes.get(key, IDLE), kept.warned.get(key)
             if episode.phase in ("active", "clearing") or t_s < episode.free_s:
+                kept.warned.pop(key, None)
+                continue
+            is_given = before is not None and before.start_s is not None
+            if not is_given and _is_there(kept, found.get(key, NOTHING)):
                 kept.warned.pop(key, None)
                 continue
             if key not in seen and before is not None:
@@ -355,12 +364,21 @@ class RuleEngine:
         )
 
 
+def _is_there(kept: _Kept, found: Finding) -> bool:
+    """Tell whether what the rule would warn of is more likely than not there now."""
+    return (found.graver if _warns_of_worse(kept) else found.probability) >= LIKELY
+
+
+def _warns_of_worse(kept: _Kept) -> bool:
+    return bool(getattr(kept.foreseeing, "of_worse", False))
+
+
 def _lead_s(kept: _Kept, key: int, change: Change, t_s: float, predicted: bool) -> float | None:
     """Return how long before what was warned of the warning came; None where it has not begun."""
     opened = kept.opened.get(key)
     if opened is None:
         return None
-    if predicted or not getattr(kept.foreseeing, "of_worse", False):
+    if predicted or not _warns_of_worse(kept):
         return change.start_s - opened.told_s
     if opened.came_s is None and change.level > 0:
         opened = kept.opened[key] = opened._replace(came_s=t_s)
