@@ -55,6 +55,7 @@ _IN_ORDER = (
     "soak_live",
     "real_video",
     "looking",
+    "looking_where",
     "estimator_speed",
     "pipeline_cost",
     "beside_pose2sim",

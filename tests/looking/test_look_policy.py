@@ -12,7 +12,7 @@ from trecsim.values import Poses2D
 
 SIZE_PX = (1000, 500)
 USUAL, COARSE = Look(512), Look(256)
-POLICY = ByNeed(USUAL, COARSE, newcomer_s=0.5, turned_s=2.0, pause_s=0.25)
+POLICY = ByNeed(USUAL, COARSE, 384, newcomer_s=0.5, turned_s=2.0, pause_s=0.25)
 
 
 def person(left, top, right, bottom, head="up"):
@@ -58,7 +58,7 @@ def test_somebody_who_fills_the_image_is_looked_at_coarsely_every_time():
 def test_somebody_who_lies_is_looked_at_in_an_image_turned_upright(head, turn):
     first, *rest = looked([poses(i / 8, person(300, 200, 500, 260, head)) for i in range(4)])
     assert first == (USUAL, COARSE)  # nobody is known yet
-    assert all(Look(512, turn) in looks for looks in rest)
+    assert all(Look(384, turn) in looks for looks in rest)
 
 
 def test_somebody_who_stands_on_the_head_is_looked_for_on_either_side():

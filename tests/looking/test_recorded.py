@@ -34,10 +34,19 @@ class Eyes:
         return Poses2D(frame.camera, frame.t_s, xy_px, np.ones((1, 17)), np.ones(1))
 
 
+def moving(count):
+    """Return images in which a bar moves."""
+    images = numbered(count)
+    for number, image in enumerate(images):
+        left = 16 * (number % 4)
+        image[:, left : left + 16] = (int(image[0, 0, 0]) + 128) % 256
+    return images
+
+
 @pytest.fixture
 def videos(tmp_path):
-    fast = write_video(tmp_path / "fast.mp4", numbered(100), fps=50)
-    slow = write_video(tmp_path / "slow.mp4", numbered(50), fps=25)
+    fast = write_video(tmp_path / "fast.mp4", moving(100), fps=50)
+    slow = write_video(tmp_path / "slow.mp4", moving(50), fps=25)
     return {"fast": fast, "slow": slow}
 
 
@@ -79,6 +88,18 @@ def test_half_of_the_looks_are_light_and_every_camera_takes_them_in_turn(videos)
     for camera in videos:
         sides = [looks[0].long_side for name, _, looks in eyes.asked if name == camera]
         assert set(sides) == {96, 128}
+
+
+def test_a_camera_before_which_nothing_moves_is_looked_at_once_a_second(videos, tmp_path):
+    images = [np.full((48, 64, 3), 90, np.uint8)] * 100 + moving(50)
+    videos["still"] = write_video(tmp_path / "still.mp4", images, fps=50)
+    _, found = estimated(videos, 0.5)
+    times_s = {name: [one.t_s for one in found if one.camera == name] for name in videos}
+    before_s, after_s = ([t for t in times_s["still"] if (t > 2.0) == late] for late in (0, 1))
+    np.testing.assert_allclose(before_s, [0.0, 1.0, 2.0], atol=0.1)
+    assert after_s[0] < 2.1
+    assert len(after_s) > 10
+    assert len(times_s["fast"]) > 30
 
 
 def test_a_budget_that_decoding_alone_would_spend_is_refused_with_what_is_possible(videos):

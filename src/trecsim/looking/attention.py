@@ -1,7 +1,6 @@
 """What is known of the people in one camera's images, from the looks at them so far."""
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -11,7 +10,7 @@ from jaxtyping import Bool, Float64, Int64
 from trecsim.estimators.looks import Look
 from trecsim.values import Poses2D
 
-_FROM_THE_TOP = [5, 6], [11, 12], [13, 14], [15, 16]  # shoulders, hips, knees, ankles
+_FROM_THE_TOP = [5, 6, 11, 12, 13, 14, 15, 16]  # shoulders, hips, knees, ankles
 SEARCH_S = 2.0  # so long somebody who was lost is looked for in turned images
 _SAME_SHARE = 0.7  # somebody has moved by less than this share of the size since the last look
 _BORDER_SHARE = 0.05  # who is so near to the border of the image may have left it
@@ -77,7 +76,7 @@ def noted(
     is_lost = bool(lost.any())
     # Who is found upright in every second look, as behind the edge of a door, starts no new search
     # each time; who was lying does.
-    was_lying = bool(np.isin(before.turns[lost], (1, 3)).any())
+    was_lying = bool((before.turns[lost] % 2 == 1).any())
     is_new = is_lost and (was_lying or poses.t_s - before.lost_s >= SEARCH_S)
     return Attention(
         box_px,
@@ -94,7 +93,9 @@ def boxes(xy_px: Float64[np.ndarray, "person joint 2"]) -> Float64[np.ndarray, "
     """Return the box around each person's key points: left, top, right, bottom [px]."""
     if not len(xy_px):
         return _nobody()
-    return np.concatenate([np.nanmin(xy_px, axis=1), np.nanmax(xy_px, axis=1)], axis=1)
+    # These leave NaN out, as nanmin and nanmax do in ten times the time.
+    low, high = np.fmin.reduce(xy_px, axis=1), np.fmax.reduce(xy_px, axis=1)
+    return np.concatenate([low, high], axis=1)
 
 
 def turns_upright(xy_px: Float64[np.ndarray, "person joint 2"]) -> Int64[np.ndarray, " person"]:
@@ -110,18 +111,18 @@ def turns_upright(xy_px: Float64[np.ndarray, "person joint 2"]) -> Int64[np.ndar
     >>> turns_upright(lying)
     array([1])
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)  # of means of nothing, which are NaN
-        shoulders, *lower = (np.nanmean(xy_px[:, pair], axis=1) for pair in _FROM_THE_TOP)
-    foot = lower[0]
-    for below in lower[1:]:
-        foot = np.where(np.isfinite(below), below, foot)
-    body = shoulders - foot
+    pairs = xy_px[:, _FROM_THE_TOP].reshape(-1, 4, 2, 2)
+    known = pairs[..., 0] == pairs[..., 0]
+    count = known.sum(axis=2)
+    middle = np.where(known[..., None], pairs, 0.0).sum(axis=2) / np.maximum(count, 1)[..., None]
+    lowest = 3 - (count[:, :0:-1] > 0).argmax(axis=1)  # the hips where none is known
+    body = middle[:, 0] - middle[np.arange(len(middle)), lowest]
     right, up = body[:, 0], -body[:, 1]
     aside = np.where(right > 0.0, 1, 3)
     ended = np.where(up < 0.0, 2, 0)
     turns = np.where(np.abs(right) > np.abs(up), aside, ended)
-    return np.where(np.isfinite(body).all(axis=1), turns, 0)
+    is_known = (count[:, 0] > 0) & (count[:, 1:] > 0).any(axis=1)
+    return np.where(is_known, turns, 0)
 
 
 def _lost(

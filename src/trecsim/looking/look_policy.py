@@ -61,6 +61,8 @@ class ByNeed:
         The look that finds most people.
     coarse
         The look that finds people who fill the image; None leaves it out.
+    turned_px
+        Longer side of the image of a turned look, as the network sees it [px].
     newcomer_s
         A coarse look is taken at least so often [s].
     turned_s
@@ -72,6 +74,7 @@ class ByNeed:
 
     usual: Look
     coarse: Look | None
+    turned_px: int
     newcomer_s: float = NEWCOMER_S
     turned_s: float = 2.0
     pause_s: float = 0.0
@@ -81,7 +84,7 @@ class ByNeed:
         looks = [self.usual]
         if self.coarse is not None and self._is_coarse_due(seen, t_s, size_px):
             looks.append(self.coarse)
-        return (*looks, *(Look(self.usual.long_side, turn) for turn in self._turns(seen, t_s)))
+        return (*looks, *(Look(self.turned_px, turn) for turn in self._turns(seen, t_s)))
 
     def _is_coarse_due(self, seen: Attention, t_s: float, size_px: Size) -> bool:
         covered = (seen.box_px[:, 2:] - seen.box_px[:, :2]) / size_px

@@ -17,7 +17,8 @@ from trecsim.estimators import Estimator2D, image_limit_px, workers
 from trecsim.estimators.looks import Look, Looker
 from trecsim.looking.attention import Attention, noted
 from trecsim.looking.look_policy import NEWCOMER_S, Always, ByNeed, cost, decoding_cost
-from trecsim.looking.schedule import Outlook, SchedulePolicy, Together, lighter
+from trecsim.looking.schedule import Outlook, SchedulePolicy, Together, light_px, lighter
+from trecsim.looking.stillness import StillCameras
 from trecsim.sources import VideoFile, prefetched
 from trecsim.sources.image_sizes import in_original
 from trecsim.sources.video import Picture
@@ -157,7 +158,7 @@ class WholeImages:
 def by_need(estimator: Looker) -> ByNeed:
     """Return the policy that takes the usual looks of an estimator, the further ones by need."""
     usual, *more = estimator.usual
-    return ByNeed(usual, more[0] if more else None)
+    return ByNeed(usual, more[0] if more else None, usual.long_side)
 
 
 def _schedule(videos: Sequence[VideoFile], estimator: Looker, per_s: float) -> SchedulePolicy:
@@ -165,7 +166,8 @@ def _schedule(videos: Sequence[VideoFile], estimator: Looker, per_s: float) -> S
     if isinstance(estimator, WholeImages):
         whole = Always(estimator.usual)
         return Together(whole, whole)
-    usual = replace(by_need(estimator), pause_s=_PAUSE_S)
+    need = by_need(estimator)
+    usual = replace(need, pause_s=_PAUSE_S, turned_px=light_px(need.usual.long_side))
     all_images = sum(_rate(video) * cost([usual.usual], video.size_px) for video in videos)
     return Together(usual, lighter(usual) if per_s < all_images else usual)
 
@@ -227,14 +229,16 @@ def _in_turn(
     def found(picture: Picture, looks: Sequence[Look]) -> Poses2D:
         return estimator.look(picture.frame(), looks)
 
-    number = 0
+    number, watch = 0, StillCameras()
     for moment in pictures:
         t_s = moment[0].t_s
         if t_s < budget.next_s - early_s:
             continue
         there = {picture.camera: picture for picture in moment if picture.to_rgb is not None}
         size_px = {camera: sizes_px[camera] for camera in there}
-        planned = schedule(Outlook(t_s, number, size_px, attention))
+        still_s = watch.still_s(there.values())
+        planned = schedule(Outlook(t_s, number, size_px, attention, still_s))
+        watch.note(planned)
         budget.spend(sum(cost(looks, size_px[camera]) for camera, looks in planned.items()), t_s)
         number += 1
         images = [there[camera] for camera in planned]

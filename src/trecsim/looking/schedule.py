@@ -1,12 +1,14 @@
 """Which cameras' images of one moment are looked at, and how."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from trecsim.estimators.looks import Look
 from trecsim.looking.attention import Attention
 from trecsim.looking.look_policy import ByNeed, LookPolicy, Size
+from trecsim.looking.stillness import STILL_S
 
 _LIGHT_SHARE = 0.75  # of the long side: half the pixels, to the nearest multiple of 32
 
@@ -25,12 +27,16 @@ class Outlook:
         Width and height of the images that there are, by camera [px].
     seen
         What the looks at each camera's images have told so far.
+    still_s
+        For how long a camera has not been looked at, of those before which nothing has moved since
+        [s].
     """
 
     t_s: float
     number: int
     size_px: Mapping[str, Size]
     seen: Mapping[str, Attention]
+    still_s: Mapping[str, float] = field(default_factory=dict)
 
 
 class SchedulePolicy(Protocol):
@@ -44,6 +50,8 @@ class SchedulePolicy(Protocol):
 @dataclass(frozen=True, slots=True)
 class Together:
     """All cameras at once; half of them with the usual look, the other half with a light one.
+
+    Cameras before which nothing moves are left out, but for a look every `STILL_S`.
 
     A light look has half the pixels, so the same time looks at a third more moments. Every camera
     takes both in turn.
@@ -61,19 +69,28 @@ class Together:
         """Return the looks at the images of all cameras."""
         planned = {}
         for place, (camera, size_px) in enumerate(outlook.size_px.items()):
+            if outlook.still_s.get(camera, math.inf) < STILL_S:
+                continue
             policy = self.light if (place + outlook.number) % 2 else self.usual
             planned[camera] = policy(outlook.seen[camera], outlook.t_s, size_px)
         return planned
 
 
 def lighter(policy: ByNeed) -> ByNeed:
-    """Return a policy whose usual look has about half the pixels.
+    """Return a policy whose usual look has about half the pixels."""
+    usual = Look(light_px(policy.usual.long_side))
+    coarse = policy.coarse
+    if coarse is not None and coarse.long_side >= usual.long_side:
+        coarse = None
+    return replace(policy, usual=usual, coarse=coarse)
+
+
+def light_px(long_side: int) -> int:
+    """Return the longer side of a look with about half the pixels [px].
 
     Examples
     --------
-    >>> lighter(ByNeed(Look(512), Look(256))).usual
-    Look(long_side=384, turns=0)
+    >>> light_px(512), light_px(640)
+    (384, 480)
     """
-    long_side = max(32, round(_LIGHT_SHARE * policy.usual.long_side / 32) * 32)
-    coarse = policy.coarse if policy.coarse and policy.coarse.long_side < long_side else None
-    return ByNeed(Look(long_side), coarse, policy.newcomer_s, policy.turned_s, policy.pause_s)
+    return max(32, round(_LIGHT_SHARE * long_side / 32) * 32)

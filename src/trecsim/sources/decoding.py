@@ -259,6 +259,13 @@ def _time_s(packet: Any) -> float:
     return float("nan") if packet.pts is None else float(packet.pts * packet.time_base)
 
 
+def brightness(picture: Any) -> UInt8[np.ndarray, "h w"]:
+    """Return the first plane of a picture as it was decoded; of most codecs, its brightness."""
+    plane = picture.planes[0]
+    rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
+    return rows[:, : picture.width]
+
+
 def time_s(picture: Any) -> float | None:
     """Return the presentation time of `picture` [s], if the container has it."""
     return None if picture.pts is None else float(picture.pts * picture.time_base)

@@ -9,7 +9,7 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, UInt8
 
 from trecsim.errors import InputError, SetupError
 from trecsim.extras import install_command
@@ -224,7 +224,8 @@ class VideoFile:
                 t_s = clock(decode.time_s(picture))
                 if t_s is not None:
                     make = partial(_masked, to_rgb, picture, self._mask) if is_decoded else None
-                    yield Picture(self.camera, index, t_s, make)
+                    luma = partial(decode.brightness, picture) if is_decoded else None
+                    yield Picture(self.camera, index, t_s, make, luma)
                     index += 1
             if begins_s is None:
                 self._warn(index, video.damaged, clock)
@@ -290,12 +291,15 @@ class Picture:
     to_rgb
         Returns the pixels; in one thread at a time for the pictures of one video. None if it was
         not decoded, as nobody needed it.
+    brightness
+        Returns the brightness of its pixels as they were decoded, not turned upright or blanked.
     """
 
     camera: str
     index: int
     t_s: float
     to_rgb: Callable[[], Image] | None
+    brightness: Callable[[], UInt8[np.ndarray, "h w"]] | None = None
 
     def frame(self) -> Frame:
         """Return the image in RGB."""
