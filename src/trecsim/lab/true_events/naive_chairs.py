@@ -16,11 +16,12 @@ Line = Float64[np.ndarray, "2 2"]
 
 
 class Chair(NamedTuple):
-    """A chair at one time: which one, its middle, and where it points to, of length 1."""
+    """A chair at one time: which one, its middle, where it points to, and how long it has gone."""
 
     key: str
     middle_m: Float64[np.ndarray, " 2"]
     ahead: Float64[np.ndarray, " 2"]
+    since_s: float
 
 
 @lru_cache
@@ -96,7 +97,8 @@ def _told(messages: Sequence[Table], t_s: float, ahead_s: float) -> Iterator[Cha
             velocity = way_m / (told[-1]["t_s"] - told[-2]["t_s"])
         heading_rad = math.radians(told[-1]["heading_deg"])
         ahead = np.array([math.cos(heading_rad), math.sin(heading_rad)])
-        yield Chair(key, last_m + (t_s + ahead_s - told[-1]["t_s"]) * velocity, ahead)
+        middle_m = last_m + (t_s + ahead_s - told[-1]["t_s"]) * velocity
+        yield Chair(key, middle_m, ahead, t_s - told[0]["t_s"])
 
 
 def _by_timetable(table: Table, t_s: float) -> Iterator[Chair]:
@@ -109,7 +111,8 @@ def _by_timetable(table: Table, t_s: float) -> Iterator[Chair]:
         if 0.0 <= since_s <= path_s[-1]:
             part = min(max(int(np.searchsorted(path_s, since_s)), 1), len(path_s) - 1)
             way_m = path_m[part] - path_m[part - 1]
-            yield Chair(f"{number}", _on_path_m(table, since_s), way_m / np.hypot(*way_m))
+            ahead = way_m / np.hypot(*way_m)
+            yield Chair(f"{number}", _on_path_m(table, since_s), ahead, since_s)
 
 
 def _on_path_m(table: Table, since_s: float) -> Float64[np.ndarray, " 2"]:
@@ -129,16 +132,39 @@ def is_on_a_chair_past(
     xyz_m: Float64[np.ndarray, "joint 3"],
 ) -> bool:
     """Tell whether a joint is inside a chair whose middle has passed the line."""
+    return any(
+        _past_m(line_m, chair.middle_m) > 0.0 and _is_in(table, chair, xyz_m)
+        for chair in _under_way(table, messages, t_s)
+    )
+
+
+def is_at_a_box(
+    table: Table,
+    messages: Sequence[Table],
+    t_s: float,
+    xyz_m: Float64[np.ndarray, "joint 3"],
+    *,
+    margin_m: float = 0.0,
+    after_s: float = 0.0,
+) -> bool:
+    """Tell whether a joint is inside a box that has gone for so long, or as near as a margin."""
+    return any(
+        chair.since_s >= after_s and _is_in(table, chair, xyz_m, margin_m)
+        for chair in _under_way(table, messages, t_s)
+    )
+
+
+def _under_way(table: Table, messages: Sequence[Table], t_s: float) -> Iterator[Chair]:
+    return _told(messages, t_s, 0.0) if "feed" in table else _by_timetable(table, t_s)
+
+
+def _is_in(
+    table: Table, chair: Chair, xyz_m: Float64[np.ndarray, "joint 3"], margin_m: float = 0.0
+) -> bool:
     length_m, width_m, height_m = table["size_m"]
     low_m = table.get("bottom_m", 0.0)
-    chairs = _told(messages, t_s, 0.0) if "feed" in table else _by_timetable(table, t_s)
-    for chair in chairs:
-        if _past_m(line_m, chair.middle_m) <= 0.0:
-            continue
-        away_m = xyz_m[:, :2] - chair.middle_m
-        along_m = away_m @ chair.ahead
-        across_m = away_m @ np.array([-chair.ahead[1], chair.ahead[0]])
-        inside = (np.abs(along_m) <= length_m / 2) & (np.abs(across_m) <= width_m / 2)
-        if (inside & (xyz_m[:, 2] >= low_m) & (xyz_m[:, 2] <= low_m + height_m)).any():
-            return True
-    return False
+    away_m = xyz_m[:, :2] - chair.middle_m
+    along_m = np.abs(away_m @ chair.ahead)
+    across_m = np.abs(away_m @ np.array([-chair.ahead[1], chair.ahead[0]]))
+    inside = (along_m <= length_m / 2 + margin_m) & (across_m <= width_m / 2 + margin_m)
+    return bool((inside & (xyz_m[:, 2] >= low_m) & (xyz_m[:, 2] <= low_m + height_m)).any())

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Bool
 
-from trecsim.lab.true_events.naive_chairs import coming, is_on_a_chair_past
+from trecsim.lab.true_events.naive_chairs import coming, is_at_a_box, is_on_a_chair_past
 from trecsim.lab.true_events.naive_falls import fallen_since_s
 from trecsim.lab.true_events.naive_movement import running, wrong_way
 from trecsim.lab.true_events.naive_places import (
@@ -24,7 +24,7 @@ from trecsim.lab.true_events.naive_places import (
     left_of_m,
     voronoi_density_pm2,
 )
-from trecsim.lab.true_events.true_people import TruePerson
+from trecsim.lab.true_events.true_people import ELBOWS, WRISTS, TruePerson
 from trecsim.lab.true_events.true_spans import SAME_S, Delays, Span, spans
 
 MARGIN_M, FORGET_S = 0.15, 10.0
@@ -36,6 +36,7 @@ DELAYS_S: Mapping[str, tuple[float, float]] = {
     "zone.exit": (0.2, 0.0),
     "zone.dwell": (0.0, 2.0),
     "zone.restricted": (0.1, 0.5),
+    "zone.confined": (0.5, 0.5),
     "line.cross": (0.0, 0.0),
     "occupancy.limit": (2.0, 0.5),
     "density.level": (10.0, 0.5),
@@ -44,6 +45,9 @@ DELAYS_S: Mapping[str, tuple[float, float]] = {
     "edge.platform": (2.0, 0.5),
     "body.fall": (1.0, 0.5),
     "body.down": (10.0, 0.5),
+    "body.reach": (0.3, 0.5),
+    "ttc.vehicle": (0.1, 0.5),
+    "volume.enter": (0.3, 0.5),
     "lift.unload": (0.3, 0.5),
     "access.tailgate": (0.0, 0.0),
     "access.unauthorised": (0.0, 0.0),
@@ -130,6 +134,21 @@ def _restricted(at: Place, person: TruePerson) -> list[Span]:
     return spans(person.t_s, holds, person.there, at.delays)
 
 
+def _confined(at: Place, person: TruePerson) -> list[Span]:
+    inside = at.holds(person)
+    has_been = np.logical_or.accumulate(inside)
+    return spans(person.t_s, person.there & has_been & ~inside, person.there, at.delays)
+
+
+def _reach(at: Place, person: TruePerson) -> list[Span]:
+    low_m, high_m = at.place.get("z_m", (0.0, 2.5))
+    arms_m = person.xyz_m[:, [*WRISTS, *ELBOWS]]
+    inside = is_inside(at.polygon_m, arms_m[..., :2])
+    inside &= (arms_m[..., 2] >= low_m) & (arms_m[..., 2] <= high_m)
+    holds = person.there & inside.any(axis=1) & ~at.holds(person)
+    return spans(person.t_s, holds, person.there, at.delays)
+
+
 def _edge(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
     for person in people:
         away_m = from_edge_m(at.points_m, person.xyz_m[..., :2])
@@ -185,6 +204,31 @@ def _unload(at: Place, person: TruePerson) -> list[Span]:
         holds[n] = waits or rides
     grave = holds & in_strip & person.lies
     return spans(person.t_s, holds, person.there, at.delays, at_once=grave)
+
+
+def _vehicle(at: Place, person: TruePerson) -> list[Span]:
+    margin_m = at.rule.get("distance_m", 0.3)
+    near, hit = (
+        np.array([
+            bool(is_there) and is_at_a_box(at.place, at.messages, now, xyz_m, margin_m=m)
+            for now, xyz_m, is_there in zip(
+                person.t_s.tolist(), person.xyz_m, person.there, strict=True
+            )
+        ])
+        for m in (margin_m, 0.0)
+    )  # fmt: skip
+    return spans(person.t_s, near, person.there, at.delays, at_once=hit)
+
+
+def _on_volume(at: Place, person: TruePerson) -> list[Span]:
+    after_s = at.rule.get("after_s", 0.0)
+    holds = [
+        bool(is_there) and is_at_a_box(at.place, at.messages, now, xyz_m, after_s=after_s)
+        for now, xyz_m, is_there in zip(
+            person.t_s.tolist(), person.xyz_m, person.there, strict=True
+        )
+    ]
+    return spans(person.t_s, np.array(holds), person.there, at.delays)
 
 
 def _running(at: Place, person: TruePerson) -> list[Span]:
@@ -344,6 +388,7 @@ NAIVE_KINDS: Mapping[str, Callable[[Place, Sequence[TruePerson]], Iterator[Happe
     "zone.exit": _exit,
     "zone.dwell": _each(_dwell),
     "zone.restricted": _each(_restricted),
+    "zone.confined": _each(_confined),
     "line.cross": _cross,
     "occupancy.limit": _occupancy,
     "density.level": _density,
@@ -352,6 +397,9 @@ NAIVE_KINDS: Mapping[str, Callable[[Place, Sequence[TruePerson]], Iterator[Happe
     "edge.platform": _edge,
     "body.fall": _each(_fall),
     "body.down": _each(_down),
+    "body.reach": _each(_reach),
+    "ttc.vehicle": _each(_vehicle),
+    "volume.enter": _each(_on_volume),
     "lift.unload": _each(_unload),
     "access.tailgate": _gate,
     "access.unauthorised": _gate,

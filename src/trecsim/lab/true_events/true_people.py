@@ -8,9 +8,9 @@ from jaxtyping import Bool, Float64, Shaped
 
 from trecsim.skeleton import COCO17
 
-HIPS, SHOULDERS, KNEES, ANKLES = (
+HIPS, SHOULDERS, ELBOWS, WRISTS, KNEES, ANKLES = (
     [COCO17.index(f"{side}_{joint}") for side in ("left", "right")]
-    for joint in ("hip", "shoulder", "knee", "ankle")
+    for joint in ("hip", "shoulder", "elbow", "wrist", "knee", "ankle")
 )
 FACE = [COCO17.index(name) for name in ("nose", "left_eye", "right_eye", "left_ear", "right_ear")]
 
