@@ -223,15 +223,17 @@ def falls(options: Options) -> Figures:
     folder = shared_data("mocap")
     seeds = options.seeds(FALL_SEEDS, QUICK_FALL_SEEDS)
     figures: dict[str, Figures] = {}
-    for cameras, fps in RIGS[:2] if options.quick else RIGS:
+    for cameras, fps in RIGS:
         tasks = [
             (names, seed, folder, cameras, fps, options.overrides)
             for seed in seeds
             for names in groups(seed)
         ]
         name = f"{cameras} cameras, {fps:g} images/s"
-        told = [one for some in options.over(acted, tasks, name) for one in some]
-        figures[name] = _falls_row(told)
+        found = list(options.over(acted, tasks, name))
+        told = [one for some, _ in found for one in some]
+        camera_days = cameras * sum(seconds for _, seconds in found) / DAY_S
+        figures[name] = _falls_row(told, camera_days)
     return figures
 
 
@@ -244,22 +246,23 @@ def groups(seed: int) -> list[tuple[str, ...]]:
 
 def acted(
     task: tuple[tuple[str, ...], int, Path, int, float, Mapping[str, Any]],
-) -> list[tuple[str, int]]:
-    """Return how many falls were told of each person of one scene."""
+) -> tuple[list[tuple[str, int]], float]:
+    """Return how many falls were told of each person of one scene, and how long it is [s]."""
     from trecsim.lab.simulation import simulate
 
     names, seed, folder, cameras, fps, overrides = task
-    made = simulate(motions.scene(names, seed, folder, cameras, fps), seed)
+    scene = motions.scene(names, seed, folder, cameras, fps)
+    made = simulate(scene, seed)
     hips_m = made.truth_xyz_m[:, :, [11, 12], :2].mean(axis=2)
     counts = [0] * len(names)
     for one in judging.told_of(judging.tracked(made, overrides), motions.SITE):
         at = int(np.abs(made.truth_t_s - one.detect_s).argmin())
         if one.floor_m is not None:
             counts[int(np.linalg.norm(hips_m[:, at] - one.floor_m, axis=1).argmin())] += 1
-    return list(zip(names, counts, strict=True))
+    return list(zip(names, counts, strict=True)), scene.seconds
 
 
-def _falls_row(told: list[tuple[str, int]]) -> Figures:
+def _falls_row(told: list[tuple[str, int]], camera_days: float) -> Figures:
     fell = [count for name, count in told if name in motions.FALLS]
     others = [count for name, count in told if name in motions.NO_FALLS]
     false = {
@@ -273,6 +276,7 @@ def _falls_row(told: list[tuple[str, int]]) -> Figures:
         "recall": once(float(np.mean([count > 0 for count in fell])), "", "higher", 0.005),
         "other motions": once(len(others), "", watched=False),
         "of these told as falls": once(sum(count > 0 for count in others), "", matters=0.0),
+        "false alarms per camera-day": once(sum(others) / camera_days, "", watched=False),
         "told as falls": false,
     }
 
