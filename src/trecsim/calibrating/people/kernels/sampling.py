@@ -48,14 +48,20 @@ def sample(t_s, xy, size, stamps_s, place, speed):
 
 @inner
 def line(t_s, xy, kept, begin, end, at_s, place, speed):
-    """Write the least-squares line through the images that are kept: its place and slope."""
+    """Write the line through the images that are kept: its place and slope.
+
+    Weights fall to nothing at the window's edge (Epanechnikov). With equal weights an image that
+    enters or leaves the window changes how much the line cuts off a swinging limb's way, so that
+    cameras that take their images at other moments would seem late.
+    """
     n = 0
-    t = tt = 0.0
+    total = t = tt = 0.0
     for k in range(begin, end):
         if kept[k]:
             ahead = t_s[k] - at_s
-            n, t, tt = n + 1, t + ahead, tt + ahead * ahead
-    det = n * tt - t * t
+            w = 1.0 - (ahead / WINDOW_S) ** 2
+            n, total, t, tt = n + 1, total + w, t + w * ahead, tt + w * ahead * ahead
+    det = total * tt - t * t
     for a in range(2):
         place[a] = speed[a] = math.nan
         if n < 2 or not det > 1e-9:
@@ -63,7 +69,9 @@ def line(t_s, xy, kept, begin, end, at_s, place, speed):
         z = tz = 0.0
         for k in range(begin, end):
             if kept[k]:
-                z += xy[k, a]
-                tz += (t_s[k] - at_s) * xy[k, a]
-        speed[a] = (n * tz - t * z) / det
-        place[a] = (z - speed[a] * t) / n
+                ahead = t_s[k] - at_s
+                w = 1.0 - (ahead / WINDOW_S) ** 2
+                z += w * xy[k, a]
+                tz += w * ahead * xy[k, a]
+        speed[a] = (total * tz - t * z) / det
+        place[a] = (z - speed[a] * t) / total
