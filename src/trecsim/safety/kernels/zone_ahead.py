@@ -31,6 +31,7 @@ _FARTHEST, _PER_UNIT = 6.0, 32
 _BELOW = np.array(
     [NormalDist().cdf(n / _PER_UNIT - _FARTHEST) for n in range(2 * int(_FARTHEST) * _PER_UNIT + 1)]
 )
+_SURE = 4.5  # standard deviations from a zone: nobody gets there
 _LEVEL = 1e-12  # a side that is so nearly parallel to the way bounds nothing along it
 MOST = 6
 """Separate intervals that are kept."""
@@ -63,6 +64,8 @@ def _reach(joints_m, z_m, towards_x, towards_y):
 def _prepare(planes, reach_m, xy_m, cov_m2, end, lines):
     """Write what bounds z at each time: ``a z1 + b z2 >= c`` for each side of each part.
 
+    Return the first and the last step at which anybody may be there; reversed if there is none.
+
     Parameters
     ----------
     planes
@@ -74,12 +77,14 @@ def _prepare(planes, reach_m, xy_m, cov_m2, end, lines):
     lines
         Is written (step, part, side, 3).
     """
+    first, last = end, -1
     for step in range(end):
         at = step if planes.shape[0] > 1 else 0
         scale_x = math.sqrt(cov_m2[step, 0, 0] + _LEAST_M2)
         shear = cov_m2[step, 0, 1] / scale_x
         scale_y = math.sqrt(max(cov_m2[step, 1, 1] + _LEAST_M2 - shear * shear, _LEAST_M2))
         for part in range(planes.shape[1]):
+            may = True
             for side in range(planes.shape[2]):
                 normal_x, normal_y = planes[at, part, side, 0], planes[at, part, side, 1]
                 lines[step, part, side, 0] = normal_x * scale_x + normal_y * shear
@@ -88,6 +93,12 @@ def _prepare(planes, reach_m, xy_m, cov_m2, end, lines):
                     planes[at, part, side, 2] - reach_m[at, part, side]
                     - normal_x * xy_m[step, 0] - normal_y * xy_m[step, 1]
                 )  # fmt: skip
+                a, b = lines[step, part, side, 0], lines[step, part, side, 1]
+                c = lines[step, part, side, 2]
+                may = may and (c <= 0.0 or c * c <= _SURE * _SURE * (a * a + b * b))
+            if may:
+                first, last = min(first, step), step
+    return first, last
 
 
 @inner
@@ -124,32 +135,46 @@ def _add(intervals, count, low, high):
 
 
 @inner
-def _follow(lines, end, before, intervals, by):
-    """Write the probability of having been there by each step to `by`."""
+def _follow(lines, first, last, end, before, intervals, by):
+    """Write the probability of having been there by each step to `by`.
+
+    Only the steps from just before the first one to just after the last one can change it.
+    """
     for step in range(end):
         by[step] = 0.0
+    if first > last:
+        return
+    first, last = max(first - 1, 0), min(last + 1, end - 1)
     for k in range(PATHS):
-        count = 0
+        _follow_paths(lines, first, last, _ACROSS[k], before, intervals, by)
+    for step in range(last + 1, end):
+        by[step] = by[last]
+
+
+@inner
+def _follow_paths(lines, first, last, across, before, intervals, by):
+    """Add the share of the paths with one second component to `by`, from step to step."""
+    count = 0
+    for part in range(lines.shape[1]):
+        before[part, 0], before[part, 1] = math.inf, -math.inf
+    inside = 0.0
+    for step in range(first, last + 1):
+        has_grown = False
         for part in range(lines.shape[1]):
-            before[part, 0], before[part, 1] = math.inf, -math.inf
-        inside = 0.0
-        for step in range(end):
-            has_grown = False
-            for part in range(lines.shape[1]):
-                low, high = _interval(lines[step, part], _ACROSS[k])
-                if low < high:
-                    count = _add(
-                        intervals, count, min(low, before[part, 0]), max(high, before[part, 1])
-                    )
-                    before[part, 0], before[part, 1] = low, high
-                    has_grown = True
-                else:
-                    before[part, 0], before[part, 1] = math.inf, -math.inf
-            if has_grown:
-                inside = 0.0
-                for n in range(count):
-                    inside += _below(intervals[n, 1]) - _below(intervals[n, 0])
-            by[step] += inside / PATHS
+            low, high = _interval(lines[step, part], across)
+            if low < high:
+                count = _add(
+                    intervals, count, min(low, before[part, 0]), max(high, before[part, 1])
+                )
+                has_grown = True
+            else:
+                low, high = math.inf, -math.inf
+            before[part, 0], before[part, 1] = low, high
+        if has_grown:
+            inside = 0.0
+            for n in range(count):
+                inside += _below(intervals[n, 1]) - _below(intervals[n, 0])
+        by[step] += inside / PATHS
 
 
 @inner
@@ -204,14 +229,18 @@ def reached_zone(
         reached = 0.0
         for mode in range(xy_m.shape[1]):
             by = by_mode[person, mode]
-            _prepare(planes, reach_m, xy_m[person, mode], cov_m2[person, mode], asked + 1, lines)
-            _follow(lines, asked + 1, before, intervals, by)
+            first, last = _prepare(
+                planes, reach_m, xy_m[person, mode], cov_m2[person, mode], asked + 1, lines
+            )
+            _follow(lines, first, last, asked + 1, before, intervals, by)
             reached += weight[person, mode] * by[asked]
         for mode in range(xy_m.shape[1]):
             by = by_mode[person, mode]
             if reached > LEAST and asked + 1 < steps:
-                _prepare(planes, reach_m, xy_m[person, mode], cov_m2[person, mode], steps, lines)
-                _follow(lines, steps, before, intervals, by)
+                first, last = _prepare(
+                    planes, reach_m, xy_m[person, mode], cov_m2[person, mode], steps, lines
+                )
+                _follow(lines, first, last, steps, before, intervals, by)
             else:
                 for step in range(asked + 1, steps):
                     by[step] = by[asked]
