@@ -8,7 +8,16 @@ from typing import Literal
 from harness.figures import Path_, Result, leaves
 from recorded import AUTHORS_CROWDED, AUTHORS_SCENES
 
-TIMED = ("page", "speed", "simulating", "evaluating", "startup", "pipeline_cost")
+TIMED = (
+    "exporting",
+    "filming",
+    "page",
+    "speed",
+    "simulating",
+    "evaluating",
+    "startup",
+    "pipeline_cost",
+)
 
 Relation = Literal["<=", ">="]
 
@@ -240,6 +249,7 @@ _LIVE, _PAGE, _STORE = "live site", "live page", "storing"
 _AHEAD = "forecasts on ETH/UCY, table of the other scenes"
 _RULES = "rules on people, made scenes"
 _LOOKING = "looking at real video"
+_EXPORT = "exports and films"
 
 OTHERS: tuple[Target, ...] = (
     Target(_RULES, "F1 of each kind, worst", ("rules", "episodes", "*", "F1"), ">=", 0.97),
@@ -328,6 +338,12 @@ OTHERS: tuple[Target, ...] = (
            ("storing", "live", "an hour, without*"), "<=", 120, "MB"),
     Target(_STORE, "tracks.parquet, a second of a person at 25 Hz, with all covariances",
            ("storing", "tracks.parquet", "per person and second"), "<=", 3472, "bytes"),
+    Target(_EXPORT, "an hour of 4 people, slowest format, wall time",
+           ("exporting", "*", "wall time"), "<=", 60, "s"),
+    Target(_EXPORT, "an hour of 4 people, format with the most memory, peak",
+           ("exporting", "*", "peak memory"), "<=", 2000, "MB"),
+    Target(_EXPORT, "a film over 4 videos of 1280 x 720 px, wall time",
+           ("filming", "over 4 videos", "wall time"), ">=", 2, "x real time"),
     Target(_STORE, "error of a standard deviation by rounding, worst",
            ("storing", "rounding", "standard deviation*"), "<=", 1, "%"),
     Target(_STORE, "writing, share of one core", ("storing", "live", "writing, share*"), "<=", 2,
