@@ -30,6 +30,9 @@ Points = Float64[np.ndarray, "point 2"]
 
 def plain(values: Float64[np.ndarray, "*n"]) -> Float64[np.ndarray, "*n"]:
     """Return values as kernels take them; a copy only where they are not so already."""
+    flags = values.flags
+    if values.dtype == np.float64 and flags.c_contiguous and flags.writeable:
+        return values  # `np.require` costs as much as a small kernel
     return np.require(values, np.float64, ["C", "W"])
 
 

@@ -54,6 +54,8 @@ class Scene:
         What rules on bodies look at.
     traces
         Their last seconds, by identity.
+    traced
+        Rows of those whose trace goes up to this moment.
     ahead
         Where they will be, for rules that warn early; None when nobody looks ahead now.
     signals
@@ -65,6 +67,7 @@ class Scene:
     floor: FloorPoints
     body: Bodies
     traces: Traces
+    traced: Int64[np.ndarray, " traced"]
     ahead: Ahead | None = None
     signals: Signals = field(default_factory=Signals)
     _inside: dict[int, Float64[np.ndarray, " person"]] = field(default_factory=dict)
@@ -143,13 +146,11 @@ class Scene:
 
     @cached_property
     def _seen_traces(self) -> list[tuple[int, int, Trace]]:
-        t_s, ids = self.t_s, self.people.id[self.seen].tolist()
-        found = []
-        for row, person in zip(self.seen.tolist(), ids, strict=True):
-            trace = self.traces.get(person)
-            if trace is not None and trace.last_s == t_s:
-                found.append((row, person, trace))
-        return found
+        ids = self.people.id[self.traced].tolist()
+        return [
+            (row, person, self.traces[person])
+            for row, person in zip(self.traced.tolist(), ids, strict=True)
+        ]
 
     def speed_mps(self, row: int) -> float:
         """Return the speed of a person over the floor [m/s]; NaN where it is not known."""
@@ -204,7 +205,7 @@ class Memory:
             )
         )  # fmt: skip
         ahead = None if forecasts is None else ahead_of(people, seen, forecasts, self._signals)
-        scene = Scene(people, seen, floor, body, self._traces, ahead, self._signals)
+        scene = Scene(people, seen, floor, body, self._traces, judged, ahead, self._signals)
         self._last.update(dict.fromkeys(people.id[seen].tolist(), scene))
         return scene
 
