@@ -10,7 +10,7 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 # be anything, and is refused with better words.
 SHAPES := trecsim.values,trecsim.geometry.distortion,trecsim.geometry.rigid,$\
   trecsim.geometry.triangulation,trecsim.sources,trecsim.estimators.pool,$\
-  trecsim.calibrating.people,trecsim.fusion,trecsim.forecasting,trecsim.safety,trecsim.store,trecsim.lab.simulation,trecsim.lab.true_events,trecsim.lab.evaluation,trecsim.lab.plots,$\
+  trecsim.calibrating,trecsim.fusion,trecsim.forecasting,trecsim.safety,trecsim.store,trecsim.lab.simulation,trecsim.lab.true_events,trecsim.lab.evaluation,trecsim.lab.plots,$\
   trecsim.lab.report,trecsim.lab.study.design,trecsim.lab.study.resampling,$\
   trecsim.lab.study.default_rank,trecsim.lab.study.inference
 

@@ -103,7 +103,7 @@ def problem_of(case: str, seed: int) -> "tuple[Rig, BoardProblem]":
 
 def errors(true: "Rig", found: "Rig") -> "tuple[np.ndarray, np.ndarray]":
     """Return errors of rotations [degrees] and positions [m] after the best common motion."""
-    from trecsim.calibrating.rig_verdict import pose_changes
+    from trecsim.calibrating.rig_halves import pose_changes
     from trecsim.calibrating.room_error import PoseCovariance
     from trecsim.calibrating.world_frame import moved
     from trecsim.geometry import Rig

@@ -10,7 +10,7 @@ from trecsim.calibrating.boards import Board
 from trecsim.calibrating.corner_sights import sights_of_images
 from trecsim.calibrating.rig_calibration import calibrate_rig
 from trecsim.calibrating.rig_fit import BoardProblem
-from trecsim.calibrating.rig_verdict import pose_changes
+from trecsim.calibrating.rig_halves import pose_changes
 from trecsim.calibrating.room_error import PoseCovariance
 from trecsim.calibrating.world_frame import moved
 from trecsim.geometry import Rig

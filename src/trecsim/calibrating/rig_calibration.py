@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.calibrating.board_times import find_offsets, later, sights_at_moments, timed_views
+from trecsim.calibrating.board_moments import sights_at_moments, timed_views
+from trecsim.calibrating.board_times import find_offsets, later
 from trecsim.calibrating.boards import Board
 from trecsim.calibrating.linking import Links, link_cameras
 from trecsim.calibrating.result import CalibrationResult, CameraQuality, Finding, judge, rms_sd
