@@ -1,5 +1,6 @@
 """All threads of a live site share few arenas of the C library."""
 
+import os
 import re
 import subprocess
 import sys
@@ -71,3 +72,24 @@ def test_memory_that_is_free_before_what_is_in_use_is_given_back(way):
         [sys.executable, "-c", HELD, way], capture_output=True, text=True, check=True
     )
     assert (float(done.stdout) < 5.0) == (way == "given back")
+
+
+ARROW = """
+from trecsim.cli.allocation import share_with_arrow
+share_with_arrow()
+import pyarrow
+print(pyarrow.default_memory_pool().backend_name)
+"""
+
+
+def test_arrow_allocates_as_the_rest_of_the_process_unless_told_otherwise():
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("ARROW_")}
+    for given, expected in (
+        ({}, "system"),
+        ({"ARROW_DEFAULT_MEMORY_POOL": "mimalloc"}, "mimalloc"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-c", ARROW],
+            capture_output=True, text=True, check=True, env=environment | given,
+        )  # fmt: skip
+        assert done.stdout.strip() == expected

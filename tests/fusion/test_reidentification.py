@@ -98,6 +98,15 @@ def test_a_new_track_takes_the_place_of_one_that_its_cameras_saw_until_the_last_
     assert found.tolist() == [since_s]
 
 
+def test_two_of_the_new_tracks_cameras_that_saw_another_lately_are_enough():
+    """A third may have missed it for a while, or never had it in view."""
+    view_cam, lately_s = np.arange(4), np.full(4, 9.85)
+    match, cam = np.array([[0, -1, -1, -1]]), np.array([1, 2, 3])
+    two, one = np.array([[10.0, 9.9, 9.95, -np.inf]]), np.array([[10.0, 9.9, 9.0, -np.inf]])
+    assert lost_since(two, cam, match, view_cam, lately_s).tolist() == [9.95]
+    assert lost_since(one, cam, match, view_cam, lately_s).tolist() == [-np.inf]
+
+
 def test_a_track_just_born_may_belong_to_a_runner_as_its_velocity_is_hardly_known():
     young = LostTrack(5, 10.0, np.array([0.0, 0.0, 0.9]), np.zeros(3), YOUNG_MPS)
     there = np.array([0.75, 0.0, 0.9])

@@ -72,11 +72,29 @@ print("pandas" in sys.modules)
 """
 
 
-def test_a_process_that_writes_tracks_does_not_load_pandas(tmp_path: Path) -> None:
+RECORDS = """
+import sys, time
+from pathlib import Path
+from made_live import live_moment
+from trecsim.store.parquet_file import TracksInfo
+from trecsim.store.recorder import Recorder
+path = Path(sys.argv[1]) / "a.parquet"
+writer = Recorder(path, TracksInfo(), part_s=0.005, parts_of_a_minute=3, segment_s=0.4)
+for number in range(40):
+    writer.write(live_moment(number, people=2))
+    time.sleep(0.002)
+writer.close()
+print("pandas" in sys.modules)
+"""
+
+
+@pytest.mark.parametrize("program", [WRITES, RECORDS], ids=["writes", "records hours"])
+def test_a_process_that_writes_tracks_does_not_load_pandas(tmp_path: Path, program: str) -> None:
+    pytest.importorskip("pandas")
     path = os.pathsep.join(sys.path)
     done = subprocess.run(
-        [sys.executable, "-c", WRITES, tmp_path], capture_output=True, text=True, check=True,
+        [sys.executable, "-c", program, tmp_path], capture_output=True, text=True, check=True,
         env={**os.environ, "PYTHONPATH": path},
     )  # fmt: skip
     assert done.stdout.split() == ["False"]
-    assert (tmp_path / "a.parquet").is_file()
+    assert (tmp_path / "a.parquet").exists()

@@ -6,7 +6,7 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
 
-from trecsim.cli.allocation import give_back_often, share_arenas
+from trecsim.cli.allocation import give_back_often, share_arenas, share_with_arrow
 from trecsim.cli.first_run import compile_first, tell_first_run
 from trecsim.cli.models_command import fetch_first
 from trecsim.cli.stopping import reloading_on_hangup, stopping_in_order
@@ -73,6 +73,7 @@ def run(
         Print the summary as one JSON object.
     """
     share_arenas()  # before anything starts threads
+    share_with_arrow()
     give_back_often()
     from trecsim.cli.page_line import site_page
     from trecsim.service.live_inputs import live_inputs

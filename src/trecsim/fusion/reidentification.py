@@ -13,6 +13,7 @@ from trecsim.fusion.tuning import (
     EXTRAPOLATE_S,
     REIDENTIFY_M,
     REIDENTIFY_MPS,
+    TORN_VIEWS,
     UNSEEN_M,
     UNSEEN_MPS,
     YOUNG_MPS,
@@ -174,15 +175,16 @@ def lost_since(
 
     Notes
     -----
-    A track is lost if no detection supports it in this frame set; or if each camera of the new
-    track supported it until the last image, and shows the new one in its place now: then the same
-    motion was within the gate of the other cameras' earlier images.
+    A track is lost if no detection supports it in this frame set; or if two cameras of the new
+    track supported it until the last image, and none of the new track's cameras shows it now: then
+    the same motion was within the gate of the other cameras' earlier images, or along their rays.
     """
     out = np.full(len(last_seen_s), -np.inf)
     last_seen_s = last_seen_s[: len(match)]
     unseen = (match < 0).all(axis=1)
     gone_here = (match[:, np.isin(view_cam, cam)] < 0).all(axis=1)
-    torn = gone_here & (last_seen_s[:, cam] > lately_s[cam]).all(axis=1)
+    until_now = (last_seen_s[:, cam] > lately_s[cam]).sum(axis=1)
+    torn = gone_here & (until_now >= min(TORN_VIEWS, len(cam)))
     since_s = np.where(unseen, last_seen_s.max(axis=1), last_seen_s[:, cam].max(axis=1))
     out[: len(match)] = np.where(unseen | torn, since_s, -np.inf)
     return out

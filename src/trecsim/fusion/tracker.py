@@ -32,7 +32,7 @@ from trecsim.fusion.reports import Reports
 from trecsim.fusion.settings import FusionSettings
 from trecsim.fusion.single_views import NOBODY, Company, SingleViews
 from trecsim.fusion.spline import ORDER, KnotGrid
-from trecsim.fusion.tuning import CHECK_S
+from trecsim.fusion.tuning import CHECK_S, TORN_LOOK_BACK
 from trecsim.geometry import Rig
 from trecsim.skeleton import COCO17, Skeleton
 from trecsim.sync.clocks import JUMP_S, Clocks
@@ -355,7 +355,7 @@ class Tracker:
         Its person has moved further than the association allows, as in a fall. Tracks whose
         identities are `named` already do not count.
         """
-        people, since_s = self._people, self._t_s - self._times.look_back_s
+        people, since_s = self._people, self._t_s - TORN_LOOK_BACK * self._times.look_back_s
         seen_s = lost_since(people.last_seen_s, cam, association.match, images.cam, since_s)
         seen_s[[identity in named for identity in people.id.tolist()]] = -np.inf
         if not np.isfinite(seen_s).any():

@@ -372,6 +372,11 @@ UNSEEN_M: Final = 0.2
 UNSEEN_MPS: Final = 3.0
 YOUNG_S: Final = 0.2
 YOUNG_MPS: Final = 6.0
+# A living track that another camera still shows is replaced, too, if so many cameras showed it
+# lately and show the new one now: along the ray of a camera the gate is wide. Lately is so many
+# times as long ago as a camera's support counts, as an image may be lost and a detection missed.
+TORN_VIEWS: Final = 2
+TORN_LOOK_BACK: Final = 2.0
 # Longest extrapolation at the last velocity: after a step, people turn or stop [s].
 EXTRAPOLATE_S: Final = 0.5
 

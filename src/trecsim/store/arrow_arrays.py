@@ -53,6 +53,34 @@ def filled(column: pa.Array | pa.ChunkedArray, value: int) -> np.ndarray:
     return np.frombuffer(content, kind, len(known), known.offset * kind.itemsize)
 
 
+def numbers_of(column: pa.Array | pa.ChunkedArray) -> np.ndarray:
+    """Return the numbers of a column that has no null.
+
+    Examples
+    --------
+    >>> numbers_of(pa.chunked_array([[0.5], [1.5, 2.5]]))
+    array([0.5, 1.5, 2.5])
+    """
+    whole = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
+    kind = np.dtype(whole.type.to_pandas_dtype())
+    content = whole.buffers()[1]
+    if not len(whole):
+        return np.empty(0, kind)
+    return np.frombuffer(content, kind, len(whole), whole.offset * kind.itemsize)
+
+
+def flag_array(flags: Bool[np.ndarray, " row"]) -> pa.BooleanArray:
+    """Return flags as an Arrow array.
+
+    Examples
+    --------
+    >>> flag_array(np.array([True, False])).to_pylist()
+    [True, False]
+    """
+    packed = pa.py_buffer(np.packbits(flags, bitorder="little"))
+    return pa.Array.from_buffers(pa.bool_(), len(flags), [None, packed])
+
+
 def text_array(texts: Sequence[str]) -> pa.StringArray:
     """Return texts as an Arrow array.
 

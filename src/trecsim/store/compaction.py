@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
+from trecsim.store.arrow_arrays import filled
 from trecsim.store.atomic import PRIVATE_FILE, disk_faults
 from trecsim.store.compact_file import compact_groups, merged, write_compact
 from trecsim.store.growing import is_file_at, lock_waiting
@@ -161,9 +162,6 @@ def complete_segment(
             write_compact(target, groups, info)
             write_catalogue(parts, _with_people(parts, target, people, before))
         shutil.rmtree(folder)
-    # Arrow keeps what an hour of tables took, 16 MB of two people: a live site would hold it until
-    # the next hour ends.
-    pa.default_memory_pool().release_unused()
     return frozenset(people)
 
 
@@ -176,12 +174,12 @@ def _counted(files: Iterable[Path], people: set[int]) -> Iterator[pa.Table]:
 
 def people_of(table: pa.Table) -> set[int]:
     """Return the identities in a table that are not only provisional."""
-    person = table["person"].fill_null(-1).to_numpy()
+    person = filled(table["person"], -1)
     if "state" in table.column_names:
         coded = table["state"].combine_chunks()
         coded = coded if pa.types.is_dictionary(coded.type) else coded.dictionary_encode()
         known = [n for n, name in enumerate(coded.dictionary.to_pylist()) if name != PROVISIONAL]
-        person = person[np.isin(coded.indices.fill_null(-1).to_numpy(), known)]
+        person = person[np.isin(filled(coded.indices, -1), known)]
     return set(np.unique(person).tolist()) - {-1}
 
 

@@ -13,6 +13,7 @@ import pyarrow as pa
 from jaxtyping import Bool
 
 from trecsim.errors import InputError, SetupError
+from trecsim.store.arrow_arrays import filled, flag_array, numbers_of
 from trecsim.store.atomic import atomic_write, partial_path
 from trecsim.store.compact_file import write_compact, write_compact_to
 from trecsim.store.compaction import changing
@@ -97,10 +98,10 @@ def erase(
         raise InputError(f"there is no recording with {TRACKS} in {folder}")
 
     def stays(table: pa.Table) -> Bool[np.ndarray, " row"]:
-        t_s = table["t_s"].to_numpy()
+        t_s = numbers_of(table["t_s"])
         goes = (t_s >= from_s) & (t_s <= to_s)
         if person is not None:
-            goes &= table["person"].fill_null(-1).to_numpy() == person
+            goes &= filled(table["person"], -1) == person
         kept: Bool[np.ndarray, " row"] = ~goes
         return kept
 
@@ -223,7 +224,7 @@ def _filtered(path: Path, stays: Kept) -> Iterator[pa.Table]:
     for group in file_groups(path):
         mask = stays(group)
         if mask.any():
-            yield group.filter(pa.array(mask))
+            yield group.filter(flag_array(mask))
 
 
 def _erase_poses(folder: Path, from_s: float, to_s: float, person: int | None) -> tuple[str, ...]:

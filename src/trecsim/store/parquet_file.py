@@ -14,6 +14,7 @@ from pyarrow import parquet as pq
 
 from trecsim.errors import InputError
 from trecsim.skeleton import COCO17, SKELETONS, Skeleton
+from trecsim.store.arrow_arrays import numbers_of
 from trecsim.store.atomic import opened_for_reading
 from trecsim.store.native import native_file
 from trecsim.store.rows import (
@@ -154,7 +155,7 @@ def _extent(file: pq.ParquetFile, name: str) -> tuple[float, float]:
     groups = [_statistics(file, name, group) for group in range(file.num_row_groups)]
     known = [one for one in groups if one is not None]
     if len(known) < len(groups):  # others write files without statistics
-        numbers = file.read(columns=[name])[name].drop_null().to_numpy()
+        numbers = numbers_of(file.read(columns=[name])[name].drop_null())
         if not len(numbers):
             return math.nan, math.nan
         return numbers.min().item(), numbers.max().item()

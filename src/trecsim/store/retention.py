@@ -17,6 +17,7 @@ import pyarrow as pa
 from jaxtyping import Bool
 
 from trecsim.errors import Error, InputError, SetupError
+from trecsim.store.arrow_arrays import numbers_of
 from trecsim.store.claiming import is_claimed
 from trecsim.store.erasing import catalogue_anew, changing_tracks, keep_rows
 from trecsim.store.ledger import Ledger
@@ -144,7 +145,7 @@ def _shrink(old: _Old, needed: Spans) -> bool:
         return False  # it was shrunk before
 
     def stays(table: pa.Table) -> Bool[np.ndarray, " row"]:
-        t_s = table["t_s"].to_numpy()
+        t_s = numbers_of(table["t_s"])
         inside = np.zeros(len(t_s), bool)
         for low, high in needed:
             inside |= (t_s >= low) & (t_s <= high)

@@ -54,8 +54,8 @@ def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info,
         w, _, _, du, dv = project(P, c, x[0], x[1], x[2])
         if not w > NEAR_M:
             continue
-        q = min(quality[c], 1.0) if quality[c] > 0.0 else FADED_QUALITY
-        sigma_px = usual_m * focal_px[c] / (w * math.sqrt(q))
+        certainty = min(quality[c], 1.0) if quality[c] > 0.0 else FADED_QUALITY
+        sigma_px = usual_m * focal_px[c] / (w * math.sqrt(certainty))
         weight = 1.0 / (share * (sigma_px * sigma_px + least_px2))
         of_camera = weight * weight * cameras.error_px2[c]
         for p in range(3):
