@@ -46,6 +46,15 @@ def test_who_appears_where_somebody_was_lost_is_that_person_for_a_while_only():
     assert within([other, WALKING], 11.6, 1.5) == []
 
 
+def test_whom_one_camera_alone_saw_before_may_be_further_away():
+    here = np.array([-0.1, 0.0, 0.9])  # 1.1 m behind
+    assert reidentify([WALKING], here, 10.4, 1.5) is None
+    alone = replace(WALKING, alone_s=0.8)
+    assert reidentify([alone], here, 10.4, 1.5) is alone
+    for_long = replace(WALKING, alone_s=30.0)
+    assert reidentify([for_long], here - [0.5, 0.0, 0.0], 10.4, 1.5) is None
+
+
 def population(xyz):
     people = Population.empty(17, 9, 4, 0)
     people.xyz_m = xyz

@@ -10,6 +10,7 @@ from trecsim.fusion.model import Model
 from trecsim.fusion.population import Population
 from trecsim.fusion.spline import KnotGrid
 from trecsim.fusion.tuning import (
+    ALONE_S,
     EXTRAPOLATE_S,
     REIDENTIFY_M,
     REIDENTIFY_MPS,
@@ -35,6 +36,8 @@ class LostTrack:
         Position and velocity of the torso then.
     reach_mps
         How far its velocity may be off.
+    alone_s
+        For how long one camera alone had supported it then [s].
     """
 
     id: int
@@ -42,6 +45,7 @@ class LostTrack:
     xyz_m: Float64[np.ndarray, "3"]
     velocity_mps: Float64[np.ndarray, "3"]
     reach_mps: float = UNSEEN_MPS
+    alone_s: float = 0.0
 
     def distance_m(self, xyz_m: Float64[np.ndarray, "3"], t_s: float) -> float:
         """Return the distance of `xyz_m` from where the person may be at `t_s`.
@@ -81,7 +85,8 @@ def reidentify(
     near = [
         (one.distance_m(xyz_m, t_s), one)
         for one in within(dead, t_s, reidentify_s)
-        if one.distance_m(xyz_m, t_s) < REIDENTIFY_M + REIDENTIFY_MPS * (t_s - one.t_s)
+        if one.distance_m(xyz_m, t_s)
+        < REIDENTIFY_M + REIDENTIFY_MPS * (t_s - one.t_s + min(one.alone_s, ALONE_S))
     ]
     return min(near, key=lambda pair: pair[0])[1] if near else None
 
@@ -208,5 +213,6 @@ def lost_tracks(
         kernels.torso_motion(people.c[k], model.torso, grid.knot_time(then_s), grid.knot_s, motion)
         known = then_s - people.born_s[k] > YOUNG_S
         reach_mps = UNSEEN_MPS if known else YOUNG_MPS
-        lost.append(LostTrack(int(people.id[k]), then_s, motion[0], motion[1], reach_mps))
+        alone_s = max(then_s - float(people.last_two_view_s[k]), 0.0)
+        lost.append(LostTrack(int(people.id[k]), then_s, motion[0], motion[1], reach_mps, alone_s))
     return lost

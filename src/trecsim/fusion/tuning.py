@@ -364,6 +364,9 @@ ASIDE_M: Final = 2.0
 # arm's length, plus half of a walking speed times the time that has passed [m, m/s].
 REIDENTIFY_M: Final = 0.5
 REIDENTIFY_MPS: Final = 0.6
+# The time for which one camera alone had seen the person counts, too, up to this [s]: the distance
+# from a camera is only roughly known.
+ALONE_S: Final = 1.0
 # A new track replaces a living one without a detection in the frame set within this distance of
 # where that person may be: the error of a place, plus the speed of a trunk that falls times the
 # time since the track was last seen [m, m/s]. The velocity of a younger track is hardly known [s]:
