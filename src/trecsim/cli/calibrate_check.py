@@ -122,8 +122,10 @@ def revoke(site: Path, /, *, out: Path | None = None, json: bool = False) -> Non
             "automatic = true in [repair]"
         )
     named = ", ".join(repair.turn_deg)
-    kept = repairs.folder / repair.rig
+    kept = repairs.folder / repair.rig if repair.rig else None
     text = f"the repair of {named} is taken back; the repaired rig is still in {kept}"
+    if kept is None:
+        text = f"a repair that could not be read is taken back; {repairs.folder} has what is left"
     finish({"cameras": dict(repair.turn_deg), "rig": kept}, json, text)
 
 

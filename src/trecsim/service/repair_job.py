@@ -21,6 +21,8 @@ from trecsim.values import Poses2D
 
 LONGEST_S = 300.0  # with kernels that are compiled first, on a busy machine
 NICENESS = 10
+SCRATCH = ".repair-"
+"""How the names of the folders begin in which repairs work."""
 
 RIG_BEFORE, POSES, RIG_AFTER, SAID = "before.toml", "poses.jsonl", "after.toml", "said.txt"
 
@@ -54,30 +56,46 @@ class RepairJob:
         The rig in force.
     poses
         What the cameras saw since one of them was knocked.
+    folder
+        Where it works, in a private folder of its own that is deleted afterwards.
     clock
         A steady clock [s].
     """
 
     def __init__(
-        self, rig: Rig, poses: Iterable[Poses2D], *, clock: Callable[[], float] = time.monotonic
+        self,
+        rig: Rig,
+        poses: Iterable[Poses2D],
+        folder: Path,
+        *,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._clock, self._began_s = clock, clock()
-        self._scratch = tempfile.TemporaryDirectory(prefix="trecsim-repair-")
-        folder = self._folder = Path(self._scratch.name)
+        folder.mkdir(parents=True, exist_ok=True)
+        self._scratch = tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder)
+        self._folder = Path(self._scratch.name)
+        try:
+            self._process = self._begun(rig, poses)
+        except BaseException:
+            self._scratch.cleanup()
+            raise
+        with suppress(OSError, AttributeError):
+            os.setpriority(os.PRIO_PROCESS, self._process.pid, NICENESS)
+
+    def _begun(self, rig: Rig, poses: Iterable[Poses2D]) -> subprocess.Popen[bytes]:
+        folder = self._folder
         write_rig(rig, folder / RIG_BEFORE, format="trecsim")
         with PosesWriter(folder / POSES) as writer:
             for one in poses:
                 writer.write(one)
         files = [str(folder / name) for name in (RIG_BEFORE, POSES)]
         with (folder / SAID).open("wb") as said, (folder / "result.json").open("wb") as result:
-            self._process = subprocess.Popen(
+            return subprocess.Popen(
                 [sys.executable, "-c", "from trecsim.cli import main; main()", "calibrate",
                  "repair", *files, "--out", str(folder / RIG_AFTER), "--json"],
                 stdin=subprocess.DEVNULL, stdout=result, stderr=said, start_new_session=True,
                 env=environment(),
             )  # fmt: skip
-        with suppress(OSError, AttributeError):
-            os.setpriority(os.PRIO_PROCESS, self._process.pid, NICENESS)
 
     def result(self) -> Repaired | None:
         """Return what came of it; None while it runs."""

@@ -1,6 +1,7 @@
 """Keeps the rig of a live site right: a camera that was knocked is put right by the people."""
 
 import logging
+import shutil
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -8,11 +9,12 @@ from threading import Lock
 
 import numpy as np
 
+from trecsim.errors import Error
 from trecsim.geometry import Rig
 from trecsim.geometry.rigid import rotation_vector
 from trecsim.health import Health
 from trecsim.service.kept_poses import KeptPoses
-from trecsim.service.repair_job import Repaired, RepairJob
+from trecsim.service.repair_job import SCRATCH, Repaired, RepairJob
 from trecsim.service.rig_repairs import RigRepairs
 from trecsim.values import Poses2D
 
@@ -20,7 +22,8 @@ logger = logging.getLogger(__name__)
 
 SETTLED_S = 3.0  # that a camera is off is known since some seconds; then it stands still again
 NEEDED_S = 15.0  # of people in the camera and in another one
-AGAIN_S = 30.0  # after a try
+AGAIN_S = 30.0  # after a try; after each one that failed, twice as long
+LONGEST_AGAIN_S = 1800.0  # tries take a processor core: one that cannot succeed must stay rare
 OTHERS_DEG = 0.3  # a repair that turns other cameras by more is refused
 
 
@@ -45,7 +48,7 @@ class RigKeeper:
     clock
         A steady clock [s].
     launch
-        Begins a repair.
+        Begins a repair: is given the rig in force, 2D poses, and the folder to work in.
     """
 
     def __init__(
@@ -66,8 +69,11 @@ class RigKeeper:
         self._offered = self._rig if self._rig is not rig else None
         self._job: RepairJob | None = None
         self._wanted: dict[str, float] = {}
-        self._tried_s = -np.inf
+        self._tried_s, self._again_s = -np.inf, AGAIN_S
         self._revoked: set[str] = set()
+        if automatic:  # what a process that was killed has left
+            for left in repairs.folder.glob(SCRATCH + "*"):
+                shutil.rmtree(left, ignore_errors=True)
         if self._offered is not None:
             logger.warning("%s; take it back: %s", self._told(), revoke_by)
 
@@ -125,7 +131,7 @@ class RigKeeper:
             for name, camera in health.cameras.items()
             if camera.moved_since_s is not None and name not in self._revoked
         }
-        if not off or self._clock() - self._tried_s < AGAIN_S:
+        if not off or self._clock() - self._tried_s < self._again_s:
             return
         since_s = max(off.values()) + SETTLED_S
         if min(self._poses.seconds_of_people(name, since_s) for name in off) < NEEDED_S:
@@ -133,14 +139,16 @@ class RigKeeper:
         self._tried_s = self._clock()
         self._wanted = {name: health.cameras[name].moved_deg or 0.0 for name in off}
         logger.warning("%s: a repair from the people begins", _listed(self._wanted))
-        self._job = self._launch(self._rig, self._poses.since(since_s))
+        try:
+            self._job = self._launch(self._rig, self._poses.since(since_s), self._repairs.folder)
+        except (Error, OSError) as error:
+            self._refuse(str(error))
 
     def _take(self, result: Repaired) -> None:
         """Use what a repair found, or say why not."""
         why = self._refusal(result)
         if why is not None or result.rig is None:
-            logger.warning("%s: not repaired: %s", _listed(self._wanted), why)
-            self._repairs.note("refused", cameras=self._wanted, why=why)
+            self._refuse(why or "there is no rig")
             return
         rig = Rig(
             tuple(
@@ -150,9 +158,23 @@ class RigKeeper:
                 for camera in self._rig
             )
         )
-        self._repairs.put(rig, self._site_rig, turned_deg(self._site_rig, rig), result.reasons)
+        try:
+            self._repairs.put(rig, self._site_rig, turned_deg(self._site_rig, rig), result.reasons)
+        except Error as error:
+            self._refuse(str(error))
+            return
+        self._again_s = AGAIN_S
         self._use(rig)
         logger.warning("%s; take it back: %s", self._told(), self._revoke_by)
+
+    def _refuse(self, why: str) -> None:
+        """Say why nothing is repaired, and wait longer before the next try."""
+        self._again_s = min(2.0 * self._again_s, LONGEST_AGAIN_S)
+        logger.warning(
+            "%s: not repaired: %s; tried again in %.0f s at the earliest",
+            _listed(self._wanted), why, self._again_s,
+        )  # fmt: skip
+        self._repairs.note("refused", cameras=self._wanted, why=why)
 
     def _refusal(self, result: Repaired) -> str | None:
         if result.rig is None or result.verdict == "wrong":
@@ -170,8 +192,9 @@ class RigKeeper:
         return None
 
     def _look_whether_revoked(self) -> None:
-        if self._rig is self._site_rig or self._repairs.current() is not None:
+        if self._rig is self._site_rig or not self._repairs.is_revoked:
             return
+        self.close()  # of a repair that runs, the poses are of the rig that was
         self._revoked |= set(self.repaired_deg)
         named = ", ".join(map(repr, sorted(self._revoked)))
         self._use(self._site_rig)

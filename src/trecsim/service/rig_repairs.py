@@ -1,6 +1,8 @@
 """The repairs that a site made to its rig by itself: kept as files, logged, and revocable."""
 
 import json
+import logging
+import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -10,8 +12,10 @@ from typing import Any
 from trecsim.calibration import read_rig, write_rig
 from trecsim.errors import Error
 from trecsim.geometry import Rig
-from trecsim.store.atomic import atomic_write
+from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.rig_digest import rig_sha256
+
+logger = logging.getLogger(__name__)
 
 FOLDER = "repairs"
 CURRENT, LOG = "current.json", "log.jsonl"
@@ -70,6 +74,19 @@ class RigRepairs:
             )
         except (OSError, ValueError, TypeError, KeyError, AttributeError):
             return None
+        except (OverflowError, RecursionError):  # a file that is damaged or made to do harm
+            return None
+
+    @property
+    def is_revoked(self) -> bool:
+        """Whether no repair is in force, not even one that cannot be read now."""
+        try:
+            os.lstat(self.folder / CURRENT)
+        except (FileNotFoundError, NotADirectoryError):
+            return True
+        except OSError:
+            return False
+        return False
 
     def rig(self, site_rig: Rig) -> Rig:
         """Return the rig in force: that of the site file, or what a repair made of this rig."""
@@ -91,7 +108,8 @@ class RigRepairs:
             When the disk has no room.
         """
         now = datetime.now(UTC)
-        self.folder.mkdir(parents=True, exist_ok=True)
+        with disk_faults(self.folder):
+            self.folder.mkdir(parents=True, exist_ok=True)
         name = f"rig-{now:%Y%m%dT%H%M%S%fZ}.toml"
         write_rig(rig, self.folder / name, format="trecsim")
         repair = RigRepair(
@@ -103,16 +121,39 @@ class RigRepairs:
         self.note("repaired", **asdict(repair))
 
     def revoke(self) -> RigRepair | None:
-        """Put the rig of the site file in force again; return the repair that was."""
-        repair = self.current()
-        if repair is not None:
-            (self.folder / CURRENT).unlink(missing_ok=True)
-            self.note("revoked", rig=repair.rig, turn_deg=dict(repair.turn_deg))
+        """Put the rig of the site file in force again; return the repair that was.
+
+        Where its file cannot be read, the repair has no rig and no cameras.
+
+        Raises
+        ------
+        InputError
+            When the file may not be removed.
+        """
+        if self.is_revoked:
+            return None
+        repair = self.current() or RigRepair("", "", "", {})
+        with disk_faults(self.folder / CURRENT):
+            try:
+                (self.folder / CURRENT).unlink()
+            except FileNotFoundError:  # somebody else was faster
+                return None
+        self.note("revoked", rig=repair.rig, turn_deg=dict(repair.turn_deg))
         return repair
 
     def note(self, action: str, **facts: Any) -> None:
-        """Add a line to the log: what was done."""
-        self.folder.mkdir(parents=True, exist_ok=True)
+        """Add a line to the log: what was done. A log that cannot be written undoes nothing."""
         stamp = datetime.now(UTC).isoformat(timespec="milliseconds")
-        with (self.folder / LOG).open("a", encoding="utf-8") as file:
-            file.write(json.dumps({"time": stamp, "action": action, **facts}) + "\n")
+        line = json.dumps({"time": stamp, "action": action, **facts}) + "\n"
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            with (self.folder / LOG).open("ab+") as file:
+                if file.tell() > 0:
+                    file.seek(-1, os.SEEK_END)
+                    line = line if file.read(1) == b"\n" else "\n" + line  # after a crash
+                file.write(line.encode())
+        except OSError as error:
+            logger.warning(
+                "%s cannot be written (%s); it lacks that a repair was %s",
+                self.folder / LOG, error.strerror, action,
+            )  # fmt: skip

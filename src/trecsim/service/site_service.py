@@ -13,6 +13,8 @@ from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from shlex import quote
+from threading import Lock
 from typing import Any, cast
 
 from trecsim.assessing import RuleSet, rule_set
@@ -72,7 +74,9 @@ class SiteService:
         self._pictures: PictureMaker | None = None
         self._deliveries: list[Delivery] = []
         self._rules: RuleWatch | None = None
-        self._site: Site | None = None
+        self._lock = Lock()  # of what the page shows: a new rig comes in another thread
+        self._file: SiteFile | None = None
+        self._rig: Rig | None = None
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -110,16 +114,14 @@ class SiteService:
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        self._site = checked.file.site
-        signals = KeptSignals(_signals(self._site, inputs), self._named_places)
+        site = checked.file.site
+        signals = KeptSignals(_signals(site, inputs), self._named_places)
         rules = self._rules = RuleWatch(
             _rules_of(checked.file, checked.rig), self._put_event, signals
         )
         counting = Counting(checked.file.site)
         keeper = _rig_keeper(checked, out, live=feed is not None)
-        self._reloading = Reloading(
-            checked.file, partial(self._apply, rules, counting, checked.rig)
-        )
+        self._reloading = Reloading(checked.file, partial(self._apply, rules, counting))
         watchers = monitor.sinks()
         watchers = replace(watchers, snapshots=[*watchers.snapshots, rules, counting])
         watchers = replace(watchers, poses=[*watchers.poses, keeper])
@@ -167,7 +169,7 @@ class SiteService:
                 watchers=watchers,
                 store=store,
                 recording=recording,
-                rigs=partial(self._new_rig, keeper, monitor, checked.file),
+                rigs=partial(self._new_rig, keeper, monitor),
                 stop=asked,
                 picture=drawn,
                 **options,
@@ -194,17 +196,17 @@ class SiteService:
             self._rules.override(Overrides.of(store.ledger.setting(OVERRIDES)))
         return [FaultLog(), faults]
 
-    def _apply(self, rules: RuleWatch, counting: Counting, rig: Rig, file: SiteFile) -> None:
+    def _apply(self, rules: RuleWatch, counting: Counting, file: SiteFile) -> None:
         """Take over what has changed in a site file."""
-        self._site = file.site
-        rules.change(_rules_of(file, rig))
+        assert self._rig is not None
+        rules.change(_rules_of(file, self._rig))
         counting.change(file.site)
-        self._show(file, rig)
+        self._show(file=file)
 
     def _named_places(self) -> PlaceNames:
         """Return the names of lines and volumes, as messages of feeds should have them."""
-        site = self._site
-        return ((), ()) if site is None else (site.lines, site.volumes)
+        file = self._file
+        return ((), ()) if file is None else (file.site.lines, file.site.volumes)
 
     def _put_event(self, event: dict[str, Any]) -> None:
         """Keep and show an event of a rule; of a recording, only show it."""
@@ -213,10 +215,13 @@ class SiteService:
         else:
             self._show_event(event, False)
 
-    def _show(self, file: SiteFile, rig: Rig) -> None:
-        """Show a site on the page, if there is one."""
-        if self._page is not None:
-            self._page.site(site_view(file, rig))
+    def _show(self, file: SiteFile | None = None, rig: Rig | None = None) -> None:
+        """Show a site on the page, if there is one; None is what was shown last."""
+        with self._lock:
+            self._file = self._file if file is None else file
+            self._rig = self._rig if rig is None else rig
+            if self._page is not None and self._file is not None and self._rig is not None:
+                self._page.site(site_view(self._file, self._rig))
 
     def _tell_event(self, event: Mapping[str, Any], kept: bool) -> None:
         """Show an event, and let all outputs look for it."""
@@ -252,12 +257,12 @@ class SiteService:
         elif request.kind == "picture" and self._pictures is not None:
             self._pictures.look(request.body["camera"])
 
-    def _new_rig(self, keeper: RigKeeper, monitor: Monitor, file: SiteFile) -> Rig | None:
+    def _new_rig(self, keeper: RigKeeper, monitor: Monitor) -> Rig | None:
         """Return a rig that is to be used from now on, told to all who compare with it."""
         rig = keeper.new_rig()
         if rig is not None:
             monitor.take_rig(rig)
-            self._show(file, rig)
+            self._show(rig=rig)
         return rig
 
     def _picture_maker(self, checked: CheckedSite) -> PictureMaker | None:
@@ -270,12 +275,12 @@ class SiteService:
 def _rig_keeper(checked: CheckedSite, out: Path | None, *, live: bool) -> RigKeeper:
     """Return who repairs the rig, where the site file wants that."""
     site = checked.file
-    given = f" --out {out}" if out is not None else ""
+    given = f" --out {quote(str(out))}" if out is not None else ""
     return RigKeeper(
         checked.rig,
         RigRepairs(out or recordings_folder(site)),
         automatic=live and site.site.repair.automatic,
-        revoke_by=f"trecsim calibrate revoke {site.path}{given}",
+        revoke_by=f"trecsim calibrate revoke {quote(str(site.path))}{given}",
     )
 
 
