@@ -29,6 +29,7 @@ def write_video(
     b_frames: int = 0,
     rotated_deg: float | None = None,
     options: dict[str, str] | None = None,
+    pix_fmt: str = "yuv420p",
 ) -> Path:
     """Encode `images`, at a constant rate or at the times given; return `path`."""
     with av.open(str(path), "w", format=container, options=options or {}) as file:
@@ -37,7 +38,7 @@ def write_video(
             if stream is None:
                 stream = file.add_stream(codec, rate=fps)
                 stream.height, stream.width = image.shape[:2]
-                stream.pix_fmt = "yuvj420p" if codec == "mjpeg" else "yuv420p"
+                stream.pix_fmt = "yuvj420p" if codec == "mjpeg" else pix_fmt
                 stream.codec_context.time_base = MILLISECOND if t_ms else Fraction(1, fps)
                 if codec == "libx264":
                     stream.options = {"bf": str(b_frames), "g": "10", "crf": "10"}

@@ -6,12 +6,15 @@ import pytest
 import trecsim
 from made_rigs import ring
 from trecsim.errors import InputError
+from trecsim.export.exporting import export_tracks as export
+from trecsim.films import render
 from trecsim.pipeline import track
 from trecsim.skeleton import COCO17, HALPE26, skeleton_with
 from trecsim.sources.usable import coco17
+from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.poses_writer import PosesWriter
-from trecsim.store.tracks import export_tracks
-from trecsim.values import Poses2D
+from trecsim.store.tracks import export_tracks, tracks_writer
+from trecsim.values import Poses2D, Snapshot
 
 STANDING_M = {
     "nose": (0.12, 0.0, 1.6), "eye": (0.1, 0.03, 1.63), "ear": (0.02, 0.07, 1.61),
@@ -89,3 +92,18 @@ def test_images_with_other_numbers_of_key_points_are_told():
     with pytest.raises(InputError, match="no known skeleton has 20 key points"):
         list(trecsim.follow(poses(joints=20), RIG))
     assert skeleton_with(20) is None
+
+
+@pytest.mark.parametrize("name", ["o.usda", "o.c3d", "o.glb", "o.trc", "o.png"])
+@pytest.mark.parametrize("moments", [40, 512])
+def test_tracks_with_feet_are_exported_and_drawn(tmp_path, name, moments):
+    xyz_m = np.random.default_rng(0).normal(size=(1, 26, 3))
+    with tracks_writer(tmp_path / "t.parquet", TracksInfo(skeleton=HALPE26)) as writer:
+        for number in range(moments):
+            cov_m2 = np.tile(1e-4 * np.eye(3), (1, 26, 1, 1))
+            writer.write(Snapshot(number / 25, np.array([1]), xyz_m, cov_m2, np.full((1, 26), 3)))
+    if name == "o.png":
+        assert render(tmp_path / "t.parquet", tmp_path / name).people == 1
+    else:
+        made = export(tmp_path / "t.parquet", tmp_path / name)
+        assert (made.moments, made.rows) == (moments, 17 * moments)

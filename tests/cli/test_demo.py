@@ -5,10 +5,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from trecsim.cli import demo_command
+from trecsim.lab.evaluation.ground_truth import compare
 from trecsim.lab.packs.pack_files import PACKS
+from trecsim.values import Snapshot
 
 
 def test_the_command_tells_what_came_of_it(
@@ -85,3 +88,12 @@ def test_a_demo_of_a_pack_is_a_site_with_its_rules(
     assert 'id = "fall-in-strip"' in site
     code, out, _ = trecsim("site", "check", tmp_path / "lift" / "site.toml")
     assert code == 0
+
+
+def test_a_demo_in_which_nobody_is_tracked_says_so() -> None:
+    nobody = np.empty((0, 17, 3))
+    empty = Snapshot(0.5, np.empty(0, int), nobody, np.empty((0, 17, 3, 3)), np.empty((0, 17), int))
+    truth = compare([empty], np.array([0.0, 1.0]), np.zeros((1, 2, 17, 3)))
+    error, *others = demo_command._against_truth(truth)
+    assert error == ("joint error", "unknown: nobody was tracked near the truth")
+    assert not any("nan" in text for _, text in others)

@@ -1,6 +1,8 @@
 """Live images become 2D poses; an estimator that hangs or dies costs only its camera."""
 
-from threading import Event
+import weakref
+from dataclasses import replace
+from threading import Event, Semaphore
 
 import numpy as np
 import pytest
@@ -114,3 +116,54 @@ def test_key_points_of_live_images_are_pixels_of_the_images_as_the_camera_took_t
     found = {one.item.camera: one.item.xy_px for one in poses.arrivals() if one.item}
     np.testing.assert_allclose(found["south"], 7.0)
     np.testing.assert_allclose(found["north"], (7.0 + 0.5) * 2.0 - 0.5)
+
+
+def test_an_estimator_that_returns_after_each_of_many_hangs_is_still_replaced():
+    class Slow(Brightness):
+        """Hangs on every image of one camera until that was told."""
+
+        told = Semaphore(0)
+
+        def __call__(self, frame):
+            if frame.camera == "north":
+                self.told.acquire(timeout=30.0)
+            return super().__call__(frame)
+
+    eyes, faults, box = Slow(), [], Mailbox(depth=8)
+    box.begin()
+
+    def fault(error):
+        faults.append(error)
+        eyes.told.release()
+
+    poses = estimate_live(box, eyes, fault, stalled_s=0.05)
+    for hang in range(10):
+        put(box, images("north", 1))
+        assert taken(poses, 1) == [("north", 0.0)]
+        assert len(faults) == hang + 1
+    box.end()
+
+
+def test_images_that_wait_behind_one_at_which_the_estimator_hangs_are_let_go():
+    class First(Hanging):
+        """Hangs on the first image of a camera only."""
+
+        workers = 2
+
+        def __call__(self, frame):
+            return Brightness()(frame) if frame.index else super().__call__(frame)
+
+    eyes, box = First(), Mailbox(depth=8)
+    box.begin()
+    poses = estimate_live(box, eyes, pytest.fail, stalled_s=60.0)
+    frames = [replace(frame, image=EMPTY.copy()) for frame in images("north", 4)]
+    waiting = [weakref.ref(frame.image) for frame in frames[1:-1]]
+    for frame in frames:
+        put(box, [frame])
+    del frames, frame
+    put(box, images("south", 2))
+    assert taken(poses, 2) == [("south", 0.0), ("south", 0.1)]
+    assert all(one() is None for one in waiting)
+    eyes.let_go.set()
+    assert [t_s for _, t_s in taken(poses, 4)] == [0.0, 0.1, 0.2, 0.3]
+    box.end()

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import av
@@ -14,6 +15,7 @@ from made_videos import write_video
 from trecsim import cli
 from trecsim.calibration import write_rig
 from trecsim.errors import InputError, SetupError
+from trecsim.export.exporting import export_tracks
 from trecsim.export.motions import collect
 from trecsim.films import FilmSettings, filming, render
 from trecsim.films.alerts import Alert, open_at, read_alerts
@@ -26,7 +28,8 @@ from trecsim.films.scene3d import eye_on
 from trecsim.films.stage import stage_around
 from trecsim.films.strokes import ALARM, WARNING
 from trecsim.sources import VideoFile
-from trecsim.store.tracks import read_tracks
+from trecsim.store.tracks import read_tracks, tracks_writer
+from trecsim.values import Snapshot
 
 GREY = 90
 SMALL = FilmSettings(width=480, height=270)
@@ -228,6 +231,9 @@ def test_forecasts_are_shown_until_the_next_is_due(tmp_path: Path) -> None:
         ({"width": 10}, "--width 10"),
         ({"rate_hz": 0.0}, "--rate-hz 0"),
         ({"trail_s": -1.0}, "--trail-s -1"),
+        ({"from_s": np.nan}, "--from-s nan"),
+        ({"to_s": np.nan}, "--to-s nan"),
+        ({"at_s": np.nan}, "--at-s nan"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(
@@ -259,6 +265,29 @@ def test_a_part_of_the_tracks_is_read_as_in_the_whole(tmp_path: Path) -> None:
     assert (film.frames, film.people) == (6, 1)
     with pytest.raises(InputError, match="--at-s is the moment of a picture"):
         render(tracks, tmp_path / "g.mp4", None, FilmSettings(at_s=1.0))
+
+
+def test_only_the_owner_can_read_a_picture_of_people(tmp_path: Path) -> None:
+    tracks, _, _ = two_walkers(tmp_path)
+    assert render(tracks, tmp_path / "p.png", None, SMALL).out.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize("known", [0, 20, 50])
+def test_somebody_of_whom_nothing_is_known_is_not_drawn(known: int, tmp_path: Path) -> None:
+    t_s = np.arange(50) / RATE_HZ
+    xyz_m = np.stack([walking_m(t_s), walking_m(t_s) + 1.0], axis=1)
+    xyz_m[known:, 1] = np.nan
+    with tracks_writer(tmp_path / "t.parquet") as writer:
+        for time_s, pose_m in zip(t_s.tolist(), xyz_m, strict=True):
+            cov_m2 = np.tile(1e-4 * np.eye(3), (2, 17, 1, 1))
+            writer.write(Snapshot(time_s, np.array([1, 2]), pose_m, cov_m2, np.full((2, 17), 3)))
+    tracks = tmp_path / "t.parquet"
+    at_s = replace(SMALL, at_s=0.2)
+    assert render(tracks, tmp_path / "p.png", None, at_s).people == (2 if known else 1)
+    at_s = replace(SMALL, at_s=1.5)
+    assert render(tracks, tmp_path / "p.png", None, at_s).frames == 1
+    made = export_tracks(tracks, tmp_path / "t.usda")
+    assert made.people == (2 if known else 1)
 
 
 def test_a_video_of_no_camera_and_an_unknown_ending_are_refused(tmp_path: Path) -> None:

@@ -7,7 +7,9 @@ import pytest
 
 from made_tracks import snapshot, walk
 from trecsim.errors import InputError
+from trecsim.skeleton import HALPE26
 from trecsim.store import rows as rows_module
+from trecsim.store.tracks import read_tracks
 from trecsim.store.tracks_csv import CsvWriter, read_csv
 
 HEADER = b"t_s,person,joint,x_m,y_m,z_m,sigma_m,support\n"
@@ -143,3 +145,16 @@ def _write_and_stop(path: Path) -> None:
         for one in walk(5):
             writer.write(one)
         raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b't_s,person,"joint",x_m,y_m,z_m,sigma_m,support\n0.5,1,"left_heel",1.0,2.0,3.0,0.02,4\n',
+        b"t_s,person,x_m,y_m,z_m,sigma_m,support,joint\r\n0.5,1,1.0,2.0,3.0,0.02,4,left_heel\r\n",
+        b"joint,t_s,person,x_m,y_m,z_m,sigma_m,support\nleft_heel,0.5,1,1.0,2.0,3.0,0.02,4\n",
+    ],
+)
+def test_feet_are_read_however_the_columns_are_written(tmp_path: Path, content: bytes) -> None:
+    (read,) = read_tracks(table(tmp_path, content))
+    np.testing.assert_array_equal(read.xyz_m[0, HALPE26.joints.index("left_heel")], [1, 2, 3])

@@ -149,8 +149,9 @@ def _told(result: "DemoSummary") -> str:
 
 
 def _against_truth(truth: "Comparison") -> list[tuple[str, str]]:
+    error = f"median {_cm(truth.median_m)}, 95th percentile {_cm(truth.p95_m)}"
     return [
-        ("joint error", f"median {_cm(truth.median_m)}, 95th percentile {_cm(truth.p95_m)}"),
+        ("joint error", error if truth.matched else "unknown: nobody was tracked near the truth"),
         ("identity switches", f"{truth.switches}"),
         ("missed", f"{_share(truth.missed, truth.person_frames)} of the person-frames"),
         (

@@ -69,9 +69,10 @@ def estimate_live(
 
 @dataclass(slots=True, eq=False)
 class _Task:
-    """One image that the estimator looks at."""
+    """One image that the estimator looks at; it is let go once that is done."""
 
-    frame: Frame
+    camera: str
+    frame: Frame | None
     began_s: float = field(default_factory=time.monotonic)
     found: Future[object] = field(default_factory=Future)
     is_stalled: bool = False
@@ -108,9 +109,10 @@ class _Work:
                 if frame is None or self._hangs_at(frame.camera):
                     self._free.release()
                     continue
-                task = _Task(frame)
+                task = _Task(frame.camera, frame)
+                del frame
                 with self._lock:
-                    self._begun.setdefault(frame.camera, deque()).append(task)
+                    self._begun.setdefault(task.camera, deque()).append(task)
                 self._queue.put(task)
             self._finish()
         finally:
@@ -122,10 +124,13 @@ class _Work:
 
     def _work(self) -> None:
         while (task := self._queue.get()) is not None:
+            frame, task.frame = task.frame, None  # results may wait long behind one that hangs
+            assert frame is not None
             try:
-                task.found.set_result(_estimated(self._estimator, task.frame))
+                task.found.set_result(_estimated(self._estimator, frame))
             except BaseException as error:  # the boundary of the estimator: it is told
                 task.found.set_exception(error)
+            del frame
             if self._done(task):
                 return
 
@@ -133,7 +138,7 @@ class _Work:
         """Pass on what was found, in the order of the images; tell whether to end the thread."""
         with self._lock:
             was_stalled = task.is_stalled
-            begun = self._begun[task.frame.camera]
+            begun = self._begun[task.camera]
             while begun and begun[0].found.done():
                 done = begun.popleft()
                 error = done.found.exception()
@@ -141,6 +146,8 @@ class _Work:
                     _put(done.found.result(), self._poses, self._fault)
                 else:
                     self._fault(as_fault(error))
+            if was_stalled:
+                self._replaced -= 1
         if not was_stalled:
             self._free.release()
         return was_stalled  # another has taken its place
@@ -162,13 +169,13 @@ class _Work:
             ][: _MOST_STALLED - self._replaced]
             for task in late:
                 task.is_stalled = True
+            self._replaced += len(late)
         for task in late:
-            self._replaced += 1
             self._start()
             self._free.release()
             self._fault(
                 Error(
-                    f"camera {task.frame.camera!r}: the estimator has been at one image for "
+                    f"camera {task.camera!r}: the estimator has been at one image for "
                     f"{self._stalled_s:g} s; this camera gets no 2D poses until it returns, the "
                     "others go on"
                 )

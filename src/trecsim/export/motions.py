@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int64, UInt16
 
+from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
 GAP_STEPS = 1.5
@@ -95,7 +96,9 @@ def collect(
     person: int | None = None,
     progress: Callable[[int, int | None], None] | None = None,
 ) -> Motion:
-    """Sort snapshots by person.
+    """Sort snapshots by person, with the joints of COCO-17, which exports and films are made of.
+
+    People of whom no position is known at any time are left out.
 
     Parameters
     ----------
@@ -122,6 +125,7 @@ def collect(
 
 
 _PACKED_AT_ONCE = 512
+_JOINTS = len(COCO17.joints)  # the first of Halpe-26, too
 _Packed = tuple[
     Float64[np.ndarray, " row"],
     Int64[np.ndarray, " row"],
@@ -134,17 +138,17 @@ _Packed = tuple[
 def _packed(snapshots: list[Snapshot]) -> _Packed:
     if not snapshots:
         return (
-            np.empty(0), np.empty(0, np.int64), np.empty((0, 17, 3), np.float32),
-            np.empty((0, 17), np.float32), np.empty((0, 17), np.uint16),
+            np.empty(0), np.empty(0, np.int64), np.empty((0, _JOINTS, 3), np.float32),
+            np.empty((0, _JOINTS), np.float32), np.empty((0, _JOINTS), np.uint16),
         )  # fmt: skip
-    cov_m2 = np.concatenate([one.cov_m2 for one in snapshots])
+    cov_m2 = np.concatenate([one.cov_m2[:, :_JOINTS] for one in snapshots])
     sigma_m = np.sqrt(np.trace(cov_m2, axis1=-2, axis2=-1) / 3.0)
     return (
         np.repeat([one.t_s for one in snapshots], [len(one.id) for one in snapshots]),
         np.concatenate([one.id for one in snapshots]).astype(np.int64),
-        np.concatenate([one.xyz_m for one in snapshots]).astype(np.float32),
+        np.concatenate([one.xyz_m[:, :_JOINTS] for one in snapshots]).astype(np.float32),
         sigma_m.astype(np.float32),
-        np.concatenate([one.support for one in snapshots]).astype(np.uint16),
+        np.concatenate([one.support[:, :_JOINTS] for one in snapshots]).astype(np.uint16),
     )
 
 
@@ -160,6 +164,7 @@ def _by_person(packed: list[_Packed], times_s: Float64[np.ndarray, " moment"]) -
         tuple(
             PersonMotion(int(one), t_s[which], xyz_m[which], sigma_m[which], support[which])
             for one, which in zip(people, rows, strict=True)
+            if np.isfinite(xyz_m[which]).all(axis=-1).any()
         ),
         float(times_s[0]) if len(times_s) else 0.0,
         step_s,

@@ -49,6 +49,10 @@ class FilmSettings:
                 raise InputError(f"--{name} {value}: expected 240 to 7680 pixels")
         if self.rate_hz is not None and not 0.1 <= self.rate_hz <= _FASTEST_HZ:
             raise InputError(f"--rate-hz {self.rate_hz:g}: expected 0.1 to {_FASTEST_HZ:g}")
+        moments = (("from-s", self.from_s), ("to-s", self.to_s), ("at-s", self.at_s))
+        for name, moment_s in moments:
+            if moment_s is not None and math.isnan(moment_s):
+                raise InputError(f"--{name} nan: expected seconds")
         if not 0.0 <= self.trail_s < math.inf:
             raise InputError(f"--trail-s {self.trail_s:g}: expected seconds, 0 or more")
 

@@ -217,5 +217,5 @@ def _tiles(
 def _write_picture(out: Path, image: Image) -> None:
     cv = opencv()
     _, blob = cv.imencode(out.suffix.lower(), image[..., ::-1])
-    with atomic_write(out, "wb") as file:
+    with atomic_write(out, "wb", private=True) as file:
         file.write(blob.tobytes())

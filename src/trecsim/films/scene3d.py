@@ -126,7 +126,9 @@ class Scene3D:
         pen = Pen(image)
         self._paths.draw(pen, people, t_s)
         self._draw_shadows(pen, people, alerts)
-        depth_m = self._eye.depth_m(np.nanmean(people.xyz_m, axis=1))
+        known = np.isfinite(people.xyz_m).all(axis=2)
+        sums_m = np.where(known[..., None], people.xyz_m, 0.0).sum(axis=1)
+        depth_m = self._eye.depth_m(sums_m / np.maximum(known.sum(axis=1), 1)[:, None])
         xy_px = self._eye.project(people.xyz_m.reshape(-1, 3)).reshape(*people.xyz_m.shape[:2], 2)
         Bodies(people, xy_px, self._eye.px_per_m(depth_m)).draw(pen, depth_m)
 

@@ -260,7 +260,11 @@ def _time_s(packet: Any) -> float:
 
 
 def brightness(picture: Any) -> UInt8[np.ndarray, "h w"]:
-    """Return the first plane of a picture as it was decoded; of most codecs, its brightness."""
+    """Return the brightness of the pixels: as they were decoded, where they have 8 bits."""
+    kind = picture.format
+    is_alone = len(kind.components) == 1 and not kind.has_palette
+    if kind.components[0].bits != 8 or not (kind.is_planar or is_alone):
+        picture = picture.reformat(format="gray")
     plane = picture.planes[0]
     rows = np.frombuffer(plane, np.uint8).reshape(plane.height, plane.line_size)
     return rows[:, : picture.width]

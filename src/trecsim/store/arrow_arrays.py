@@ -39,12 +39,16 @@ def number_array(
 def filled(column: pa.Array | pa.ChunkedArray, value: int) -> np.ndarray:
     """Return the integers of a column, with a value in place of null.
 
+    A column of nothing but nulls, which has no type, is one of int64.
+
     Examples
     --------
     >>> filled(pa.array([3, None]), -1)
     array([ 3, -1])
     """
     whole = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
+    if pa.types.is_null(whole.type):
+        return np.full(len(whole), value)
     kind = np.dtype(str(whole.type))
     if not len(whole):
         return np.empty(0, kind)
@@ -54,7 +58,7 @@ def filled(column: pa.Array | pa.ChunkedArray, value: int) -> np.ndarray:
 
 
 def numbers_of(column: pa.Array | pa.ChunkedArray) -> np.ndarray:
-    """Return the numbers of a column that has no null.
+    """Return the numbers of a column; NaN in place of null, where there are nulls.
 
     Examples
     --------
@@ -62,6 +66,8 @@ def numbers_of(column: pa.Array | pa.ChunkedArray) -> np.ndarray:
     array([0.5, 1.5, 2.5])
     """
     whole = column.combine_chunks() if isinstance(column, pa.ChunkedArray) else column
+    if whole.null_count:
+        whole = whole.cast(pa.float64()).fill_null(number_array(np.array([np.nan]))[0])
     kind = np.dtype(whole.type.to_pandas_dtype())
     content = whole.buffers()[1]
     if not len(whole):

@@ -6,6 +6,7 @@ hold the same numbers. An unknown joint is ``nan``.
 
 import csv
 import io
+import re
 import time
 from collections.abc import Callable, Iterator, Sequence
 from difflib import get_close_matches
@@ -114,7 +115,9 @@ def csv_skeleton(path: Path) -> Skeleton:
     with opened_for_reading(path) as file:
         head = file.read(_HEAD_BYTES)
     more = set(HALPE26.joints) - set(COCO17.joints)
-    return HALPE26 if any(f",{joint},".encode() in head for joint in more) else COCO17
+    head = head.replace(b'"', b"")  # R quotes texts
+    field = rb"(?:^|[,\n])(?:" + "|".join(more).encode() + rb")(?:$|[,\r\n])"
+    return HALPE26 if re.search(field, head) else COCO17
 
 
 def read_csv(path: Path, skeleton: Skeleton = COCO17) -> Iterator[Snapshot]:
