@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from made_videos import numbered, write_video
-from trecsim.errors import ConfigError
+from trecsim.errors import ConfigError, InputError
 from trecsim.estimators.looks import Look
 from trecsim.estimators.pool import open_videos
 from trecsim.looking.recorded import estimate_within
@@ -172,3 +172,12 @@ def test_an_estimator_that_cannot_choose_looks_at_whole_images_which_is_said_onc
     assert 30 <= len(found) == len(plain.seen) <= 34  # a fifth of 150, and the first
     (record,) = caplog.records
     assert "Plain looks at whole images in one way only" in record.getMessage()
+
+
+def test_an_estimator_that_returns_something_else_is_named(videos):
+    class Wrong(Eyes):
+        def look(self, frame, looks):
+            return None
+
+    with pytest.raises(InputError, match="returned NoneType; expected Poses2D"):
+        list(estimate_within(open_videos(videos, Wrong()), Wrong(), 0.5))

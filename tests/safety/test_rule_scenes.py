@@ -22,6 +22,8 @@ from made_paths import (
     told,
 )
 from trecsim.assessing import RuleEvents, rule_set
+from trecsim.safety.polygons import Polygon
+from trecsim.safety.rule_scene import Memory
 from trecsim.values import PROVISIONAL, Snapshot
 
 FRAME_S = 0.04 + 1e-6
@@ -46,6 +48,21 @@ def check(events: list[dict[str, Any]], expected: list[tuple[str, float, float |
     ):
         assert start_s == pytest.approx(true_start_s, abs=FRAME_S)
         assert end_s == (None if true_end_s is None else pytest.approx(true_end_s, abs=FRAME_S))
+
+
+def test_zones_that_a_rule_makes_for_a_moment_are_not_mixed_up() -> None:
+    scene = Memory().take(walking(WALK)[0])
+    around = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    for _ in range(20):
+        assert scene.inside(Polygon(around + scene.floor.xy_m[0])) == pytest.approx(1.0)
+        assert scene.inside(Polygon(around + 50.0)) == pytest.approx(0.0)
+
+
+def test_no_rule_can_change_what_others_see_of_a_zone() -> None:
+    scene = Memory().take(walking(WALK)[0])
+    inside = scene.inside(Polygon(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])))
+    with pytest.raises(ValueError, match="read-only"):
+        inside[:] = 1.0
 
 
 @pytest.mark.parametrize("sigma_m", [0.001, 0.05])

@@ -12,7 +12,7 @@ from dataclasses import replace
 from heapq import merge
 
 from trecsim.callbacks import Progress
-from trecsim.errors import ConfigError
+from trecsim.errors import ConfigError, InputError
 from trecsim.estimators import Estimator2D, image_limit_px, workers
 from trecsim.estimators.looks import Look, Looker
 from trecsim.looking.attention import Attention, noted
@@ -227,7 +227,10 @@ def _in_turn(
     attention = {camera: Attention() for camera in sizes_px}
 
     def found(picture: Picture, looks: Sequence[Look]) -> Poses2D:
-        return estimator.look(picture.frame(), looks)
+        poses: object = estimator.look(picture.frame(), looks)
+        if not isinstance(poses, Poses2D):
+            raise InputError(f"the estimator returned {type(poses).__name__}; expected Poses2D")
+        return poses
 
     number, watch = 0, StillCameras()
     for moment in pictures:

@@ -70,7 +70,7 @@ class Scene:
     traced: Int64[np.ndarray, " traced"]
     ahead: Ahead | None = None
     signals: Signals = field(default_factory=Signals)
-    _inside: dict[int, Float64[np.ndarray, " person"]] = field(default_factory=dict)
+    _inside: dict[Polygon, Float64[np.ndarray, " person"]] = field(default_factory=dict)
 
     @property
     def t_s(self) -> float:
@@ -131,13 +131,14 @@ class Scene:
     def inside(self, polygon: Polygon | None) -> Float64[np.ndarray, " person"]:
         """Return the probability that each floor point is inside a polygon; 1 without one.
 
-        It is computed once, however many rules are about the same zone.
+        It is computed once, however many rules are about the same zone, so none may change it.
         """
         if polygon is None:
             return np.ones(len(self.people.id))
-        known = self._inside.get(id(polygon))
+        known = self._inside.get(polygon)  # by identity; kept, so that no other one gets its place
         if known is None:
-            known = self._inside[id(polygon)] = polygon.probability(*self.floor)
+            known = self._inside[polygon] = polygon.probability(*self.floor)
+            known.flags.writeable = False
         return known
 
     def seen_traces(self) -> Sequence[tuple[int, int, Trace]]:
