@@ -196,7 +196,7 @@ def test_a_person_is_marked_by_the_worst_event_and_not_by_information() -> None:
 def test_a_path_is_evened_over_the_steps_of_the_feet(tmp_path: Path) -> None:
     t_s = np.arange(100) / RATE_HZ
     xyz_m = walking_m(t_s)
-    xyz_m[:, 15, 1] += 0.2 * (np.sin(2 * np.pi * 1.6 * t_s) > 0)  # an ankle to and fro
+    xyz_m[:, 15, 1] += 0.2 * (np.sin(2 * np.pi * 1.6 * t_s) > 0)  # an ankle moves sideways
     lookup = Lookup(collect(read_tracks(recorded(tmp_path / "t.csv", {1: xyz_m}, t_s))))
     path_m = lookup.path_m(1)[5:-5]
     assert np.ptp(path_m[:, 1]) < 0.03 < np.ptp(xyz_m[:, 15:, 1].mean(axis=1))
