@@ -49,6 +49,24 @@ def test_a_site_that_runs_is_backed_up_and_restored(tmp_path: Path) -> None:
         assert ledger.verify_audit().entries == 1
 
 
+@pytest.mark.parametrize("name", [".", "run"])
+def test_repairs_of_the_rig_are_backed_up_but_not_the_poses_that_one_works_on(
+    tmp_path: Path, name: str
+) -> None:
+    site = tmp_path / "site"
+    (site / name).mkdir(parents=True)
+    with SiteStore(site) as store, store.recorder(site / name, INFO) as writer:
+        for moment in live_moments(5):
+            writer.write(moment)
+    (site / "repairs" / ".repair-a").mkdir(parents=True)
+    (site / "repairs" / ".repair-a" / "poses.jsonl").write_text("{}")
+    (site / "repairs" / "current.json").write_text("{}")
+    backup(site, tmp_path / "site.tar")
+    restore(tmp_path / "site.tar", tmp_path / "again")
+    kept = sorted((tmp_path / "again" / "repairs").rglob("*"))
+    assert [path.name for path in kept] == ["current.json"]
+
+
 def test_a_backup_and_what_is_restored_are_for_their_owner_alone(tmp_path: Path) -> None:
     site = tmp_path / "site"
     (site / "run").mkdir(parents=True)

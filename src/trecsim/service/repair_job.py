@@ -16,13 +16,12 @@ from trecsim.calibration import read_rig, write_rig
 from trecsim.errors import Error
 from trecsim.geometry import Rig
 from trecsim.page.page_process import environment
+from trecsim.store.names import REPAIRING
 from trecsim.store.poses_writer import PosesWriter
 from trecsim.values import Poses2D
 
 LONGEST_S = 300.0  # with kernels that are compiled first, on a busy machine
 NICENESS = 10
-SCRATCH = ".repair-"
-"""How the names of the folders begin in which repairs work."""
 
 RIG_BEFORE, POSES, RIG_AFTER, SAID = "before.toml", "poses.jsonl", "after.toml", "said.txt"
 
@@ -72,7 +71,7 @@ class RepairJob:
     ) -> None:
         self._clock, self._began_s = clock, clock()
         folder.mkdir(parents=True, exist_ok=True)
-        self._scratch = tempfile.TemporaryDirectory(prefix=SCRATCH, dir=folder)
+        self._scratch = tempfile.TemporaryDirectory(prefix=REPAIRING, dir=folder)
         self._folder = Path(self._scratch.name)
         try:
             self._process = self._begun(rig, poses)

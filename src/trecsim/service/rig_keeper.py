@@ -14,8 +14,9 @@ from trecsim.geometry import Rig
 from trecsim.geometry.rigid import rotation_vector
 from trecsim.health import Health
 from trecsim.service.kept_poses import KeptPoses
-from trecsim.service.repair_job import SCRATCH, Repaired, RepairJob
+from trecsim.service.repair_job import Repaired, RepairJob
 from trecsim.service.rig_repairs import RigRepairs
+from trecsim.store.names import REPAIRING
 from trecsim.values import Poses2D
 
 logger = logging.getLogger(__name__)
@@ -72,7 +73,7 @@ class RigKeeper:
         self._tried_s, self._again_s = -np.inf, AGAIN_S
         self._revoked: set[str] = set()
         if automatic:  # what a process that was killed has left
-            for left in repairs.folder.glob(SCRATCH + "*"):
+            for left in repairs.folder.glob(REPAIRING + "*"):
                 shutil.rmtree(left, ignore_errors=True)
         if self._offered is not None:
             logger.warning("%s; take it back: %s", self._told(), revoke_by)

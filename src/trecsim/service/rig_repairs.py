@@ -13,11 +13,11 @@ from trecsim.calibration import read_rig, write_rig
 from trecsim.errors import Error
 from trecsim.geometry import Rig
 from trecsim.store.atomic import atomic_write, disk_faults
+from trecsim.store.names import REPAIRS
 from trecsim.store.rig_digest import rig_sha256
 
 logger = logging.getLogger(__name__)
 
-FOLDER = "repairs"
 CURRENT, LOG = "current.json", "log.jsonl"
 
 
@@ -59,7 +59,7 @@ class RigRepairs:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder / FOLDER
+        self.folder = folder / REPAIRS
 
     def current(self) -> RigRepair | None:
         """Return the repair in force; None where there is none, or its file cannot be read."""

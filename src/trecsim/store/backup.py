@@ -23,7 +23,7 @@ from trecsim.store.erasing import changing_tracks
 from trecsim.store.ledger import Ledger
 from trecsim.store.ledger_file import NAME as LEDGER
 from trecsim.store.ledger_file import copy_ledger
-from trecsim.store.names import TRACKS
+from trecsim.store.names import REPAIRING, REPAIRS, TRACKS
 from trecsim.store.playback import recording_folders, recordings
 
 _MARK = ".trecsim-backup"  # the first member, by which a backup is known
@@ -86,6 +86,7 @@ def backup(folder: Path, out: Path) -> BackedUp:
         for recording in recording_folders(folder):
             with changing_tracks(recording / TRACKS):
                 target.add_all(_files(recording))
+        target.add_all(_files(folder / REPAIRS))
         target.add_all(path for path in _files(folder, deep=False))
     return BackedUp(len(recording_folders(folder)), events, target.files, target.size_bytes)
 
@@ -134,7 +135,7 @@ def _add_ledger(target: _Target, scratch: Path) -> int:
 
 
 def _files(folder: Path, *, deep: bool = True) -> list[Path]:
-    """Return what belongs into a backup: no locks, no incomplete files, no ledger in use."""
+    """Return what belongs into a backup: no locks, nothing incomplete, no ledger in use."""
     paths = folder.rglob("*") if deep else folder.iterdir()
     return [
         path
@@ -144,6 +145,7 @@ def _files(folder: Path, *, deep: bool = True) -> list[Path]:
         and path.name not in (LOCK, CHANGING)
         and not path.name.endswith(".tmp")
         and not path.name.startswith(LEDGER)
+        and not path.parent.name.startswith(REPAIRING)
     ]
 
 
