@@ -36,7 +36,10 @@ def pytest_runtest_setup() -> None:
     shape_checker.allow(math.inf if is_nightly() else SHAPE_CHECKS)
 
 
-collect_ignore = ["servers"]  # run by the system's Python, which has GStreamer
+collect_ignore = [
+    "servers",  # run by the system's Python, which has GStreamer
+    "export/blender_reader.py",  # run by Blender
+]
 
 
 @pytest.fixture

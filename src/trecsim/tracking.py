@@ -407,7 +407,8 @@ def _followed(
             yield from follower.add(image)
     except Error as error:  # what came before it is good, and is given first
         fault = error
-    if follower is not None:
-        yield from follower.flush()
+    if follower is None:
+        follower = Follower(rig, settings, lag_s=lag_s, tally=tally)
+    yield from follower.flush()
     if fault is not None:
         raise fault

@@ -31,7 +31,9 @@ def test_without_a_terminal_it_says_now_and_then_how_far_it_is(
     begun = next(number for number, line in enumerate(lines) if "no frame set yet" not in line)
     assert begun < len(lines) - 10
     assert all(re.match(LINE, line) for line in lines[begun:]), lines[:3]
-    assert out.count("\n") == 1
+    told, film = out.splitlines()
+    assert "1 person in 40 frame sets" in told
+    assert film.startswith("a film: trecsim render ")
 
 
 def test_with_json_it_says_nothing_but_the_summary(trecsim: Command, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """A camera is knocked while a site runs: named, repaired from the people, and taken back again."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -26,6 +27,7 @@ port = 0
 [repair]
 automatic = true
 """
+METRIC = r'trecsim_camera_repaired_degrees{camera="cam2"} ([\d.]+)'
 
 
 @pytest.fixture
@@ -53,7 +55,10 @@ def test_a_knocked_camera_is_repaired_while_the_site_runs_and_the_repair_is_take
         site.until(lambda: cameras()["cam2"]["repaired_deg"] is not None)
         site.until(lambda: cameras()["cam2"]["moved_deg"] is None)
         assert [cameras()[name]["repaired_deg"] for name in ("cam1", "cam3", "cam4")] == [None] * 3
-        assert 'trecsim_camera_repaired_degrees{camera="cam2"} 2' in site.get("metrics").text
+        repaired = re.search(METRIC, site.get("metrics").text)
+        assert repaired is not None
+        assert float(repaired[1]) == pytest.approx(cameras()["cam2"]["repaired_deg"], abs=0.01)
+        assert float(repaired[1]) == pytest.approx(2.0, abs=0.2)
         events = [one["type"] for one in site.get("api/events").json()["events"]]
         assert "trecsim.camera.moved.v1" in events
         assert "trecsim.camera.repaired.v1" in events
