@@ -1,11 +1,11 @@
 """Which camera is looked at next: by the tracker's people, beside each in turn; and a crowd.
 
-- *Turns*: the built-in scene ``two-rooms`` (six cameras of 25 images a second; most of the time,
-  nobody is in one of the rooms), with an estimator that can look at so many images a second, one
-  after the other. *In turn*: always the camera that has waited longest. *Where people move*: by the
-  tracker's snapshot, cameras before which people stand weigh twice as much as empty ones, and up to
-  four times where limbs move fast or somebody is not found any more; a camera that has waited for
-  0.4 s goes first, as somebody may come. That policy is not part of the product: see
+- *Turns*: the built-in scene ``two-rooms`` (six cameras, 25 images a second; one of the rooms is
+  empty most of the time). The estimator processes a limited number of images a second, one after
+  the other. *In turn*: always the camera that has waited longest. *Where people move*: by the
+  tracker's snapshot, a camera with people in view weighs twice as much as one without, and up to
+  four times as much if limbs move fast or a track is coasting; a camera that has waited for 0.4 s
+  goes first, because somebody may have entered. That policy is not part of the product: see
   ``docs/decisions/looking.md``.
 - *Crowd*: 30 people before 12 cameras of 24 images a second. *Together* is
   `trecsim.looking.schedule.Together` at every third moment, a fifth of the work; light looks lose
@@ -117,7 +117,7 @@ def in_view(rig: Rig, people: Snapshot) -> np.ndarray:
 
 
 def looked(made: "Simulation", policy: NextCamera, per_s: float) -> list[Poses2D]:
-    """Return the images that an estimator of so many looks a second is given, in a closed loop."""
+    """Return the images that an estimator of limited rate is given, in a closed loop."""
     tracker, people = Tracker(made.rig, provisional=True), None
     newest: dict[str, Poses2D] = {}
     looked_s = dict.fromkeys(made.rig.names, -1.0)

@@ -26,7 +26,7 @@ CHAPTER_S = 21.0
 CHAPTERS = (
     ("gate", "A gate: waiting, and who follows without a ticket"),
     ("platform-edge", "A platform: who comes near the edge"),
-    ("falling", "A hall: somebody falls"),
+    ("falling", "A hall: a fall"),
 )
 _MAIN = "from trecsim.cli import main; main()"
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")

@@ -27,8 +27,8 @@ class Warned(NamedTuple):
 def warnings_of(events: Iterable[Mapping[str, Any]]) -> list[Warned]:
     """Return the warnings among events; those that are open at the end are left out.
 
-    A warning of somebody beyond an edge comes true when somebody is beyond, not near it: then the
-    events have a lead.
+    An early warning at an edge comes true when the person is beyond the edge, not when near it:
+    only the events of people beyond it have a lead.
     """
     given: dict[str, float] = {}
     done: list[Warned] = []
