@@ -10,7 +10,7 @@ from trecsim.calibration import read_rig
 from trecsim.errors import InputError
 from trecsim.films.film_settings import FilmInput
 from trecsim.geometry import Rig
-from trecsim.store.names import RIG
+from trecsim.store.recordings import newest_rig
 
 
 def film_input(
@@ -43,7 +43,7 @@ def film_input(
         When something given is missing or wrong.
     """
     folder = tracks if tracks.is_dir() else tracks.parent
-    rig = rig or _beside(folder, RIG)
+    rig = rig or _if_file(newest_rig(folder))
     cameras = read_rig(rig) if rig is not None else None
     stage = _of_site(site, cameras) if site is not None else FilmInput(cameras)
     given = dict(videos or {}) or stage.videos
@@ -53,8 +53,8 @@ def film_input(
     return replace(
         stage,
         videos=given,
-        events=events or _beside(folder, "events.jsonl"),
-        forecasts=forecasts or _beside(folder, "forecast.jsonl"),
+        events=events or _if_file(folder / "events.jsonl"),
+        forecasts=forecasts or _if_file(folder / "forecast.jsonl"),
     )
 
 
@@ -78,5 +78,5 @@ def _of_site(site: Path, cameras: Rig | None) -> FilmInput:
     return replace(shown, videos=recorded, masks_px=masks_px)
 
 
-def _beside(folder: Path, name: str) -> Path | None:
-    return folder / name if (folder / name).is_file() else None
+def _if_file(path: Path) -> Path | None:
+    return path if path.is_file() else None

@@ -77,5 +77,11 @@ def test_a_knocked_camera_is_repaired_while_the_site_runs_and_the_repair_is_take
     assert float(told[1].rstrip(".")) == pytest.approx(2.0, abs=0.2)
     assert "take it back: trecsim calibrate revoke" in said
     assert "the repair of the rig was taken back" in said
+    assert read_rig(out / "rig.toml")["cam2"].T_cam_world == pytest.approx(
+        read_rig(tmp_path / "rig.toml")["cam2"].T_cam_world
+    )
+    kept = [read_rig(path)["cam2"].T_cam_world for path in sorted(out.glob("rig-from-*.toml"))]
+    assert kept[0] == pytest.approx(repaired.T_cam_world)
+    assert kept[1] == pytest.approx(read_rig(out / "rig.toml")["cam2"].T_cam_world)
     log = [json.loads(line) for line in (out / "repairs" / "log.jsonl").read_text().splitlines()]
     assert [one["action"] for one in log] == ["repaired", "revoked"]

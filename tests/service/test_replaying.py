@@ -8,7 +8,9 @@ import pytest
 from made_rigs import ring
 from trecsim.calibration import write_rig
 from trecsim.errors import InputError
+from trecsim.page.site_view import cameras_of
 from trecsim.service.replaying import paced, recording_at, recording_view, replay
+from trecsim.service.rig_repairs import keep_rig
 from trecsim.store.names import TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recorder import Recorder
@@ -70,6 +72,14 @@ def test_a_recording_shows_its_site_as_it_was(tmp_path):
     assert (view.name, view.timezone, view.kind) == ("hall", "Europe/Zurich", "recording")
     assert view.zones == {"door": zone}
     assert sorted(view.cameras) == ["cam0", "cam1", "cam2"]
+
+
+def test_a_recording_shows_its_cameras_as_repaired_last(tmp_path):
+    folder = make_recording(tmp_path / "one")
+    there = ring(3, radius_m=7.0)
+    keep_rig(there, folder, 1e9 + 0.5)
+    assert recording_view(recording_at(folder)).cameras == cameras_of(there)
+    assert cameras_of(there) != cameras_of(ring(3))
 
 
 def test_what_is_no_recording_is_told_and_of_several_one_is_to_be_given(tmp_path):

@@ -8,11 +8,13 @@ import pytest
 from made_tracks import assert_same, snapshot, walk
 from trecsim.errors import InputError
 from trecsim.sources import read_poses
+from trecsim.store.names import RIG_FROM
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recordings import (
     Stored,
     claim_folder,
     discard_recording,
+    newest_rig,
     poses_recorder,
     stored_in,
     timing_recorder,
@@ -144,8 +146,16 @@ def test_a_folder_of_something_else_is_not_continued(tmp_path: Path) -> None:
 def test_discarding_removes_a_recording_and_nothing_else(tmp_path: Path, crash: bool) -> None:
     (tmp_path / "notes.txt").touch()
     record(tmp_path, [snapshot(t_s, [1]) for t_s in (0.0, 4000.0, 8000.0)], crash=crash)
+    (tmp_path / RIG_FROM.format("1780000000.000")).touch()
     discard_recording(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_the_newest_rig_is_that_of_the_last_repair(tmp_path: Path) -> None:
+    assert newest_rig(tmp_path) == tmp_path / "rig.toml"
+    for t_s in ("1780000000.500", "1779999999.000"):
+        (tmp_path / RIG_FROM.format(t_s)).touch()
+    assert newest_rig(tmp_path) == tmp_path / "rig-from-1780000000.500.toml"
 
 
 def test_poses_that_lie_there_twice_are_not_continued(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ from trecsim.sites.ruled import RULED
 from trecsim.store.names import RIG
 from trecsim.store.playback import Recording, recordings, snapshots
 from trecsim.store.precision import rounded
+from trecsim.store.recordings import newest_rig
 from trecsim.toml_models import examined
 from trecsim.values import Snapshot
 
@@ -59,7 +60,7 @@ def recording_view(recording: Recording) -> SiteView:
     InputError
         When its cameras cannot be read.
     """
-    rig = read_rig(recording.folder / RIG)
+    rig = read_rig(newest_rig(recording.folder))
     site = _configuration(recording.folder)
     return SiteView(
         name=str(site.get("name", recording.id)),

@@ -13,7 +13,7 @@ from trecsim.calibration import read_rig, write_rig
 from trecsim.errors import Error
 from trecsim.geometry import Rig
 from trecsim.store.atomic import atomic_write, disk_faults
-from trecsim.store.names import REPAIRS
+from trecsim.store.names import REPAIRS, RIG_FROM
 from trecsim.store.rig_digest import rig_sha256
 
 logger = logging.getLogger(__name__)
@@ -44,6 +44,17 @@ class RigRepair:
     of_sha256: str
     turn_deg: Mapping[str, float]
     reasons: tuple[str, ...] = ()
+
+
+def keep_rig(rig: Rig, recording: Path, t_s: float) -> None:
+    """Keep a rig in a recording as the one from a Unix time on [s].
+
+    A disk without room is logged: people are tracked with the rig all the same.
+    """
+    try:
+        write_rig(rig, recording / RIG_FROM.format(f"{t_s:014.3f}"), format="trecsim")
+    except Error as error:
+        logger.warning("the recording lacks the rig that is used from now on: %s", error)
 
 
 class RigRepairs:

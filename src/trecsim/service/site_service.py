@@ -8,6 +8,7 @@
                                                                  └──> outputs
 """
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -39,7 +40,7 @@ from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
 from trecsim.service.reloading import Reloading
 from trecsim.service.rig_keeper import RigKeeper
-from trecsim.service.rig_repairs import RigRepairs
+from trecsim.service.rig_repairs import RigRepairs, keep_rig
 from trecsim.service.rule_watch import TYPES as RULE_TYPES
 from trecsim.service.rule_watch import RuleWatch, ends_of
 from trecsim.service.systemd import Heartbeat, notify
@@ -51,8 +52,9 @@ from trecsim.sites.feed_files import signals_of
 from trecsim.sites.site_file import Site
 from trecsim.sites.site_reading import SiteFile
 from trecsim.sources.base import Source
-from trecsim.store.names import OVERRIDES
+from trecsim.store.names import OVERRIDES, RIG
 from trecsim.store.recorder import Recorder
+from trecsim.store.recordings import newest_rig
 from trecsim.store.site_store import SiteStore
 from trecsim.values import Frame
 
@@ -77,6 +79,7 @@ class SiteService:
         self._lock = Lock()  # of what the page shows: a new rig comes in another thread
         self._file: SiteFile | None = None
         self._rig: Rig | None = None
+        self._recording: Path | None = None
 
     def reload(self) -> None:
         """Read the site file again soon; may be called by a signal."""
@@ -145,6 +148,7 @@ class SiteService:
         def recording(recorder: Recorder) -> None:
             monitor.take_recorder(recorder)
             signals.keep_in(recorder.folder)
+            self._record_in(recorder.folder, checked.rig)
 
         def drawn(summary: RunSummary) -> None:
             monitor.ended = True
@@ -257,12 +261,20 @@ class SiteService:
         elif request.kind == "picture" and self._pictures is not None:
             self._pictures.look(request.body["camera"])
 
+    def _record_in(self, folder: Path, rig: Rig) -> None:
+        """Keep new rigs in this recording; in one that is continued, that of the site file."""
+        self._recording = folder
+        if newest_rig(folder).name != RIG:
+            keep_rig(rig, folder, time.time())
+
     def _new_rig(self, keeper: RigKeeper, monitor: Monitor) -> Rig | None:
         """Return a rig that is to be used from now on, told to all who compare with it."""
         rig = keeper.new_rig()
         if rig is not None:
             monitor.take_rig(rig)
             self._show(rig=rig)
+            if self._recording is not None:
+                keep_rig(rig, self._recording, time.time())
         return rig
 
     def _picture_maker(self, checked: CheckedSite) -> PictureMaker | None:

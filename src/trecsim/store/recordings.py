@@ -2,7 +2,8 @@
 
 ::
 
-    rig.toml           the cameras
+    rig.toml           the cameras, as in the site file
+    rig-from-*.toml    the cameras from a Unix time on, if the site repaired its rig
     tracks.parquet     the tracks: a file, or a folder of segments of an hour each
     timing.csv         what each frame set cost: a file, or a folder of segments
     poses.jsonl        the 2D poses, if the site file asks for them
@@ -18,7 +19,7 @@ from trecsim.store.atomic import partial_path
 from trecsim.store.claiming import FolderClaim
 from trecsim.store.gaps import NAME as GAPS
 from trecsim.store.ledger_file import NAME as LEDGER
-from trecsim.store.names import LIVE, POSES, RIG, SIGNALS, TRACKS
+from trecsim.store.names import LIVE, POSES, RIG, RIG_FROM, SIGNALS, TRACKS
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.parquet_reading import parts_of, read_info, recording_segments
 from trecsim.store.poses_writer import PosesWriter
@@ -146,6 +147,12 @@ def _complete_until_s(folder: Path, tracked_s: float) -> float:
     return tracked_s if lost else timed_s
 
 
+def newest_rig(folder: Path) -> Path:
+    """Return the file of the rig that was in force last; the rules judge by ``rig.toml``."""
+    repaired = sorted(folder.glob(RIG_FROM.format("*")))  # named by times of one length
+    return repaired[-1] if repaired else folder / RIG
+
+
 def discard_recording(folder: Path) -> None:
     """Remove the files of a recording, complete or not; the folder and other files stay.
 
@@ -154,8 +161,8 @@ def discard_recording(folder: Path) -> None:
     OSError
         When one of them cannot be removed.
     """
-    signals = [path.name for path in folder.glob(SIGNALS.format("*"))]
-    for name in (TRACKS, TIMING, POSES, RIG, GAPS, LIVE, *signals):
+    many = [path.name for kind in (SIGNALS, RIG_FROM) for path in folder.glob(kind.format("*"))]
+    for name in (TRACKS, TIMING, POSES, RIG, GAPS, LIVE, *many):
         for path in (folder / name, partial_path(folder / name), parts_of(folder / name)):
             if path.is_dir() and not path.is_symlink():
                 shutil.rmtree(path)
