@@ -129,6 +129,26 @@ def test_who_goes_around_the_end_of_the_line_needs_no_ticket() -> None:
     assert rules_told(walking(line((4.8, 1.5), (-1.2, 0.0))), []) == []
 
 
+def test_a_feed_with_other_limits_keeps_its_tickets_and_one_of_another_name_begins_anew() -> None:
+    def after(feed: str, rules: str) -> list[tuple[str, int]]:
+        """Return what is told when the feed changes at 3.5 s, after a ticket at 3 s."""
+        before, then = (site_with(*one) for one in ((FEED + BOTH, PLACES), (feed + rules, PLACES)))
+        signals = recorded([grant(3.0)])
+        engine = RuleEvents(rule_set("made", before, None), signals=signals)
+        events: list[Any] = []
+        changed = False
+        for snapshot in walking(FIRST):
+            if snapshot.t_s > 3.5 and not changed:
+                changed = True
+                assert engine.change(rule_set("made", then, None), snapshot.t_s) == []
+            events += engine.step(snapshot)
+        return told(events, "phase", "t_start_s")
+
+    assert after(FEED.replace("silent_s = 0", "silent_s = 20"), BOTH) == []
+    other = (FEED.replace("tickets", "badges"), BOTH.replace('"tickets"', '"badges"'))
+    assert after(*other) == [("new", 4.0)]
+
+
 def test_tickets_of_other_lines_and_other_feeds_do_not_count() -> None:
     others = [
         Signal("tickets", 3.0, "grant", "other-gate"),

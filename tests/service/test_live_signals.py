@@ -47,6 +47,25 @@ def test_a_file_that_comes_later_or_begins_anew_is_read_from_its_beginning(tmp_p
         assert [one.t_s for one in waited(source, 1)] == [4.0]
 
 
+def test_other_files_are_followed_from_then_on_and_one_that_stays_misses_nothing(
+    tmp_path: Path,
+) -> None:
+    stays, goes, comes = (tmp_path / f"{name}.jsonl" for name in ("stays", "goes", "comes"))
+    comes.write_text('{"t_s": 1}\n', encoding="utf-8")
+    with Followed({}) as source:
+        source.change({"s": stays, "g": goes})
+        append(stays, '{"t_s": 2}\n')
+        append(goes, '{"t_s": 3}\n')
+        assert sorted((one.feed, one.t_s) for one in waited(source, 2)) == [("g", 3.0), ("s", 2.0)]
+        append(stays, '{"t_s": 4}\n{"t_s"')
+        source.change({"s": stays, "c": comes})
+        append(stays, ": 5}\n")
+        append(goes, '{"t_s": 6}\n')
+        append(comes, '{"t_s": 7}\n')
+        found = sorted((one.feed, one.t_s) for one in waited(source, 3))
+    assert found == [("c", 7.0), ("s", 4.0), ("s", 5.0)]
+
+
 def test_messages_are_kept_in_the_recording_as_the_rules_got_them(tmp_path: Path) -> None:
     given = [Signal("f", 4.0, "grant", "a", taken_s=4.5), Signal("f", 4.2, taken_s=4.5)]
     source = KeptSignals(lambda t_s: given if t_s == 4.5 else [])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from trecsim.service.reloading import Reloading
+from trecsim.service.reloading import WHILE_RUNNING, Reloading
 from trecsim.sites import read_site
 from trecsim.sites.site_reading import SiteFile
 
@@ -18,10 +18,13 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "site.toml"
 
 
-def reloaded(path: Path, *texts: str) -> list[SiteFile]:
+FEED = '[feeds.gate]\nfile = "gate.jsonl"\n'
+
+
+def reloaded(path: Path, *texts: str, tables: frozenset[str] = WHILE_RUNNING) -> list[SiteFile]:
     """Return what is applied while the file gets one text after the other."""
     applied: list[SiteFile] = []
-    reloading = Reloading(read_site(path), applied.append)
+    reloading = Reloading(read_site(path), applied.append, tables)
     for text in texts:
         path.write_text(text)
         reloading.ask()
@@ -47,6 +50,22 @@ def test_what_needs_a_new_start_is_told_each_time_and_stays(
     assert first.site.name == second.site.name == "yard"
     assert list(second.site.zones) == ["strip"]
     assert [line for line in caplog.messages if "name can only change with a new start" in line]
+
+
+def test_feeds_and_their_limits_count_at_once_and_a_wrong_one_changes_nothing(path: Path) -> None:
+    first, second = reloaded(
+        path, TEXT + FEED, f"{TEXT}{FEED}silent_s = -1\n", f"{TEXT}{FEED}silent_s = 5\n"
+    )
+    assert first.site.feeds["gate"].file == path.parent / "gate.jsonl"
+    assert (first.site.feeds["gate"].silent_s, second.site.feeds["gate"].silent_s) == (30.0, 5.0)
+
+
+def test_what_this_site_cannot_change_while_it_runs_waits_for_a_new_start(
+    path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (applied,) = reloaded(path, TEXT + ZONE + FEED, tables=WHILE_RUNNING - {"feeds"})
+    assert (list(applied.site.zones), applied.site.feeds) == (["strip"], {})
+    assert "feeds can only change with a new start" in caplog.text
 
 
 def test_a_wrong_file_changes_nothing(path: Path, caplog: pytest.LogCaptureFixture) -> None:

@@ -4,11 +4,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
+from made_page import until
 from made_rigs import ring
 from trecsim.calibration import write_rig
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView, cameras_of
 from trecsim.service.counting import Counting
+from trecsim.service.live_signals import Followed, KeptSignals
 from trecsim.service.monitor import Monitor
 from trecsim.service.rig_keeper import RigKeeper
 from trecsim.service.rule_watch import RuleWatch
@@ -65,10 +67,25 @@ def test_a_repaired_rig_and_a_changed_file_are_shown_together_whichever_comes_fi
             partial(service._new_rig, cast(RigKeeper, changes), cast(Monitor, changes)),
             partial(
                 service._apply, cast(RuleWatch, changes), cast(Counting, changes),
-                read(tmp_path, SITE + ZONE),
+                KeptSignals(Followed({})), read(tmp_path, SITE + ZONE),
             ),
         ]  # fmt: skip
         for step in steps if repaired_first else reversed(steps):
             step()
         assert list(page.shown[-1].zones) == ["press"]
         assert page.shown[-1].cameras == cameras_of(ring(4))
+
+
+def test_a_feed_that_comes_with_a_changed_file_is_followed_at_once(tmp_path: Path) -> None:
+    write_rig(ring(3), tmp_path / "rig.toml")
+    (tmp_path / "walk.poses.jsonl").write_text("")
+    service = SiteService()
+    service._show(read(tmp_path, SITE), ring(3))
+    changes = Changes()
+    with KeptSignals(Followed({})) as signals:
+        service._apply(
+            cast(RuleWatch, changes), cast(Counting, changes), signals,
+            read(tmp_path, SITE + '[feeds.gate]\nfile = "gate.jsonl"\n'),
+        )  # fmt: skip
+        (tmp_path / "gate.jsonl").write_text('{"t_s": 3}\n')
+        until(lambda: bool(signals(4.0)))

@@ -41,9 +41,20 @@ class Followed:
     """
 
     def __init__(self, files: Mapping[str, Path]) -> None:
-        self._tails = [_Tail(name, path) for name, path in files.items()]
+        self._tails: tuple[_Tail, ...] = ()
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
+        self._is_open = False
+        self.change(files)
+
+    def change(self, files: Mapping[str, Path]) -> None:
+        """Follow other files from now on; nothing of a file that stays is missed or comes twice.
+
+        May be called in any thread.
+        """
+        before = {(tail.feed, tail.path): tail for tail in self._tails}
+        self._tails = tuple(before.get(one) or _Tail(*one) for one in files.items())
+        self._begin()
 
     def __call__(self, t_s: float) -> list[Signal]:
         """Return the messages that have come since; see `SignalSource`."""
@@ -54,9 +65,8 @@ class Followed:
         ]
 
     def __enter__(self) -> Self:
-        if self._tails:
-            self._thread = threading.Thread(target=self._follow, name="feeds", daemon=True)
-            self._thread.start()
+        self._is_open = True
+        self._begin()
         return self
 
     def __exit__(
@@ -68,6 +78,12 @@ class Followed:
         self._closing.set()
         if self._thread is not None:
             self._thread.join(timeout=1.0)
+
+    def _begin(self) -> None:
+        """Look at the files in a thread, once there are any."""
+        if self._is_open and self._tails and self._thread is None:
+            self._thread = threading.Thread(target=self._follow, name="feeds", daemon=True)
+            self._thread.start()
 
     def _follow(self) -> None:
         while True:
@@ -81,7 +97,7 @@ class _Tail:
     """The end of one file."""
 
     def __init__(self, feed: str, path: Path) -> None:
-        self.feed, self._path = feed, path
+        self.feed, self.path = feed, path
         self._waiting: deque[bytes] = deque(maxlen=MOST_WAITING)
         self._rest = b""
         self._fault: str | None = None
@@ -105,15 +121,15 @@ class _Tail:
         except OSError as error:
             if str(error) != self._fault:
                 self._fault = str(error)
-                logger.warning("feed %s: %s: %s", self.feed, self._path, error.strerror)
+                logger.warning("feed %s: %s: %s", self.feed, self.path, error.strerror)
 
     def _read(self) -> None:
-        size = self._path.stat().st_size
+        size = self.path.stat().st_size
         if size < self._read_to:
             self._read_to, self._rest = 0, b""
         if size == self._read_to:
             return
-        with self._path.open("rb") as file:
+        with self.path.open("rb") as file:
             file.seek(self._read_to)
             new = file.read(_MOST_BYTES)
         self._read_to += len(new)
@@ -140,6 +156,16 @@ class KeptSignals:
         self._remarked: set[str] = set()
         self._folder: Path | None = None
         self._failed = False
+
+    @property
+    def follows_files(self) -> bool:
+        """Whether the messages are those that are appended to files while the site runs."""
+        return isinstance(self._source, Followed)
+
+    def follow(self, files: Mapping[str, Path]) -> None:
+        """Follow other files from now on, if it follows any; may be called in any thread."""
+        if isinstance(self._source, Followed):
+            self._source.change(files)
 
     def keep_in(self, folder: Path) -> None:
         """Keep the messages in the folder of a recording from now on."""

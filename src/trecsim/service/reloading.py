@@ -13,8 +13,11 @@ from trecsim.sites.site_reading import SiteFile, read_site
 logger = logging.getLogger(__name__)
 
 WHILE_RUNNING = frozenset(
-    {"timezone", "zones", "lines", "edges", "volumes", "exclusions", "portals", "rules", "modes"}
-)
+    {
+        "timezone", "zones", "lines", "edges", "volumes", "exclusions", "portals", "feeds", "rules",
+        "modes",
+    }
+)  # fmt: skip
 """Tables of a site file that may change while the site runs."""
 
 
@@ -36,10 +39,17 @@ class Reloading:
         The site file as it runs.
     apply
         Is given the file with what may change taken from the new one, and all else as it was.
+    tables
+        Those that may change: `WHILE_RUNNING`, or less.
     """
 
-    def __init__(self, file: SiteFile, apply: Callable[[SiteFile], None]) -> None:
-        self._file, self._apply = file, apply
+    def __init__(
+        self,
+        file: SiteFile,
+        apply: Callable[[SiteFile], None],
+        tables: frozenset[str] = WHILE_RUNNING,
+    ) -> None:
+        self._file, self._apply, self._tables = file, apply, tables
         self._asked = Event()
 
     def ask(self) -> None:
@@ -59,7 +69,7 @@ class Reloading:
             logger.warning("%s\nthe site goes on as it was", error)
             return
         differ = changed(self._file.site, found.site)
-        now, later = sorted(differ & WHILE_RUNNING), sorted(differ - WHILE_RUNNING)
+        now, later = sorted(differ & self._tables), sorted(differ - self._tables)
         if later:
             logger.warning(
                 "%s: %s can only change with a new start; the site goes on with what it had",

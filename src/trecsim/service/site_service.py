@@ -38,7 +38,7 @@ from trecsim.service.live_signals import Followed, KeptSignals, PlaceNames
 from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
-from trecsim.service.reloading import Reloading
+from trecsim.service.reloading import WHILE_RUNNING, Reloading
 from trecsim.service.rig_keeper import RigKeeper
 from trecsim.service.rig_repairs import RigRepairs, keep_rig
 from trecsim.service.rule_watch import TYPES as RULE_TYPES
@@ -124,7 +124,11 @@ class SiteService:
         )
         counting = Counting(checked.file.site)
         keeper = _rig_keeper(checked, out, live=feed is not None)
-        self._reloading = Reloading(checked.file, partial(self._apply, rules, counting))
+        self._reloading = Reloading(
+            checked.file,
+            partial(self._apply, rules, counting, signals),
+            WHILE_RUNNING if signals.follows_files else WHILE_RUNNING - {"feeds"},
+        )
         watchers = monitor.sinks()
         watchers = replace(watchers, snapshots=[*watchers.snapshots, rules, counting])
         watchers = replace(watchers, poses=[*watchers.poses, keeper])
@@ -200,10 +204,13 @@ class SiteService:
             self._rules.override(Overrides.of(store.ledger.setting(OVERRIDES)))
         return [FaultLog(), faults]
 
-    def _apply(self, rules: RuleWatch, counting: Counting, file: SiteFile) -> None:
+    def _apply(
+        self, rules: RuleWatch, counting: Counting, signals: KeptSignals, file: SiteFile
+    ) -> None:
         """Take over what has changed in a site file."""
         assert self._rig is not None
-        rules.change(_rules_of(file, self._rig))
+        rules.change(_rules_of(file, self._rig))  # first: rules ignore feeds they do not know
+        signals.follow(_files_of(file.site))
         counting.change(file.site)
         self._show(file=file)
 
@@ -336,7 +343,12 @@ def _signals(site: Site, inputs: LiveInputs | None) -> SignalSource | Followed:
     """Return the messages of feeds: with recordings those of the whole files, live the new ones."""
     if inputs is None:
         return recorded(signals_of(site.feeds))
-    return inputs.signals or Followed({name: one.file for name, one in site.feeds.items()})
+    return inputs.signals or Followed(_files_of(site))
+
+
+def _files_of(site: Site) -> dict[str, Path]:
+    """Return the file of each feed."""
+    return {name: one.file for name, one in site.feeds.items()}
 
 
 def _feed(inputs: LiveInputs, monitor: Monitor, pictures: PictureMaker | None) -> Feed:
