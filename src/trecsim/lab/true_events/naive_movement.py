@@ -1,10 +1,13 @@
 """Running, and going the wrong way, read naively from their definitions."""
 
+import math
+
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from trecsim.lab.true_events.true_people import TruePerson
-from trecsim.lab.true_events.true_spans import SAME_S
+from trecsim.lab.true_events.true_places import Place
+from trecsim.lab.true_events.true_spans import SAME_S, Span, spans
 
 MEDIAN_S, LEAST_S, PAUSE_S = 1.0, 0.2, 0.1
 AGAINST_MPS, AGAINST_M = 0.5, 1.5
@@ -65,3 +68,20 @@ def wrong_way(
         way_m = (person.hips_m[began, :2] - person.hips_m[n, :2]) @ allowed
         holds[n], since_s[n] = way_m >= AGAINST_M, person.t_s[began]
     return holds, since_s
+
+
+def runs(at: Place, person: TruePerson) -> list[Span]:
+    """Return when somebody runs."""
+    holds, since_s, until_s = running(person, at.holds(person), at.rule.get("speed_mps", 2.2))
+    return spans(
+        person.t_s, holds, person.there, at.delays,
+        since_s=since_s, until_s=until_s,
+    )  # fmt: skip
+
+
+def goes_wrong_way(at: Place, person: TruePerson) -> list[Span]:
+    """Return when somebody goes the wrong way."""
+    heading_rad = math.radians(at.rule["heading_deg"])
+    allowed = np.array([math.cos(heading_rad), math.sin(heading_rad)])
+    holds, since_s = wrong_way(person, at.holds(person), allowed)
+    return spans(person.t_s, holds, person.there, at.delays, since_s=since_s)

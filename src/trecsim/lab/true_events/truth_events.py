@@ -12,8 +12,9 @@ import numpy as np
 from jaxtyping import Float64
 
 from trecsim.cloud_events import derived_id, event_of, numbered
-from trecsim.lab.true_events.naive_kinds import NAIVE_KINDS, Happening, Place
+from trecsim.lab.true_events.naive_kinds import NAIVE_KINDS
 from trecsim.lab.true_events.true_people import TruePerson
+from trecsim.lab.true_events.true_places import Happening, Place
 
 EVIDENCE_S = 5.0
 _DECIMALS = 3
