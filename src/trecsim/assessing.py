@@ -22,11 +22,13 @@ from trecsim.safety.ready import make_ready
 from trecsim.safety.rule import Rule
 from trecsim.safety.schedules import armed
 from trecsim.safety.signals import Feed, SignalSource, recorded
+from trecsim.safety.vehicle import PlacedVehicle
+from trecsim.safety.volumes import FedVolume
 from trecsim.sites.feed_files import name_remarks, signals_of
 from trecsim.sites.mode_tables import modes_of
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled
-from trecsim.sites.rules import feeds_of, rule_remarks, rules_of, zone_of
+from trecsim.sites.rules import fed_volumes_of, feeds_of, rule_remarks, rules_of, zone_of
 from trecsim.store.atomic import atomic_write
 from trecsim.store.tracks import every_moment
 from trecsim.values import Snapshot
@@ -50,6 +52,8 @@ class RuleSet:
         Its cameras, if they are known.
     modes, feeds
         Its modes, and the feeds that its rules rely on.
+    fed
+        Its volumes whose positions come from feeds.
     """
 
     site: str
@@ -58,6 +62,7 @@ class RuleSet:
     rig: Rig | None = None
     modes: tuple[Mode, ...] = ()
     feeds: tuple[Feed, ...] = ()
+    fed: tuple[FedVolume, ...] = ()
 
 
 def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> RuleSet:
@@ -76,8 +81,8 @@ def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> R
     """
     clock = Clock(zone_of(site.timezone), start_s)
     rules = rules_of(site.rules, site.places, site.exclusions)
-    feeds = feeds_of(site.feeds)
-    return RuleSet(name, rules, clock, rig, modes_of(site.modes), feeds)
+    feeds, fed = feeds_of(site.feeds), fed_volumes_of(site.volumes)
+    return RuleSet(name, rules, clock, rig, modes_of(site.modes), feeds, fed)
 
 
 def armed_rules(site: Ruled, now_s: float, overrides: Overrides = Overrides()) -> int:  # noqa: B008
@@ -137,7 +142,7 @@ class RuleEvents:
         if rules.rules:
             make_ready()
         self._signals = signals
-        self._site = rules.site
+        self._site, self._fed = rules.site, rules.fed
         forecaster = forecaster or _Looking(rules.rules)
         self._engine = RuleEngine(
             rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster,
@@ -157,8 +162,14 @@ class RuleEvents:
             make_ready()
         if isinstance(self._looking, _Looking):
             self._looking.change(rules.rules)
+        self._fed = rules.fed
         ends = self._engine.change(rules.rules, rules.clock, t_s, rules.modes, rules.feeds)
         return [self._event(data, t_s) for data in ends]
+
+    def vehicles(self, t_s: float) -> list[PlacedVehicle]:
+        """Return where the vehicles are at a time [s] whose positions come from feeds."""
+        signals = self._engine.signals
+        return [one for volume in self._fed for one in volume.placed(signals, t_s)]
 
     def override(self, overrides: Overrides) -> None:
         """Take what people have put in place of the modes, from now on."""

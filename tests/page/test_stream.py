@@ -3,6 +3,7 @@
 import json
 import os
 import socket
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from time import time
@@ -19,17 +20,19 @@ from made_page import RunningPage, event, next_of, running_page, until, well
 from made_tracks import recordings, snapshot
 from often import often
 from page_processes import linux, process_of
+from trecsim.page.client import snapshot_of
 from trecsim.page.last_seen import LastSeen, snapshot_part
 from trecsim.page.messages import message, snapshot_body
 from trecsim.page.schema import stream_schema
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.values import Snapshot
 
 VALIDATOR = Draft202012Validator(stream_schema())
 
 
-def told(page: RunningPage, given: Snapshot) -> dict:
+def told(page: RunningPage, given: Snapshot, vehicles: Sequence[PlacedVehicle] = ()) -> dict:
     with page.stream() as stream:
-        page.process.write(given)
+        page.process.write(given, vehicles)
         while (got := next_of(stream, "snapshot"))["t_s"] != given.t_s:
             pass
         return got
@@ -54,6 +57,18 @@ def test_a_viewer_gets_the_people_that_the_tracking_process_wrote(page: RunningP
         assert person["support"] == [3] * 17
         assert (person["state"], person["seen_s"], person["posture"]) == ("confirmed", 0, "lying")
     assert abs(got["sent_s"] - time()) < 60
+
+
+def test_vehicles_of_feeds_come_with_the_people_and_fit_the_schema(page: RunningPage) -> None:
+    given = snapshot(time(), [1])
+    truck = PlacedVehicle("truck", "7", (3.20049, -1.0), np.pi / 2)
+    got = told(page, given, [truck])
+    VALIDATOR.validate(got)
+    assert got["volumes"] == [
+        {"volume": "truck", "id": "7", "xy_m": [3.2, -1.0], "heading_deg": 90.0}
+    ]
+    assert snapshot_of(got).id.tolist() == [1]  # the client for programs reads it, too
+    assert "volumes" not in told(page, snapshot(time(), [1]))
 
 
 def test_what_is_missing_is_null_and_the_rest_has_three_decimals(page: RunningPage) -> None:

@@ -10,6 +10,7 @@ import pytest
 from made_paths import bodies_on, events_of, line, moments, site_with, times, told
 from trecsim.assessing import RuleEvents, rule_set
 from trecsim.safety.signals import Feed, Signal, Signals, recorded
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.safety.volumes import FedVolume, Volume
 from trecsim.sites.recorded_site import RecordedSite
 from trecsim.toml_models import parsed
@@ -180,6 +181,31 @@ def test_a_vehicle_that_is_told_as_gone_hits_nobody_and_one_that_becomes_silent_
         "feed carts: no position of vehicle 7 of volume told for more than 2 s, and no message "
         "that it is gone"
     }
+
+
+def test_vehicles_are_placed_where_they_go_on_to_until_they_are_lost_or_gone() -> None:
+    signals = Signals([Feed("carts")])
+    told_volume = FedVolume("told", "carts", (2.0, 1.0, 1.5), 0.0)
+    signals.take(replace(one, taken_s=one.t_s) for one in told_cart((1.0, 0.0), (2.0, 3.0)))
+    assert told_volume.placed(signals, 3.0) == [PlacedVehicle("told", "7", (6.0, 0.0), 0.0)]
+    assert len(told_volume.placed(signals, 4.0)) == 1
+    assert told_volume.placed(signals, 4.01) == []
+    signals.take([Signal("carts", 3.0, "gone", "told", vehicle="7", taken_s=3.0)])
+    assert told_volume.placed(signals, 3.0) == []
+
+
+def test_the_vehicles_of_a_site_are_known_whether_a_rule_needs_them_or_not() -> None:
+    site, without = site_with(FED), site_with("")
+    engine = RuleEvents(rule_set("made", site, None), signals=recorded(told_cart(*EVERY)))
+    assert engine.vehicles(0.0) == []
+    for snapshot in walking(line((0.0, 3.0), (0.0, 0.0)))[:100]:
+        engine.step(snapshot)
+    last_s = snapshot.t_s
+    (cart,) = engine.vehicles(last_s)
+    assert (cart.volume, cart.vehicle) == ("told", "7")
+    assert cart.xy_m[0] == pytest.approx(-5.0 + last_s, abs=1e-6)
+    engine.change(rule_set("made", without, None), last_s)
+    assert engine.vehicles(last_s) == []
 
 
 def test_a_volume_counts_once_it_has_been_told_for_so_long() -> None:

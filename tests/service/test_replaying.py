@@ -96,10 +96,10 @@ class Shown:
     """A page that keeps what it is shown."""
 
     def __init__(self):
-        self.events, self.healths = [], []
+        self.events, self.healths, self.vehicles = [], [], []
 
-    def write(self, snapshot):
-        """Take where everybody is."""
+    def write(self, snapshot, vehicles=()):
+        self.vehicles.append([(one.volume, one.vehicle, one.xy_m[0]) for one in vehicles])
 
     def event(self, event):
         self.events.append(event)
@@ -123,3 +123,17 @@ def test_a_replay_tells_the_events_of_the_rules_that_the_site_had(tmp_path):
     assert [one["data"]["rule"]["id"] for one in page.events] == ["in"]
     assert (page.healths[0].rules.armed, page.healths[0].rules.total) == (1, 1)
     assert recording_view(recording).rules == {"armed": 1, "total": 1}
+
+
+def test_a_replay_shows_the_vehicles_where_their_feed_told_them(tmp_path):
+    folder = make_recording(tmp_path / "day", times_s=(0.0, 0.5, 1.0))
+    site = {
+        "format": "trecsim.site/1", "name": "hall", "feeds": {"yard": {"file": "gone.jsonl"}},
+        "volumes": {"truck": {"size_m": [4.0, 2.0, 2.0], "feed": "yard"}},
+    }  # fmt: skip
+    (folder / "summary.json").write_text(json.dumps({"configuration": site}))
+    told = {"feed": "yard", "taken_s": 1e9 + 0.5, "t_s": 1e9 + 0.5, "volume": "truck", "id": "7"}
+    (folder / "signals-0000000000.jsonl").write_text(json.dumps({**told, "xy_m": [3, 1]}) + "\n")
+    page = Shown()
+    replay(recording_at(folder), page, speed=1000.0, stop=lambda: len(page.healths) > 1)
+    assert page.vehicles == [[], [("truck", "7", 3.0)], [("truck", "7", 3.0)]]

@@ -6,6 +6,7 @@ import numpy as np
 
 from trecsim.page.link import SnapshotPart
 from trecsim.safety.body_states import bodies
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.values import Snapshot
 
 
@@ -30,7 +31,10 @@ class LastSeen:
 
 
 def snapshot_part(
-    snapshot: Snapshot, seen_s: list[float], written_s: float = math.nan
+    snapshot: Snapshot,
+    seen_s: list[float],
+    vehicles: tuple[PlacedVehicle, ...] = (),
+    written_s: float = math.nan,
 ) -> SnapshotPart:
     """Return a snapshot as it goes over the link; see `SnapshotPart`."""
     return SnapshotPart(
@@ -42,5 +46,6 @@ def snapshot_part(
         state=snapshot.state.tolist(),
         posture=bodies(snapshot).postures.tolist(),
         seen_s=seen_s,
+        vehicles=vehicles,
         written_s=written_s,
     )

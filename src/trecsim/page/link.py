@@ -12,6 +12,7 @@ import msgspec
 
 from trecsim.errors import Error
 from trecsim.health import Health
+from trecsim.safety.vehicle import PlacedVehicle
 
 LARGEST_BYTES = 64 * 1024 * 1024
 _HEAD_BYTES = 4
@@ -50,6 +51,8 @@ class SnapshotPart(msgspec.Struct, frozen=True, tag="snapshot"):
         Per person.
     seen_s
         Per person, how long ago a camera last supported a joint [s].
+    vehicles
+        Where the vehicles are whose positions come from feeds.
     written_s
         When it was handed over, by `time.monotonic`, which both processes share [s].
     """
@@ -62,6 +65,7 @@ class SnapshotPart(msgspec.Struct, frozen=True, tag="snapshot"):
     state: list[str]
     posture: list[str]
     seen_s: list[float]
+    vehicles: tuple[PlacedVehicle, ...] = ()
     written_s: float = math.nan
 
 

@@ -1,5 +1,6 @@
 """The messages of `/api/stream`, as text: encoded once, sent to all viewers."""
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -7,10 +8,12 @@ import msgspec
 import numpy as np
 
 from trecsim.page.link import SnapshotPart
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.skeleton import COCO17
 
 DECIMALS = 3  # of metres and seconds; snapshots come rounded, see trecsim.store.precision
 SIGMA_DECIMALS = 4
+HEADING_DECIMALS = 1  # of degrees
 _JOINTS = len(COCO17.joints)
 
 _encode = msgspec.json.Encoder().encode
@@ -22,6 +25,7 @@ def snapshot_body(
     """Return a snapshot as the stream and recordings give it, without the time of sending.
 
     `forecasts` are by person, as `forecast_bodies` gives them; people without have no such key.
+    Without vehicles whose positions come from feeds there is no `volumes`.
 
     Coordinates have three decimals, uncertainties four; what is missing (NaN) is null in JSON.
     """
@@ -43,7 +47,18 @@ def snapshot_body(
             }
             for person, state, seen_s, posture, xyz, sigma, joint_support in columns
         ],
+        **({"volumes": [_vehicle(one) for one in part.vehicles]} if part.vehicles else {}),
     }  # fmt: skip
+
+
+def _vehicle(one: PlacedVehicle) -> dict[str, Any]:
+    """Return a vehicle with the keys of the messages that told where it is."""
+    return {
+        "volume": one.volume,
+        "id": one.vehicle,
+        "xy_m": [round(axis_m, DECIMALS) for axis_m in one.xy_m],
+        "heading_deg": round(math.degrees(one.heading_rad), HEADING_DECIMALS),
+    }
 
 
 def message(kind: str, sent_s: float, body: Mapping[str, Any]) -> str:

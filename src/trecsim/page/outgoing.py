@@ -19,12 +19,14 @@ from trecsim.page.link import (
     ToPage,
     framed,
 )
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.values import Snapshot
 
 EVENTS_KEPT = 2_000  # for a page process that is started again
 PULSE_S = 1.0
 
-_Seen = tuple[Snapshot, list[float], float]  # how long ago each was seen, when it was put in
+# How long ago each was seen, where vehicles are, when it was put in.
+_Seen = tuple[Snapshot, list[float], tuple[PlacedVehicle, ...], float]
 
 
 class Outgoing:
@@ -49,10 +51,12 @@ class Outgoing:
         self._next_event = 0  # running number of the next event to send
         self._count = 0  # events so far
 
-    def put_snapshot(self, snapshot: Snapshot, seen_s: list[float]) -> None:
+    def put_snapshot(
+        self, snapshot: Snapshot, seen_s: list[float], vehicles: tuple[PlacedVehicle, ...] = ()
+    ) -> None:
         """Replace the snapshot that waits."""
         with self._changed:
-            self._snapshot = (snapshot, seen_s, monotonic())
+            self._snapshot = (snapshot, seen_s, vehicles, monotonic())
             self._fresh.add("snapshot")
             self._changed.notify()
 

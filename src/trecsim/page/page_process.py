@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -34,6 +34,7 @@ from trecsim.page.link import (
 from trecsim.page.outgoing import Outgoing
 from trecsim.page.page_data import PageData
 from trecsim.page.site_view import SiteView
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.values import Snapshot
 
 logger = logging.getLogger(__name__)
@@ -116,9 +117,9 @@ class PageProcess:
         self._runner.join(3 * END_S)
         self._listening.close()
 
-    def write(self, snapshot: Snapshot, /) -> None:
-        """Show where everybody is."""
-        self._outgoing.put_snapshot(snapshot, self._seen.ages_s(snapshot))
+    def write(self, snapshot: Snapshot, /, vehicles: Iterable[PlacedVehicle] = ()) -> None:
+        """Show where everybody is, and the vehicles whose positions come from feeds."""
+        self._outgoing.put_snapshot(snapshot, self._seen.ages_s(snapshot), tuple(vehicles))
 
     def health(self, health: Health) -> None:
         """Show how well the site works."""

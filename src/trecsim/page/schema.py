@@ -74,6 +74,15 @@ _PERSON = _closed(
     },
     optional=("forecast",),
 )  # fmt: skip
+_VEHICLE = _closed(
+    "Where a vehicle is.",
+    {
+        "volume": _said("Its volume, which /api/site has, with its size.", **_TEXT),
+        "id": _said("Which of the vehicles of this volume.", **_TEXT),
+        "xy_m": _said("Its middle on the floor [m].", **_fixed(_NUMBER, 2)),
+        "heading_deg": _said("Its heading [degrees]: 0 is +x, 90 is +y.", **_NUMBER),
+    },
+)
 _SNAPSHOT = _closed(
     "Where everybody is. A viewer that is slow gets the newest one only.",
     {
@@ -81,8 +90,13 @@ _SNAPSHOT = _closed(
         "sent_s": _SENT_S,
         "t_s": _said("The moment, on the clock of the cameras [s].", **_NUMBER),
         "people": {"type": "array", "items": {"$ref": "#/$defs/person"}},
+        "volumes": _said(
+            "Vehicles whose positions come from feeds, where there are any.",
+            type="array", items=_VEHICLE,
+        ),
     },
-)
+    optional=("volumes",),
+)  # fmt: skip
 _EVENT = _closed(
     "An event; none is left out. After a break give the id of the last one as last_event_id.",
     {

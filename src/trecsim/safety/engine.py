@@ -141,6 +141,8 @@ class RuleEngine:
         What people have put in place of the modes.
     faults
         Why rules could not judge the last moment, by their `id`.
+    signals
+        What is known from feeds.
     """
 
     def __init__(
@@ -154,12 +156,12 @@ class RuleEngine:
         modes: Sequence[Mode] = (),
         feeds: Sequence[Feed] = (),
     ) -> None:
-        self._signals = Signals(feeds)
+        self.signals = Signals(feeds)
         self._site, self._clock, self._forecaster = site, clock, forecaster
         self._modes, self.overrides = tuple(modes), Overrides()
         self.faults: dict[str, str] = {}
         self._kept = [_Kept.of(rule) for rule in rules]
-        self._memory, self._cameras = Memory(self._signals), cameras_in_view(rig)
+        self._memory, self._cameras = Memory(self.signals), cameras_in_view(rig)
         self._last_s = float("-inf")
 
     def step(self, snapshot: Snapshot, signals: Sequence[Signal] = ()) -> list[EventData]:
@@ -172,7 +174,7 @@ class RuleEngine:
         signals
             Messages of feeds since the last moment.
         """
-        self._signals.take(signals)
+        self.signals.take(signals)
         if not snapshot.t_s > self._last_s:
             return []
         self._last_s = snapshot.t_s
@@ -204,7 +206,7 @@ class RuleEngine:
             Of the site.
         """
         self._modes = tuple(modes)
-        self._signals.change(feeds)
+        self.signals.change(feeds)
         self.faults.clear()
         before = {kept.rule.id: kept for kept in self._kept}
         self._clock, self._kept = clock, []

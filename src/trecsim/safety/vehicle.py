@@ -7,6 +7,25 @@ LOST_S = 2.0
 """Age from which on a position is out of date [s]."""
 
 
+class PlacedVehicle(NamedTuple):
+    """Where a vehicle of a volume is at a time.
+
+    Attributes
+    ----------
+    volume, vehicle
+        Name of the volume, and which of its vehicles.
+    xy_m
+        Its middle [m].
+    heading_rad
+        Its heading, from +x towards +y [rad].
+    """
+
+    volume: str
+    vehicle: str
+    xy_m: tuple[float, float]
+    heading_rad: float
+
+
 class Vehicle(NamedTuple):
     """Where a vehicle was last, and how it moved.
 

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import islice
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -10,7 +11,7 @@ from jaxtyping import Float64
 
 from trecsim.safety.polygons import Polygon, Prism
 from trecsim.safety.signals import Signals
-from trecsim.safety.vehicle import LOST_S, Vehicle
+from trecsim.safety.vehicle import LOST_S, PlacedVehicle, Vehicle
 
 MOST = 100
 """Boxes that are on their way at the same time."""
@@ -168,6 +169,18 @@ class FedVolume:
         """Return the boxes of the vehicles of the feed; see `Moving`."""
         z_m = (self.bottom_m, self.bottom_m + self.size_m[2])
         return _ToldBoxes(dict(signals.vehicles(self.feed, self.name)), self.size_m, z_m)
+
+    def placed(self, signals: Signals, t_s: float) -> list[PlacedVehicle]:
+        """Return where its vehicles are at a time, `MOST` of them.
+
+        One whose last position is older than `LOST_S` may be anywhere, and is left out.
+        """
+        vehicles = signals.vehicles(self.feed, self.name)
+        known = ((key, one) for key, one in vehicles.items() if t_s - one.t_s <= LOST_S)
+        return [
+            PlacedVehicle(self.name, key, one.at(t_s), one.heading_rad)
+            for key, one in islice(known, MOST)
+        ]
 
     def fault(self, signals: Signals, t_s: float) -> str | None:
         """Return what is wrong with the feed, or which vehicle is silent; see `Moving`."""

@@ -138,8 +138,9 @@ def replay(
 
     told_s = -1.0
     for snapshot in paced(snapshots(recording.folder), speed, stop):
-        page.write(rounded(snapshot))
-        for event in events.step(snapshot):
+        told = events.step(snapshot)
+        page.write(rounded(snapshot), events.vehicles(snapshot.t_s))
+        for event in told:
             page.event(event)
         if counting is not None:
             counting.write(snapshot)

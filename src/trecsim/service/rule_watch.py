@@ -12,6 +12,7 @@ from trecsim.health import RulesHealth
 from trecsim.safety.kinds import KINDS
 from trecsim.safety.modes import Overrides
 from trecsim.safety.signals import SignalSource
+from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.store.ledger_events import without_act
 from trecsim.values import Snapshot
 
@@ -85,6 +86,13 @@ class RuleWatch:
         """Take what people have put in place of the modes; may be called in any thread."""
         with self._lock:
             self._overrides = overrides
+
+    def vehicles(self, t_s: float) -> list[PlacedVehicle]:
+        """Return where the vehicles are at a time [s] whose positions come from feeds.
+
+        Only for the thread that writes snapshots.
+        """
+        return self._events.vehicles(t_s)
 
     def health(self, now_s: float) -> RulesHealth:
         """Return how many rules there are and are armed at a Unix time [s], and what is wrong."""

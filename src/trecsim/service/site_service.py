@@ -46,6 +46,7 @@ from trecsim.service.rule_watch import RuleWatch, ends_of
 from trecsim.service.systemd import Heartbeat, notify
 from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.service.viewing import shows_pictures, site_view
+from trecsim.sinks import Taken
 from trecsim.site_run import recordings_folder, run
 from trecsim.sites.check import CheckedSite
 from trecsim.sites.feed_files import signals_of
@@ -56,7 +57,7 @@ from trecsim.store.names import OVERRIDES, RIG
 from trecsim.store.recorder import Recorder
 from trecsim.store.recordings import newest_rig
 from trecsim.store.site_store import SiteStore
-from trecsim.values import Frame
+from trecsim.values import Frame, Snapshot
 
 
 class SiteService:
@@ -134,7 +135,8 @@ class SiteService:
         watchers = replace(watchers, poses=[*watchers.poses, keeper])
         told: list[Callable[[Health], None]] = [self._reloading, keeper]
         if self._page is not None:
-            watchers = replace(watchers, snapshots=[*watchers.snapshots, self._page])
+            shown = Taken(partial(_show_people, self._page, rules))
+            watchers = replace(watchers, snapshots=[*watchers.snapshots, shown])
             told.append(self._page.health)
 
         def judged() -> Health:
@@ -289,6 +291,11 @@ class SiteService:
         if self._page is None or not shows_pictures(checked.file):
             return None
         return PictureMaker(jpeg, self._page.picture)
+
+
+def _show_people(page: PageProcess, rules: RuleWatch, snapshot: Snapshot) -> None:
+    """Show where people and vehicles are, after the rules have taken the messages of feeds."""
+    page.write(snapshot, rules.vehicles(snapshot.t_s))
 
 
 def _rig_keeper(checked: CheckedSite, out: Path | None, *, live: bool) -> RigKeeper:

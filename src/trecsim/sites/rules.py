@@ -212,6 +212,12 @@ def feeds_of(tables: Mapping[str, FeedTable]) -> tuple[Feed, ...]:
     return tuple(Feed(name, one.silent_s, one.most_per_s) for name, one in tables.items())
 
 
+def fed_volumes_of(tables: Mapping[str, VolumeTable]) -> tuple[FedVolume, ...]:
+    """Return the volumes whose positions come from feeds."""
+    shapes = (_volume(table, name) for name, table in tables.items() if table.feed is not None)
+    return tuple(shape for shape in shapes if isinstance(shape, FedVolume))
+
+
 def _digest(rule: RuleTable, place: PlaceTable | None, others: Mapping[str, PlaceTable]) -> str:
     """Return the SHA-256 of a rule and its places, with all that is left out at its default."""
     facts: dict[str, Any] = {

@@ -2,7 +2,7 @@
 
 import type { Person, Snapshot } from "../state/people.ts";
 import type { Point, Site } from "../state/site.ts";
-import { boxesAt } from "../state/volumes.ts";
+import { boxesIn } from "../state/volumes.ts";
 import { slotOf } from "../state/marks.ts";
 import type { Severity } from "../state/messages.ts";
 import { named } from "../state/words.ts";
@@ -172,7 +172,6 @@ function drawOthers(pen: Pen, c: Palette, view: PlanView, input: PlanInput): voi
     pen.lineWidth = 1.3;
     if (input.names) drawWayIn(pen, view, portal.points);
   }
-  const now = input.snapshot?.t ?? null;
   for (const volume of input.site.volumes) {
     trace(pen, view, volume.path, false);
     pen.strokeStyle = alpha(c.text3, 0.6);
@@ -180,7 +179,7 @@ function drawOthers(pen: Pen, c: Palette, view: PlanView, input: PlanInput): voi
     pen.setLineDash([1, 4]);
     pen.stroke();
     pen.setLineDash([]);
-    for (const box of now === null ? [] : boxesAt(volume, now)) {
+    for (const box of input.snapshot ? boxesIn(volume, input.snapshot) : []) {
       trace(pen, view, box, true);
       pen.fillStyle = alpha(c.text2, 0.25);
       pen.fill();

@@ -19,7 +19,7 @@ import type { Severity } from "../state/messages.ts";
 import { JOINTS, type Person, type Snapshot } from "../state/people.ts";
 import type { Camera, Point, Site } from "../state/site.ts";
 import { invert } from "../draw/lens.ts";
-import { boxesAt } from "../state/volumes.ts";
+import { boxesIn } from "../state/volumes.ts";
 import { named } from "../state/words.ts";
 
 export interface SceneInput {
@@ -202,7 +202,7 @@ export class Scene {
     for (const person of input.snapshot?.people ?? []) this.#one(input, c, person);
     if (input.site && input.layers.zones && input.snapshot) {
       for (const volume of input.site.volumes) {
-        for (const box of boxesAt(volume, input.snapshot.t)) {
+        for (const box of boxesIn(volume, input.snapshot)) {
           prism(this.#moving, box, volume.bottom, volume.bottom + volume.size[2], rgb(c.text2), {
             width: 1.6, alpha: 0.9,
           });

@@ -1,6 +1,6 @@
 // The last ten minutes, in packed form: for replay, for paths and for the timeline.
 
-import { JOINTS, type Person, type Snapshot } from "./people.ts";
+import { JOINTS, type Person, type Snapshot, type Vehicle } from "./people.ts";
 import type { PersonState } from "./messages.ts";
 import type { Point } from "./site.ts";
 
@@ -22,6 +22,7 @@ interface Packed {
   joints: Int16Array;
   sigma: Uint8Array;
   support: Uint8Array;
+  vehicles: Vehicle[];
 }
 
 function pack(snapshot: Snapshot): Packed {
@@ -31,6 +32,7 @@ function pack(snapshot: Snapshot): Packed {
     ids: new Int32Array(n), states: new Uint8Array(n), unseen: new Float32Array(n),
     floor: new Float32Array(2 * n), joints: new Int16Array(3 * JOINTS * n),
     sigma: new Uint8Array(JOINTS * n), support: new Uint8Array(JOINTS * n),
+    vehicles: snapshot.vehicles,
   };
   snapshot.people.forEach((person, i) => {
     const [x, y] = person.floor;
@@ -76,11 +78,11 @@ function unpack(packed: Packed): Snapshot {
       floor: [x, y],
     };
   });
-  return { t: packed.t, sent: packed.sent, people };
+  return { t: packed.t, sent: packed.sent, people, vehicles: packed.vehicles };
 }
 
 const bytes = (packed: Packed): number =>
-  packed.ids.length * (4 + 1 + 4 + 8 + 6 * JOINTS + 2 * JOINTS) + 120;
+  packed.ids.length * (4 + 1 + 4 + 8 + 6 * JOINTS + 2 * JOINTS) + 120 + 100 * packed.vehicles.length;
 
 /** Ten minutes of snapshots. The one large thing that changes in place. */
 export class History {

@@ -28,6 +28,15 @@ export interface SnapshotMessage {
   sent_s: number;
   t_s: number;
   people: PersonMessage[];
+  volumes?: VehicleMessage[] | null;
+}
+
+/** Where a vehicle is whose position comes from a feed. */
+export interface VehicleMessage {
+  volume: string;
+  id: string;
+  xy_m: [number, number];
+  heading_deg: number;
 }
 
 export interface CameraHealth {

@@ -30,10 +30,19 @@ export interface Person {
   forecast: { ahead: number; at: Point; cov: readonly [number, number, number] }[];
 }
 
+/** Where a vehicle is whose position comes from a feed. */
+export interface Vehicle {
+  volume: string;
+  at: Point;
+  /** From +x towards +y [rad]. */
+  heading: number;
+}
+
 export interface Snapshot {
   t: number;
   sent: number;
   people: Person[];
+  vehicles: Vehicle[];
 }
 
 /** Return how many people there are: a provisional track may be nobody, and does not count. */
@@ -92,7 +101,10 @@ export function readSnapshot(message: SnapshotMessage, before: Snapshot | null):
         .filter((f) => f.ahead > 0.05);
     }
   }
-  return { t: message.t_s, sent: message.sent_s, people };
+  const vehicles = (message.volumes ?? []).map((one): Vehicle => ({
+    volume: one.volume, at: one.xy_m, heading: one.heading_deg * Math.PI / 180,
+  }));
+  return { t: message.t_s, sent: message.sent_s, people, vehicles };
 }
 
 /** Return the most cameras that support any joint of a person. */

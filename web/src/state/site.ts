@@ -24,9 +24,11 @@ export interface Path {
   points: Point[];
 }
 
-/** A box that moves along a path, once or again and again; see docs/rules.md. */
+/** A box that moves along a path, once or again and again, or that a feed tells; see docs/rules.md. */
 export interface Volume {
   name: string;
+  /** Whether snapshots say where it is; it then has no path. */
+  fed: boolean;
   size: Point3;
   bottom: number;
   path: Point[];
@@ -52,7 +54,7 @@ export interface Site {
   exclusions: Zone[];
   /** Ways in and out. */
   portals: Path[];
-  /** Boxes that move by a timetable. */
+  /** Boxes that move, by a timetable or a feed. */
   volumes: Volume[];
   floor: { low: Point; high: Point };
   armed: number;
@@ -150,9 +152,10 @@ function readVolume(name: string, value: Json): Volume[] {
   const [size, path] = [value.size_m, points(value.path_m)];
   const pathS = Array.isArray(value.path_s) ? value.path_s.filter(Number.isFinite) as number[] : [0];
   if (!Array.isArray(size) || size.length !== 3 || !size.every(Number.isFinite)) return [];
-  if (path.length === 0 || path.length !== pathS.length) return []; // a feed tells where it is
+  const fed = typeof value.feed === "string";
+  if (!fed && (path.length === 0 || path.length !== pathS.length)) return [];
   return [{
-    name, size: size as unknown as Point3, bottom: number(value.bottom_m, 0), path, pathS,
+    name, fed, size: size as unknown as Point3, bottom: number(value.bottom_m, 0), path, pathS,
     startS: number(value.start_s, 0),
     periodS: typeof value.period_s === "number" && value.period_s > 0 ? value.period_s : null,
     heading: typeof value.heading_deg === "number" ? value.heading_deg * Math.PI / 180 : null,

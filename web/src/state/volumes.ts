@@ -1,5 +1,6 @@
-// Where boxes that move by a timetable are at a time; the server's `Volume` does the same.
+// Where boxes that move are: by a timetable, as the server's `Volume` has it, or as a snapshot says.
 
+import type { Snapshot } from "./people.ts";
 import type { Point, Volume } from "./site.ts";
 
 const MOST = 100;
@@ -15,15 +16,24 @@ function underWay(volume: Volume, now: number): number[] {
   return Array.from({ length: Math.max(count, 0) }, (_, n) => newest + n * (volume.periodS as number));
 }
 
-/** Return the corners of the boxes that are there at a time. */
+/** Return the corners of the boxes that are there in a snapshot. */
+export function boxesIn(volume: Volume, snapshot: Snapshot): Point[][] {
+  if (!volume.fed) return boxesAt(volume, snapshot.t);
+  return snapshot.vehicles
+    .filter((one) => one.volume === volume.name)
+    .map((one) => box(volume, one.at, one.heading));
+}
+
+/** Return the corners of the boxes that a timetable puts there at a time. */
 export function boxesAt(volume: Volume, now: number): Point[][] {
-  return underWay(volume, now).map((since) => {
-    const [at, heading] = placed(volume, since);
-    const [c, s] = [Math.cos(heading), Math.sin(heading)];
-    const [l, w] = [volume.size[0] / 2, volume.size[1] / 2];
-    return ([[-l, -w], [l, -w], [l, w], [-l, w]] as Point[]).map(([x, y]): Point =>
-      [at[0] + c * x - s * y, at[1] + s * x + c * y]);
-  });
+  return underWay(volume, now).map((since) => box(volume, ...placed(volume, since)));
+}
+
+function box(volume: Volume, at: Point, heading: number): Point[] {
+  const [c, s] = [Math.cos(heading), Math.sin(heading)];
+  const [l, w] = [volume.size[0] / 2, volume.size[1] / 2];
+  return ([[-l, -w], [l, -w], [l, w], [-l, w]] as Point[]).map(([x, y]): Point =>
+    [at[0] + c * x - s * y, at[1] + s * x + c * y]);
 }
 
 /** Return the middle of a box that has been on its way for so long, and its heading [rad]. */
