@@ -9,7 +9,7 @@ import pytest
 
 from made_paths import PLACES, bodies_on, line, moments, site_with, there, times, told
 from trecsim.assessing import RuleEvents, assess, rule_set
-from trecsim.safety.signals import Signal, recorded
+from trecsim.safety.signals import MOST_PLACES, Feed, Signal, Signals, recorded
 from trecsim.store.parquet_file import TracksInfo
 from trecsim.store.recordings import tracks_recorder
 from trecsim.values import Snapshot
@@ -204,6 +204,29 @@ def test_after_a_flood_or_an_unreadable_message_nothing_is_concluded_for_ten_sec
         )  # fmt: skip
         assert faults == {"r": [said]}
         assert told(events, "t_start_s") == ([(14.5,)] if with_late else [])
+
+
+@pytest.mark.parametrize("what", ["grant", "volume", "gone"])
+def test_a_feed_that_names_ever_more_places_is_a_fault_and_takes_no_memory(what: Any) -> None:
+    def named(number: int, t_s: float) -> Signal:
+        return Signal("f", t_s, what, f"place {number}", t_s, xy_m=(0.0, 0.0))
+
+    signals = Signals([Feed("f")])
+    signals.take(named(n, 1.0 + 0.1 * n) for n in range(MOST_PLACES))
+    assert signals.fault("f", 30.0) is None
+    signals.take(named(n, 30.0) for n in range(MOST_PLACES, MOST_PLACES + 50))
+    assert signals.fault("f", 30.0) == f"feed f: it names more than {MOST_PLACES} places of a kind"
+    state = signals._states["f"]
+    assert len(state.grants) + len(state.vehicles) == MOST_PLACES
+    signals.take([named(0, 41.0)])
+    assert signals.fault("f", 41.0) is None
+
+
+def test_doors_that_shut_where_nobody_had_a_ticket_take_no_memory() -> None:
+    signals = Signals([Feed("f")])
+    signals.take(Signal("f", 0.1 * n, "closed", f"line {n}", 0.1 * n) for n in range(500))
+    assert signals._states["f"].grants == {}
+    assert signals.fault("f", 50.0) is None
 
 
 def test_assess_takes_the_messages_from_the_file_of_the_feed(tmp_path: Path) -> None:

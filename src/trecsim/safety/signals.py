@@ -22,6 +22,8 @@ MOST_GRANTS = 10_000
 """Most grants of one line that are kept; the oldest are dropped."""
 MOST_VEHICLES = 1000
 """Most vehicles of one volume; messages of further ones are ignored."""
+MOST_PLACES = 200
+"""Most lines and most volumes that a feed may name; messages of further ones are a fault."""
 WITHIN_S = 1.0
 """Time over which messages are counted, to find a flood [s]."""
 DISTRUST_S = 10.0
@@ -162,17 +164,25 @@ class _FeedState:
         elif one.what == "grant":
             self._grant(one)
         elif one.what == "closed":
-            grants = self.grants.get(one.about, deque())
-            self.grants[one.about] = deque(
-                (_closed(grant, one.t_s) for grant in grants), MOST_GRANTS
-            )
+            if one.about in self.grants:
+                grants = (_closed(grant, one.t_s) for grant in self.grants[one.about])
+                self.grants[one.about] = deque(grants, MOST_GRANTS)
         elif one.what in ("volume", "gone"):
             self._move(one)
 
     def _distrust(self, one: Signal, note: str) -> None:
         self.distrusted_s, self.note = one.taken_s, note
 
+    def _knows(self, one: Signal, places: Mapping[str, object]) -> bool:
+        """Tell whether there is room for what a message says of a place."""
+        if one.about in places or len(places) < MOST_PLACES:
+            return True
+        self._distrust(one, f"it names more than {MOST_PLACES} places of a kind")
+        return False
+
     def _grant(self, one: Signal) -> None:
+        if not self._knows(one, self.grants):
+            return
         grants = self.grants.setdefault(one.about, deque(maxlen=MOST_GRANTS))
         while grants and one.taken_s - grants[0].t_s > LONGEST_S:
             grants.popleft()
@@ -183,6 +193,8 @@ class _FeedState:
         ahead_s = one.t_s - one.taken_s
         if ahead_s > LOST_S:  # it would hide all later positions
             self._distrust(one, f"a position is of {ahead_s:.1f} s after it came; check its clock")
+            return
+        if not self._knows(one, self.vehicles):
             return
         there = self.vehicles.setdefault(one.about, {})
         if one.what == "gone" or one.xy_m is None:
