@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from made_paths import bodies_on, events_of, line, moments, there, through, times, told
-from trecsim.safety.conditions.body_poses import waves_hz
 from trecsim.safety.conditions.crowds import crowd_pressure
+from trecsim.safety.conditions.waving import Hand, swung
 from trecsim.skeleton import COCO17
 from trecsim.values import Snapshot
 
@@ -92,8 +92,10 @@ def test_a_raised_hand_that_waves_asks_for_help(hertz: float, wide_m: float, fir
 
 def test_noise_does_not_wave() -> None:
     rng = np.random.default_rng(0)
-    path = tuple(zip(np.arange(100) / 25, rng.normal(0.0, 0.04, 100), strict=True))
-    assert waves_hz(path, 99 / 25) == 0.0
+    hand: Hand | None = None
+    for n, at_m in enumerate(rng.normal(0.0, 0.04, 100).tolist()):
+        hand = swung(hand, n / 25, at_m)
+        assert hand.turns == 0
 
 
 def packed(spacing_m: float, t_s: np.ndarray, seed: int = 0) -> list[np.ndarray]:

@@ -6,10 +6,11 @@ from typing import Literal
 import numpy as np
 
 from trecsim.safety.conditions.base import Condition
-from trecsim.safety.conditions.body_poses import Climbing, Distress, ReachingIn
+from trecsim.safety.conditions.body_poses import Climbing, ReachingIn
 from trecsim.safety.conditions.crossings import LineCrossed, ZoneLeft
 from trecsim.safety.conditions.crowds import Bottleneck, CriticalDensity, Panic, Pressure
 from trecsim.safety.conditions.density import DensityLevel
+from trecsim.safety.conditions.distress import Distress
 from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
 from trecsim.safety.conditions.gates import GatePassed

@@ -81,7 +81,7 @@ def test_every_rule_tells_every_true_episode_and_no_other_within_one_frame(
 def test_together_the_scenes_have_rules_of_every_kind_that_the_truth_knows() -> None:
     kinds = {
         one["data"]["rule"]["kind"]
-        for name in ("crossing-50cm", "hugging", "platform-edge", "ski-lift", "lying-down",
+        for name in ("arms-up", "crossing-50cm", "hugging", "platform-edge", "ski-lift", "lying-down",
                      "falling", "rotating", "crowded-room", "gate")
         for one in truth_events(
             str(site_of(name)), exact(name).t_s, exact(name).xyz_m, feeds_of(name)

@@ -6,10 +6,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from trecsim.lab.true_events.naive_falls import fallen_since_s
-from trecsim.lab.true_events.naive_places import from_edge_m, is_inside
-from trecsim.lab.true_events.true_people import ELBOWS, WRISTS, TruePerson
+from trecsim.lab.true_events.naive_places import from_edge_m, inside_m, is_inside
+from trecsim.lab.true_events.true_people import ANKLES, ELBOWS, FOOT_M, WRISTS, TruePerson
 from trecsim.lab.true_events.true_places import Happening, Place
 from trecsim.lab.true_events.true_spans import Span, spans
+
+STEP_M, NEAR_M = 0.35, 0.5
 
 
 def restricted(at: Place, person: TruePerson) -> list[Span]:
@@ -28,6 +30,17 @@ def reach(at: Place, person: TruePerson) -> list[Span]:
     inside = is_inside(at.polygon_m, arms_m[..., :2])
     inside &= (arms_m[..., 2] >= low_m) & (arms_m[..., 2] <= high_m)
     holds = person.there & inside.any(axis=1) & ~at.holds(person)
+    return spans(person.t_s, holds, person.there, at.delays)
+
+
+def climb(at: Place, person: TruePerson) -> list[Span]:
+    """Return when a foot is raised at the barrier, or the hips are over it and above its top."""
+    feet_m = person.xyz_m[:, ANKLES] - [0.0, 0.0, FOOT_M]
+    with np.errstate(invalid="ignore"):
+        is_raised = (feet_m[..., 2] > STEP_M) & (inside_m(at.polygon_m, feet_m[..., :2]) > -NEAR_M)
+        is_above = person.hips_m[:, 2] > at.place.get("z_m", (0.0, 2.5))[1]
+    over = is_above & is_inside(at.polygon_m, person.hips_m[:, :2])
+    holds = person.there & (is_raised.any(axis=1) | over)
     return spans(person.t_s, holds, person.there, at.delays)
 
 

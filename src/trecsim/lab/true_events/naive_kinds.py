@@ -6,9 +6,10 @@ of the documentation of the rules, written down a second time.
 
 from collections.abc import Mapping
 
-from trecsim.lab.true_events.naive_bodies import down, edge, fall, reach, restricted
+from trecsim.lab.true_events.naive_bodies import climb, down, edge, fall, reach, restricted
 from trecsim.lab.true_events.naive_crowds import density_level, occupancy
 from trecsim.lab.true_events.naive_floor_points import confined, cross, dwell, enter, gate, leave
+from trecsim.lab.true_events.naive_hands import distress
 from trecsim.lab.true_events.naive_movement import goes_wrong_way, runs
 from trecsim.lab.true_events.naive_volumes import on_volume, unload, vehicle
 from trecsim.lab.true_events.true_places import Read, each
@@ -33,5 +34,7 @@ NAIVE_KINDS: Mapping[str, Read] = {
     "lift.unload": each(unload),
     "access.tailgate": gate,
     "access.unauthorised": gate,
+    "body.climb": each(climb),
+    "body.distress": each(distress),
 }
 """All kinds of which the truth is known, by name."""

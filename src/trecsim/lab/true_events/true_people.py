@@ -17,7 +17,8 @@ FACE = [COCO17.index(name) for name in ("nose", "left_eye", "right_eye", "left_e
 HIPS_DOWN_M, HEAD_DOWN_M, FLAT_DEG = 0.35, 0.6, 60.0
 """Who lies has the hips below the first, and the head below the second or the trunk flatter."""
 LOW_SHARE = 0.65
-FOOT_M = 0.08  # from the ankle to the floor
+FOOT_M = 0.08
+"""From the ankle down to the sole [m]."""
 SPEED_OVER_S = 0.08  # before and after together
 
 
@@ -73,10 +74,15 @@ class TruePerson:
         return np.asarray(self.hips_m[:, 2] < HIPS_DOWN_M)
 
     @cached_property
+    def head_m(self) -> Float64[np.ndarray, " time"]:
+        """Height of the head: between nose, eyes and ears [m]."""
+        return np.asarray(self.xyz_m[:, FACE, 2].mean(axis=1))
+
+    @cached_property
     def lies(self) -> Bool[np.ndarray, " time"]:
         """When the person lies."""
-        head_m = self.xyz_m[:, FACE, 2].mean(axis=1)
-        return np.asarray(self.hips_down & ((head_m < HEAD_DOWN_M) | (self.trunk_deg > FLAT_DEG)))
+        flat = (self.head_m < HEAD_DOWN_M) | (self.trunk_deg > FLAT_DEG)
+        return np.asarray(self.hips_down & flat)
 
     @cached_property
     def posture(self) -> Shaped[np.ndarray, " time"]:

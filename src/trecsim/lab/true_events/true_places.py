@@ -31,6 +31,13 @@ DELAYS_S: Mapping[str, tuple[float, float]] = {
     "lift.unload": (0.3, 0.5),
     "access.tailgate": (0.0, 0.0),
     "access.unauthorised": (0.0, 0.0),
+    "body.climb": (0.4, 0.5),
+    "body.distress": (2.0, 0.5),
+    "crowd.panic": (1.0, 0.5),
+    "crowd.pressure": (3.0, 0.5),
+    "density.critical": (5.0, 0.5),
+    "flow.bottleneck": (10.0, 0.5),
+    "group.split": (15.0, 0.5),
 }
 """Delays of each kind where a rule gives none: before it counts, and before it is over [s]."""
 

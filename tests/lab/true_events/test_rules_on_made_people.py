@@ -1,0 +1,162 @@
+"""On made people, in what happens and in what nearly does, rules tell what the naive reading says.
+
+Here stand the kinds of which the built-in scenes have too little: both must tell the same
+episodes, begun and ended within one frame, and neither must tell a near miss.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from made_paths import PLACES, bodies_on, events_of, line, moments, times
+from trecsim.lab.evaluation.event_episodes import EpisodeTold, episodes_of
+from trecsim.lab.true_events.truth_events import truth_events
+from trecsim.skeleton import COCO17
+
+HEAD = PLACES.partition("[zones")[0]
+WRISTS = [COCO17.index(f"{side}_wrist") for side in ("left", "right")]
+ANKLES = [COCO17.index(f"{side}_ankle") for side in ("left", "right")]
+T = times(11.0)
+
+
+def rule(kind: str, keys: str = 'zone = "room"') -> str:
+    return f'[[rules]]\nid = "r"\nkind = "{kind}"\n{keys}\n'
+
+
+def agreed(
+    rules: str, people: Sequence[np.ndarray], t_s: np.ndarray, places: str = PLACES
+) -> list[EpisodeTold]:
+    """Return the true episodes, after the rules have told the same, within one frame."""
+    told = episodes_of(events_of(rules, moments(people, t_s), places=places))
+    true = episodes_of(truth_events(places + rules, t_s, np.array(people)))
+    frame_s = float(t_s[1] - t_s[0]) + 1e-6
+    assert [one.start_s for one in told] == pytest.approx(
+        [one.start_s for one in true], abs=frame_s
+    )
+    assert [one.end_s is None for one in told] == [one.end_s is None for one in true]
+    assert [one.end_s for one in told if one.end_s is not None] == pytest.approx(
+        [one.end_s for one in true if one.end_s is not None], abs=frame_s
+    )
+    for one, other in zip(told, true, strict=True):
+        assert one.floor_m == pytest.approx(other.floor_m, abs=0.1)  # of the same person
+    return true
+
+
+def standing(at_m: tuple[float, float], t_s: np.ndarray = T) -> np.ndarray:
+    return bodies_on(line(at_m, (0.0, 0.0)), t_s)
+
+
+def lifting(to_m: float, at_m: tuple[float, float]) -> np.ndarray:
+    """Return somebody who lifts one ankle from 2 s on by 0.5 m/s, and puts it down from 6 s on."""
+    body = standing(at_m)
+    up_m = np.minimum(0.5 * (T - 2.0), to_m - 0.08)
+    body[:, ANKLES[0], 2] += np.clip(np.minimum(up_m, 0.5 * (7.0 - T)), 0.0, None)
+    return body
+
+
+def test_a_foot_that_is_raised_high_enough_near_enough_to_the_barrier_climbs() -> None:
+    climb = rule("body.climb")
+    (told,) = agreed(climb, [lifting(0.6, (-0.3, 0.0))], T)
+    assert told.start_s == pytest.approx(2.7, abs=0.05)  # the foot is 0.35 m high
+    assert told.end_s == pytest.approx(6.3, abs=0.05)
+    assert agreed(climb, [lifting(0.42, (-0.3, 0.0))], T) == []  # the foot is 0.34 m high
+    assert len(agreed(climb, [lifting(0.6, (-0.48, 0.0))], T)) == 1
+    assert agreed(climb, [lifting(0.6, (-0.52, 0.0))], T) == []
+
+
+def test_hips_over_the_barrier_climb_where_they_are_above_its_top() -> None:
+    walks = bodies_on(line((-3.0, 0.0), (1.0, 0.0)), T)  # hips at 0.9 m
+    low, high = (
+        f"{HEAD}[zones.room]\npolygon_m = [[0.0, -1.0], [2.0, -1.0], [2.0, 1.0], [0.0, 1.0]]\n"
+        f"z_m = [0.0, {top_m}]\n"
+        for top_m in (0.88, 0.92)
+    )
+    (told,) = agreed(rule("body.climb"), [walks], T, low)
+    assert (told.start_s, told.end_s) == pytest.approx((3.0, 5.0), abs=0.05)
+    assert agreed(rule("body.climb"), [walks], T, high) == []
+
+
+def between(from_s: float, until_s: float) -> np.ndarray:
+    """Tell which moments are in a time; frames on its borders go to what follows."""
+    into_s = T + 1e-6
+    return (into_s > from_s) & (into_s < until_s)
+
+
+def raising(wrists: Sequence[int], to_m: float, until_s: float) -> np.ndarray:
+    """Return somebody who holds wrists up from 2 s on."""
+    body = standing((1.0, 0.0))
+    up = between(2.0, until_s)
+    for wrist in wrists:
+        body[up, wrist, 2] = to_m
+    return body
+
+
+def test_both_hands_above_the_head_for_long_enough_ask_for_help() -> None:
+    distress = rule("body.distress")
+    (told,) = agreed(distress, [raising(WRISTS, 1.73, 5.0)], T)  # the head is at 1.612 m
+    assert (told.start_s, told.end_s) == pytest.approx((2.0, 5.0), abs=0.05)
+    assert agreed(distress, [raising(WRISTS, 1.70, 5.0)], T) == []
+    assert agreed(distress, [raising(WRISTS, 1.73, 3.9)], T) == []
+    assert agreed(distress, [raising(WRISTS[:1], 1.9, 5.0)], T) == []
+    outside = raising(WRISTS, 1.73, 5.0)
+    outside[..., 0] -= 2.0
+    assert agreed(distress, [outside], T) == []
+
+
+def waving(
+    hertz: float, *, wide_m: float = 0.2, from_s: float = 2.0, until_s: float = 8.0,
+    height_m: float = 1.5, wrist: int = WRISTS[0],
+) -> np.ndarray:  # fmt: skip
+    """Return somebody who has a wrist above the shoulders (1.4 m) and moves it to and fro."""
+    body = standing((1.0, 0.0))
+    up = between(from_s, until_s)
+    to_m = 0.3 + wide_m * np.sin(2.0 * np.pi * hertz * (T - from_s) - 0.3)
+    body[up, wrist, 1] = to_m[up]
+    body[up, wrist, 2] = height_m
+    return body
+
+
+@pytest.mark.parametrize("hertz", [0.55, 0.7, 1.0, 2.0, 2.8])
+def test_a_hand_that_waves_asks_for_help_from_its_first_turn_to_its_last(hertz: float) -> None:
+    (told,) = agreed(rule("body.distress"), [waving(hertz)], T)
+    first_s = 2.0 + (0.25 + 0.3 / (2.0 * np.pi)) / hertz  # where the sine is at its top
+    assert told.start_s == pytest.approx(first_s, abs=0.05)
+    assert told.end_s is not None
+    assert 8.0 - 1.0 / hertz < told.end_s <= 8.0
+
+
+def test_a_hand_that_waves_at_the_end_of_a_recording_may_wave_on() -> None:
+    (told,) = agreed(rule("body.distress"), [waving(1.0, until_s=10.2)], T)
+    assert told.end_s is None
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        waving(0.45),
+        waving(3.4),
+        waving(1.0, wide_m=0.12),
+        waving(1.0, height_m=1.38),
+        waving(1.0, until_s=5.2),  # from the first turn to the last less than 3 s
+        raising(WRISTS[:1], 1.6, 8.0),
+    ],
+    ids=["slow", "fast", "narrow", "low", "short", "still"],
+)
+def test_a_hand_that_nearly_waves_does_not_ask_for_help(body: np.ndarray) -> None:
+    assert agreed(rule("body.distress"), [body], T) == []
+
+
+def test_two_raised_hands_that_are_still_do_not_wave_however_their_heights_change() -> None:
+    body = raising(WRISTS, 1.5, 11.0)
+    body[:, WRISTS[0], 2] += 0.02 * np.sin(2.0 * np.pi * T)  # now one is the higher, now the other
+    assert agreed(rule("body.distress"), [body], T) == []
+
+
+def test_a_hand_that_is_down_for_a_moment_waves_on_and_one_that_rests_begins_anew() -> None:
+    distress, body = rule("body.distress"), waving(1.0)
+    body[between(4.0, 4.4), WRISTS[0], 2] = 1.0
+    (told,) = agreed(distress, [body], T)
+    assert told.start_s < 2.5
+    body[between(4.0, 5.5), WRISTS[0], 2] = 1.0
+    assert agreed(distress, [body], T) == []
