@@ -14,6 +14,7 @@ from trecsim.errors import InputError
 from trecsim.floor_points import path_xy
 from trecsim.forecasting import Forecaster as PathForecaster
 from trecsim.forecasting.forecasts import Forecasts
+from trecsim.forecasting.walls import NO_WALLS, Walls
 from trecsim.geometry import Rig
 from trecsim.safety.early_warning import EVERY_S, Forecaster
 from trecsim.safety.engine import Clock, RuleEngine
@@ -54,6 +55,8 @@ class RuleSet:
         Its modes, and the feeds that its rules rely on.
     fed
         Its volumes whose positions come from feeds.
+    walls
+        Its walls.
     """
 
     site: str
@@ -63,6 +66,7 @@ class RuleSet:
     modes: tuple[Mode, ...] = ()
     feeds: tuple[Feed, ...] = ()
     fed: tuple[FedVolume, ...] = ()
+    walls: Walls = NO_WALLS
 
 
 def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> RuleSet:
@@ -82,7 +86,7 @@ def rule_set(name: str, site: Ruled, rig: Rig | None, start_s: float = 0.0) -> R
     clock = Clock(zone_of(site.timezone), start_s)
     rules = rules_of(site.rules, site.places, site.exclusions)
     feeds, fed = feeds_of(site.feeds), fed_volumes_of(site.volumes)
-    return RuleSet(name, rules, clock, rig, modes_of(site.modes), feeds, fed)
+    return RuleSet(name, rules, clock, rig, modes_of(site.modes), feeds, fed, site.walls_m)
 
 
 def armed_rules(site: Ruled, now_s: float, overrides: Overrides = Overrides()) -> int:  # noqa: B008
@@ -102,14 +106,16 @@ class _Looking:
         The rules.
     """
 
-    def __init__(self, rules: Sequence[Rule]) -> None:
+    def __init__(self, rules: RuleSet) -> None:
         self._forecaster: PathForecaster | None = None
         self.change(rules)
 
-    def change(self, rules: Sequence[Rule]) -> None:
-        """Take other rules from now on."""
-        if self._forecaster is None and any(rule.early_s > 0.0 for rule in rules):
+    def change(self, rules: RuleSet) -> None:
+        """Take other rules and walls from now on."""
+        if self._forecaster is None and any(rule.early_s > 0.0 for rule in rules.rules):
             self._forecaster = PathForecaster(every_s=EVERY_S)
+        if self._forecaster is not None:
+            self._forecaster.walls = rules.walls
 
     def __call__(self, snapshot: Snapshot) -> Forecasts | None:
         """Take the next moment; see `Forecaster`."""
@@ -143,7 +149,7 @@ class RuleEvents:
             make_ready()
         self._signals = signals
         self._site, self._fed = rules.site, rules.fed
-        forecaster = forecaster or _Looking(rules.rules)
+        forecaster = forecaster or _Looking(rules)
         self._engine = RuleEngine(
             rules.site, rules.rules, clock=rules.clock, rig=rules.rig, forecaster=forecaster,
             modes=rules.modes, feeds=rules.feeds,
@@ -161,7 +167,7 @@ class RuleEvents:
         if rules.rules:
             make_ready()
         if isinstance(self._looking, _Looking):
-            self._looking.change(rules.rules)
+            self._looking.change(rules)
         self._fed = rules.fed
         ends = self._engine.change(rules.rules, rules.clock, t_s, rules.modes, rules.feeds)
         return [self._event(data, t_s) for data in ends]

@@ -31,7 +31,7 @@ def film_input(
     rig
         The cameras, in any format that is read.
     site
-        A site file: its rig, videos, zones, lines and edges.
+        A site file: its rig, videos, zones, lines, edges and walls.
     videos
         Video of each camera, by name.
     events, forecasts
@@ -59,13 +59,14 @@ def film_input(
 
 
 def _of_site(site: Path, cameras: Rig | None) -> FilmInput:
-    """Return what a site file names: rig, videos, masks, zones, lines and edges."""
+    """Return what a site file names: rig, videos, masks, zones, lines, edges and walls."""
     from trecsim.sites.recorded_site import read_without_rig
     from trecsim.sites.site_reading import read_site
 
     ruled = read_without_rig(site)
     lines = {name: np.array(line.points_m, float) for name, line in ruled.lines.items()}
     lines |= {name: np.array(edge.points_m, float) for name, edge in ruled.edges.items()}
+    lines |= {name: np.array(wall.points_m, float) for name, wall in ruled.walls.items()}
     zones = {name: np.array(zone.polygon_m, float) for name, zone in ruled.zones.items()}
     if cameras is None and ruled.rig is not None:
         cameras = ruled.rig.read(lambda remark: None)

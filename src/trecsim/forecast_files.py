@@ -8,6 +8,8 @@ from trecsim.errors import InputError
 from trecsim.forecasting import Forecaster
 from trecsim.forecasting.forecasts import horizons
 from trecsim.forecasting.path_scores import Scores, evaluated, joined
+from trecsim.forecasting.walls import NO_WALLS
+from trecsim.sites.recorded_site import read_without_rig
 from trecsim.store.atomic import atomic_write
 from trecsim.store.ethucy import sets_in
 from trecsim.store.floor_paths import read_floor_paths
@@ -42,6 +44,7 @@ def forecast(
     ahead_s: float = 4.8,
     step_s: float = 0.4,
     every_s: float = 0.0,
+    site: Path | None = None,
     progress: Progress | None = None,
 ) -> ForecastExtent:
     """Forecast where the people of recorded tracks will be; write JSON Lines.
@@ -58,6 +61,8 @@ def forecast(
         Time between two horizons [s].
     every_s
         Time between two forecasts [s]; 0 writes one for every moment.
+    site
+        A site file with walls.
     progress
         Called with the number of moments done and that of all.
 
@@ -66,7 +71,8 @@ def forecast(
     InputError
         When the input is wrong, or horizons cannot be had.
     """
-    forecaster = Forecaster(horizons(ahead_s, step_s), every_s=every_s)
+    walls = NO_WALLS if site is None else read_without_rig(site).walls_m
+    forecaster = Forecaster(horizons(ahead_s, step_s), every_s=every_s, walls=walls)
     moments = read_floor_paths(tracks)
     lines, people = 0, set[int]()
     with atomic_write(Path(out)) as file:

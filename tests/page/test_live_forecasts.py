@@ -46,6 +46,14 @@ def test_the_forecast_of_a_walk_goes_on() -> None:
         assert xx * yy - xy**2 > 0
 
 
+def test_the_forecast_of_a_walk_stops_at_a_wall() -> None:
+    live = LiveForecasts()
+    live.take_walls({"end": {"points_m": [[5.0, -2.0], [5.0, 2.0]]}})
+    made = [live.of(part_of(i / RATE_HZ)) for i in range(81)]
+    (last,) = made[-1].values()
+    assert max(one["xy_m"][0] for one in last) < 5.0
+
+
 def test_provisional_people_have_none() -> None:
     made = LiveForecasts().of(part_of(0.0, ("confirmed", PROVISIONAL)))
     assert set(made) == {3}

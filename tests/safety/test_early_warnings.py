@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from made_paths import bodies_on, events_of, line, moments, through, times, told
+from made_paths import PLACES, bodies_on, events_of, line, moments, through, times, told
 from trecsim.forecasting.forecasts import Forecasts
 from trecsim.safety.ahead import Ahead, ahead_of
 from trecsim.safety.machine import Timing
@@ -45,6 +45,21 @@ def test_who_walks_into_a_restricted_zone_is_expected_there_more_than_a_second_b
     assert [one["seq"] for one in data] == list(range(len(data)))
     assert data[-1]["phase"] == "end"
     assert {one["event"] for one in data} == {data[0]["event"]}
+
+
+def test_nobody_is_expected_behind_a_wall_unless_the_way_leads_through_its_door() -> None:
+    walls = (
+        "[walls.front]\npoints_m = [[-0.2, {low}], [-0.2, 9.0]]\n"
+        "[walls.rest]\npoints_m = [[-0.2, -9.0], [-0.2, -1.2]]\n"
+    )
+    to_the_wall = walking(through((0, -5, 0), (4.2, -0.5, 0), (8, -0.5, 0)))
+    warned = events_of(RESTRICTED, to_the_wall)
+    assert [one["data"]["predicted"] for one in warned[:1]] == [True]  # and taken back
+    assert events_of(RESTRICTED, to_the_wall, places=PLACES + walls.format(low=-1.2)) == []
+    through_the_door = walking(line((-4.0, 0.0), (1.2, 0.0)))
+    open_door = events_of(RESTRICTED, through_the_door, places=PLACES + walls.format(low=1.2))
+    assert open_door[0]["data"]["predicted"]
+    assert open_door[0]["data"]["lead_s"] > 1.0
 
 
 def test_a_warning_says_how_probable_it_is_within_one_two_and_four_seconds() -> None:

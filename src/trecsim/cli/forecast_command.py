@@ -14,6 +14,7 @@ def forecast(
     ahead_s: float = 4.8,
     step_s: float = 0.4,
     every_s: float = 0.0,
+    site: Path | None = None,
     json: bool = False,
 ) -> None:
     """Forecast where people will be in the next seconds.
@@ -35,12 +36,16 @@ def forecast(
         Time between two horizons [s].
     every_s
         Time between two forecasts [s]; 0 writes one for every moment.
+    site
+        A site file: forecasts stop at its walls.
     json
         Print the summary as one JSON object.
     """
     from trecsim.forecast_files import forecast as run
 
     with progress_bar("moments", quiet=json) as bar:
-        found = run(tracks, out, ahead_s=ahead_s, step_s=step_s, every_s=every_s, progress=bar)
+        found = run(
+            tracks, out, ahead_s=ahead_s, step_s=step_s, every_s=every_s, site=site, progress=bar
+        )
     text = f"{out}: {counted(found.forecasts, 'forecast')} for {counted_people(found.people)}"
     finish({"out": out, **asdict(found)}, json, text)

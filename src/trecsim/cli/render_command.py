@@ -38,7 +38,7 @@ def render(
     videos
         Videos of cameras: `NAME=VIDEO`, or VIDEO if the file is named like the camera.
     site
-        A site file: its videos, rig, zones, lines and edges.
+        A site file: its videos, rig, zones, lines, edges and walls.
     rig
         The cameras, in any format that `trecsim rig show` reads.
     events

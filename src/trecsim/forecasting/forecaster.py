@@ -10,10 +10,12 @@ from trecsim.forecasting import constants
 from trecsim.forecasting.calibration import Calibration
 from trecsim.forecasting.forecasts import AHEAD_S, Forecast, Forecasts
 from trecsim.forecasting.guess import guess
+from trecsim.forecasting.held_paths import held_by_walls
 from trecsim.forecasting.spread import forecasts
 from trecsim.forecasting.spread_table import TABLE
 from trecsim.forecasting.table_values import Table
 from trecsim.forecasting.trails import Trails
+from trecsim.forecasting.walls import NO_WALLS, Walls
 from trecsim.values import Snapshot
 
 
@@ -29,6 +31,8 @@ class Forecaster:
         makes one at every moment.
     table
         The fitted numbers.
+    walls
+        What nobody walks through.
 
     Examples
     --------
@@ -47,8 +51,10 @@ class Forecaster:
         *,
         every_s: float = 0.0,
         table: Table = TABLE,
+        walls: Walls = NO_WALLS,
     ) -> None:
         self._ahead_s, self._every_s, self._table = ahead_s, every_s, table
+        self.walls = walls
         self._trails = Trails()
         self._calibration = Calibration(table)
         self._next_s = self._next_feedback_s = -math.inf
@@ -88,7 +94,7 @@ class Forecaster:
             self._calibration.state(calibrated)
         asked = calibrated if self._ahead_s is AHEAD_S else guess(pasts, self._ahead_s, self._table)
         radius, factor = self._calibration.radius, self._calibration.path_factor
-        return forecasts(asked, radius, factor, self._table)
+        return held_by_walls(forecasts(asked, radius, factor, self._table), self.walls)
 
     def _learn(self, t_s: float) -> None:
         due = self._calibration.due(t_s)

@@ -10,6 +10,7 @@ from jaxtyping import Float64, Int64
 
 from trecsim.errors import ConfigError
 from trecsim.forecasting.constants import FULL_AHEAD_S, LEVELS, LONGEST_AHEAD_S, STEPS
+from trecsim.forecasting.walls import NO_WALLS, Walls
 
 AHEAD_S: Float64[np.ndarray, " step"] = np.round(np.linspace(0.0, FULL_AHEAD_S, STEPS + 1)[1:], 9)
 """Horizons of a forecast unless others are asked for: 0.4 to 4.8 s [s]."""
@@ -98,7 +99,10 @@ class Forecast:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Forecasts:
-    """The forecasts of everybody at one moment, in arrays; see `Forecast` for what they hold."""
+    """The forecasts of everybody at one moment, in arrays; see `Forecast` for what they hold.
+
+    Their modes stay on this side of `walls`.
+    """
 
     t_s: float
     person: Int64[np.ndarray, " person"]
@@ -109,6 +113,7 @@ class Forecasts:
     cov_m2: Float64[np.ndarray, "person mode step 2 2"]
     region_m2: Float64[np.ndarray, "person level step 2 2"]
     path_m2: Float64[np.ndarray, "person step 2 2"]
+    walls: Walls = NO_WALLS
 
     def each(self) -> list[Forecast]:
         """Return one forecast per person."""

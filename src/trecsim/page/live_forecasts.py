@@ -1,6 +1,7 @@
 """Forecasts for the live page, five times a second."""
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from trecsim.floor_points import path_xy
 from trecsim.forecasting import Forecaster
 from trecsim.forecasting.forecasts import Forecasts
+from trecsim.forecasting.walls import NO_WALLS, Walls
 from trecsim.page.link import SnapshotPart
 from trecsim.skeleton import COCO17
 from trecsim.values import PROVISIONAL
@@ -24,12 +26,18 @@ class LiveForecasts:
 
     def __init__(self) -> None:
         self._last_s = -math.inf
+        self._walls = NO_WALLS
         self._forecaster = Forecaster(every_s=EVERY_S)
+
+    def take_walls(self, tables: Mapping[str, Mapping[str, Any]]) -> None:
+        """Take the walls of a site, as its view has them."""
+        self._walls = Walls.along([wall["points_m"] for wall in tables.values()])
+        self._forecaster.walls = self._walls
 
     def of(self, part: SnapshotPart) -> People:
         """Return forecasts by person, when they are due; none of provisional people."""
         if part.t_s <= self._last_s:  # a recording that is played again
-            self._forecaster = Forecaster(every_s=EVERY_S)
+            self._forecaster = Forecaster(every_s=EVERY_S, walls=self._walls)
         self._last_s = part.t_s
         person = np.frombuffer(part.id, np.int64)
         shape = (len(person), _JOINTS)

@@ -88,6 +88,7 @@ class LiveState:
                 self.pictures[camera] = Picture(self._heard_s, jpeg)
             case SitePart(body):
                 self.site = body
+                self._forecasts.take_walls(body["site"].get("walls", {}))
 
     def tell_health(self) -> None:
         """Send the health as it is now to all viewers."""

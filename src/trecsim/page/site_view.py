@@ -23,7 +23,7 @@ class SiteView:
         SHA-256 of the site file, in hexadecimal digits.
     cameras
         `size_px`, `K`, `distortion_model`, `distortion` and `T_cam_world` by name.
-    zones, lines, edges, exclusions, portals, volumes
+    zones, lines, edges, walls, exclusions, portals, volumes
         As in the site file, by name.
     floor_m
         Extent of the floor to draw: least x, least y, greatest x, greatest y [m].
@@ -49,6 +49,7 @@ class SiteView:
     zones: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     lines: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     edges: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    walls: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     exclusions: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     portals: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     volumes: Mapping[str, dict[str, Any]] = field(default_factory=dict)

@@ -23,6 +23,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.forecasting.forecasts import Forecasts
+from trecsim.forecasting.walls import NO_WALLS, Walls, hidden
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.kernels import LEAST, MOST, reached_edge, reached_zone
 from trecsim.safety.polygons import Polygon, plain, sides_of
@@ -77,6 +78,8 @@ class Ahead:
         Joints that a camera supports now, seen from where the forecast begins [m]; NaN for others.
     signals
         What is known from feeds.
+    walls
+        What nobody walks through.
     """
 
     t_s: float
@@ -87,6 +90,7 @@ class Ahead:
     cov_m2: Float64[np.ndarray, "person mode step 2 2"]
     joint_m: Float64[np.ndarray, "person joint 3"]
     signals: Signals = field(default_factory=Signals)
+    walls: Walls = NO_WALLS
 
     def in_polygon(
         self,
@@ -107,6 +111,7 @@ class Ahead:
             Later times are computed only for people who may be there by then [s].
         """
         rows = np.flatnonzero(self._may_reach(polygon.corners_m))
+        rows = rows[self._see(rows, polygon.corners_m)]
         return self._reached(polygon.sides, rows, z_m, _at(self.ahead_s, within_s))
 
     def _reached(
@@ -176,6 +181,24 @@ class Ahead:
             (high_m > corners_m.min(axis=0)) & (low_m < corners_m.max(axis=0))
         ).all(axis=1)
         return may
+
+    def _see(
+        self, rows: Int64[np.ndarray, " row"], corners_m: Float64[np.ndarray, "corner 2"]
+    ) -> Bool[np.ndarray, " row"]:
+        """Tell who sees a place now or on the way: what walls hide for good, nobody gets into."""
+        low_m, high_m = self._reached_m
+        walls = self.walls
+        if len(walls) and len(rows):
+            walls = walls.near(
+                np.minimum(low_m[rows].min(axis=0), corners_m.min(axis=0)),
+                np.maximum(high_m[rows].max(axis=0), corners_m.max(axis=0)),
+            )
+        if not len(walls):
+            return np.ones(len(rows), bool)
+        sides_m = 0.5 * (corners_m + np.roll(corners_m, -1, axis=0))
+        place_m = np.concatenate([corners_m, sides_m, corners_m.mean(axis=0)[None]])
+        path_m = self.xy_m[rows].reshape(-1, 2)
+        return np.asarray(~hidden(path_m, place_m, walls).reshape(len(rows), -1).all(axis=1))
 
     @cached_property
     def _reached_m(
@@ -252,7 +275,7 @@ def ahead_of(
     return Ahead(
         forecasts.t_s, people.id[rows], ahead_s, plain(forecasts.weight[at]), plain(xy_m),
         plain(cov_m2), plain(joint_m),
-        Signals() if signals is None else signals,
+        Signals() if signals is None else signals, forecasts.walls,
     )  # fmt: skip
 
 

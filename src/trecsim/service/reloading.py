@@ -14,8 +14,8 @@ logger = logging.getLogger(__name__)
 
 WHILE_RUNNING = frozenset(
     {
-        "timezone", "zones", "lines", "edges", "volumes", "exclusions", "portals", "feeds", "rules",
-        "modes",
+        "timezone", "zones", "lines", "edges", "walls", "volumes", "exclusions", "portals", "feeds",
+        "rules", "modes",
     }
 )  # fmt: skip
 """Tables of a site file that may change while the site runs."""

@@ -69,6 +69,7 @@ def recording_view(recording: Recording) -> SiteView:
         zones=site.get("zones", {}),
         lines=site.get("lines", {}),
         edges=site.get("edges", {}),
+        walls=site.get("walls", {}),
         exclusions=site.get("exclusions", {}),
         portals=site.get("portals", {}),
         volumes=site.get("volumes", {}),

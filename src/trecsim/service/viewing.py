@@ -38,6 +38,7 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         *(zone.polygon_m for zone in site.zones.values()),
         *(line.points_m for line in site.lines.values()),
         *(edge.points_m for edge in site.edges.values()),
+        *(wall.points_m for wall in site.walls.values()),
         *(one.polygon_m for one in site.exclusions.values()),
         *(one.points_m for one in site.portals.values()),
     ]
@@ -49,6 +50,7 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         zones=_tables(site.zones),
         lines=_tables(site.lines),
         edges=_tables(site.edges),
+        walls=_tables(site.walls),
         exclusions=_tables(site.exclusions),
         portals=_tables(site.portals),
         volumes=_tables(site.volumes),

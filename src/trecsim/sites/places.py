@@ -66,6 +66,18 @@ class EdgeTable(Table):
         return self
 
 
+class WallTable(Table):
+    """A wall, a fence or a glass front: nobody walks through it."""
+
+    points_m: Annotated[list[Point], Field(min_length=2, max_length=_MOST_POINTS)]
+    """Points along it, x and y each [m]."""
+
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Self:
+        _check_steps(self.points_m)
+        return self
+
+
 def _no_folder(path: Path) -> Path:
     if path.is_dir():
         raise ValueError(f"expected a file with messages, found the folder {path}")

@@ -4,8 +4,17 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from trecsim.forecasting.walls import Walls
 from trecsim.sites.mode_tables import ModeTable, mode_faults
-from trecsim.sites.places import EdgeTable, FeedTable, LineTable, TimeZone, VolumeTable, ZoneTable
+from trecsim.sites.places import (
+    EdgeTable,
+    FeedTable,
+    LineTable,
+    TimeZone,
+    VolumeTable,
+    WallTable,
+    ZoneTable,
+)
 from trecsim.sites.rule_tables import MOST_RULES, AnyRule
 from trecsim.sites.rules import Places, feed_faults, refuse, rule_faults
 from trecsim.toml_models import Table
@@ -15,8 +24,8 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 
 
 RULED = (
-    "format", "name", "timezone", "zones", "lines", "edges", "volumes", "exclusions", "portals",
-    "feeds", "rules", "modes",
+    "format", "name", "timezone", "zones", "lines", "edges", "walls", "volumes", "exclusions",
+    "portals", "feeds", "rules", "modes",
 )  # fmt: skip
 """Keys of a site file that rules on recordings need."""
 
@@ -37,6 +46,8 @@ class Ruled(Table):
     the portals through which they came and left."""
     edges: dict[Name, EdgeTable] = Field(default_factory=dict)
     """Edges of drops, by name; the page draws them."""
+    walls: dict[Name, WallTable] = Field(default_factory=dict)
+    """What nobody walks through, by name: forecasts stop at them. The page draws them."""
     volumes: dict[Name, VolumeTable] = Field(default_factory=dict)
     """Boxes that move by a timetable or by a feed, by name."""
     feeds: Annotated[dict[Name, FeedTable], Field(max_length=50)] = Field(default_factory=dict)
@@ -53,6 +64,11 @@ class Ruled(Table):
         return {
             "zone": self.zones, "line": self.lines, "edge": self.edges, "volume": self.volumes,
         }  # fmt: skip
+
+    @property
+    def walls_m(self) -> Walls:
+        """The walls as forecasts take them."""
+        return Walls.along([wall.points_m for wall in self.walls.values()])
 
     @model_validator(mode="after")
     def _rules_fit(self) -> Self:

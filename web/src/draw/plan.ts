@@ -147,8 +147,14 @@ function drawHeat(
   }
 }
 
-/** Draw what no rule is about: beds and benches hatched, ways in and out, boxes that move. */
+/** Draw what no rule is about: walls, beds and benches hatched, ways in and out, boxes that move. */
 function drawOthers(pen: Pen, c: Palette, view: PlanView, input: PlanInput): void {
+  for (const wall of input.site.walls) {
+    trace(pen, view, wall.points, false);
+    pen.strokeStyle = c.text3;
+    pen.lineWidth = 4;
+    pen.stroke();
+  }
   for (const one of input.site.exclusions) {
     const chosen = one.name === input.chosen;
     const ink = chosen ? c.accent : c.text3;

@@ -185,6 +185,9 @@ export class Scene {
         rgb(severity ? severityInk(c, severity) : c.edge), { width: 2 },
       );
     }
+    for (const { points } of site.walls) {
+      lines.chain(points.map((p): P3 => [p[0], p[1], 0.01]), rgb(c.text3), { width: 4 });
+    }
     if (input.layers.cameras && !isNear(input.view)) {
       for (const camera of site.cameras) {
         if (input.view !== `camera:${camera.name}`) {

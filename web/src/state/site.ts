@@ -50,6 +50,8 @@ export interface Site {
   zones: Zone[];
   lines: Path[];
   edges: Path[];
+  /** What nobody walks through. */
+  walls: Path[];
   /** Where lying is normal: beds and benches. */
   exclusions: Zone[];
   /** Ways in and out. */
@@ -93,6 +95,7 @@ export function readSite(body: unknown): Site {
   const zones = entries(site.zones).map(([name, value]) => readZone(name, value));
   const edges = entries(site.edges).map(([name, value]) => readPath(name, value));
   const lines = entries(site.lines).map(([name, value]) => readPath(name, value));
+  const walls = entries(site.walls).map(([name, value]) => readPath(name, value));
   const exclusions = entries(site.exclusions).map(([name, value]) => readZone(name, value));
   const portals = entries(site.portals).map(([name, value]) => readPath(name, value));
   return {
@@ -108,6 +111,7 @@ export function readSite(body: unknown): Site {
     zones: zones.filter((zone) => zone.polygon.length > 2),
     lines: lines.filter((line) => line.points.length > 1),
     edges: edges.filter((edge) => edge.points.length > 1),
+    walls: walls.filter((wall) => wall.points.length > 1),
     exclusions: exclusions.filter((one) => one.polygon.length > 2),
     portals: portals.filter((one) => one.points.length > 1),
     volumes: entries(site.volumes).flatMap(([name, value]) => readVolume(name, value)),
