@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from made_paths import PLACES, bodies_on, events_of, line, moments, times
+from made_paths import PLACES, bodies_on, events_of, line, moments, there, through, times
 from trecsim.lab.evaluation.event_episodes import EpisodeTold, episodes_of
 from trecsim.lab.true_events.truth_events import truth_events
 from trecsim.skeleton import COCO17
@@ -24,12 +24,19 @@ def rule(kind: str, keys: str = 'zone = "room"') -> str:
     return f'[[rules]]\nid = "r"\nkind = "{kind}"\n{keys}\n'
 
 
+def both(
+    rules: str, people: Sequence[np.ndarray], t_s: np.ndarray, places: str = PLACES
+) -> tuple[list[EpisodeTold], list[EpisodeTold]]:
+    """Return the episodes that the rules tell, and the true ones."""
+    told = episodes_of(events_of(rules, moments(people, t_s), places=places))
+    return told, episodes_of(truth_events(places + rules, t_s, np.array(people)))
+
+
 def agreed(
     rules: str, people: Sequence[np.ndarray], t_s: np.ndarray, places: str = PLACES
 ) -> list[EpisodeTold]:
     """Return the true episodes, after the rules have told the same, within one frame."""
-    told = episodes_of(events_of(rules, moments(people, t_s), places=places))
-    true = episodes_of(truth_events(places + rules, t_s, np.array(people)))
+    told, true = both(rules, people, t_s, places)
     frame_s = float(t_s[1] - t_s[0]) + 1e-6
     assert [one.start_s for one in told] == pytest.approx(
         [one.start_s for one in true], abs=frame_s
@@ -160,3 +167,114 @@ def test_a_hand_that_is_down_for_a_moment_waves_on_and_one_that_rests_begins_ane
     assert told.start_s < 2.5
     body[between(4.0, 5.5), WRISTS[0], 2] = 1.0
     assert agreed(distress, [body], T) == []
+
+
+def crowd(spacing_m: np.ndarray, t_s: np.ndarray) -> list[np.ndarray]:
+    """Return people about a grid over the room and around it, of a width that may change [m]."""
+    rng = np.random.default_rng(5)
+    places = [
+        (x + rng.uniform(-0.2, 0.2), y + rng.uniform(-0.2, 0.2))
+        for x in np.arange(-3.5, 4.0)
+        for y in np.arange(-3.5, 4.0)
+    ]
+    return [
+        bodies_on(lambda _, x=x, y=y: np.stack([2.0 + x * spacing_m, y * spacing_m], axis=1), t_s)
+        for x, y in places
+    ]
+
+
+def width(t_s: np.ndarray, *points: tuple[float, float]) -> np.ndarray:
+    """Return a width that changes from time to time [s, m]."""
+    return np.interp(t_s, *np.array(points).T)
+
+
+SMALL = f"{HEAD}[zones.room]\npolygon_m = [[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]]\n"
+CROWD_S = times(14.0, 10.0)
+
+
+def test_people_who_stand_too_dense_for_long_enough_are_in_danger() -> None:
+    critical = rule("density.critical")
+    closes = crowd(width(CROWD_S, (2, 0.6), (4, 0.48), (11, 0.48), (12, 0.6)), CROWD_S)
+    (told,) = agreed(critical, closes, CROWD_S, SMALL)
+    assert told.start_s == pytest.approx(3.7, abs=0.4)  # 0.5 m: 4 people/m2
+    assert told.end_s == pytest.approx(11.2, abs=0.4)
+    nearly = crowd(width(CROWD_S, (2, 0.6), (4, 0.515), (11, 0.515), (12, 0.6)), CROWD_S)
+    assert agreed(critical, nearly, CROWD_S, SMALL) == []
+    shortly = crowd(width(CROWD_S, (2, 0.6), (4, 0.48), (8, 0.48), (9, 0.6)), CROWD_S)
+    assert agreed(critical, shortly, CROWD_S, SMALL) == []
+
+
+def test_a_density_that_is_worse_in_the_mean_over_5_s_counts_at_once() -> None:
+    late = rule("density.critical", 'zone = "room"\non_delay_s = 8')
+    for dense_m, after_s in ((0.43, 4.8), (0.46, 8.0)):  # 5.4 and 4.7 people/m2
+        told, true = both(late, crowd(np.full(len(CROWD_S), dense_m), CROWD_S), CROWD_S, SMALL)
+        assert [one.detect_s for one in told] == pytest.approx([after_s], abs=0.11)
+        assert [one.detect_s for one in true] == pytest.approx([after_s], abs=0.11)
+
+
+def pushing(people: list[np.ndarray], share: np.ndarray, seed: int = 3) -> list[np.ndarray]:
+    """Return people who are pushed about, each another way, by 0.25 m times a share."""
+    rng, pushed = np.random.default_rng(seed), []
+    for body in people:
+        way, hertz, phase = rng.uniform(0, 2 * np.pi), rng.uniform(0.2, 0.3), rng.uniform(0, 6)
+        by_m = 0.25 * share * np.sin(2 * np.pi * hertz * CROWD_S + phase)
+        shift_m = by_m[:, None] * [np.cos(way), np.sin(way)]
+        moved = body.copy()
+        moved[..., :2] += shift_m[:, None]
+        pushed.append(moved)
+    return pushed
+
+
+def test_a_packed_crowd_that_pushes_is_told_and_one_that_nearly_does_is_not() -> None:
+    pressure = rule("crowd.pressure")
+    packed, loose = (crowd(np.full(len(CROWD_S), m), CROWD_S) for m in (0.4, 0.55))
+    grows = width(CROWD_S, (0, 0.0), (3, 0.0), (5, 1.0), (10, 1.0), (11, 0.0))
+    (told,) = agreed(pressure, pushing(packed, 0.35 * grows), CROWD_S, SMALL)
+    assert 3.0 < told.start_s < 5.5
+    assert told.end_s is not None
+    assert 10.0 < told.end_s < 12.5
+    assert agreed(pressure, pushing(packed, 0.2 * grows), CROWD_S, SMALL) == []
+    assert agreed(pressure, pushing(loose, grows), CROWD_S, SMALL) == []
+    as_one = packed + np.stack([0.8 * CROWD_S, 0.0 * CROWD_S, 0.0 * CROWD_S], axis=1)[:, None]
+    assert agreed(pressure, list(as_one), CROWD_S, SMALL) == []
+
+
+QUEUE_S = times(80.0, 5.0)
+
+
+def queue(every_s: float) -> list[np.ndarray]:
+    """Return people who pass through the room; from 35 s to 60 s one every so often [s]."""
+    people, free_s = [], 0.0
+    for n in range(55):
+        enters_s, y_m = 1.0 + 1.3 * n, 0.3 * (2 * n % 5 - 2)
+        waits_m = 3.7 - 0.15 * (n % 7)
+        leaves_s = max(enters_s + 4.0, free_s)
+        free_s = leaves_s + (every_s if 35.0 < leaves_s < 60.0 else 0.5)
+        way = through(
+            (enters_s, 0.05, y_m), (enters_s + 4.0, waits_m, y_m), (leaves_s, waits_m, y_m),
+            (leaves_s + 1.0, 5.0, y_m),
+        )  # fmt: skip
+        people.append(bodies_on(there(way, enters_s, leaves_s + 1.0), QUEUE_S))
+    return people
+
+
+def test_a_way_out_that_clogs_is_told_and_one_that_is_only_slower_is_not() -> None:
+    clogs = rule("flow.bottleneck")
+    (told,) = agreed(clogs, queue(6.0), QUEUE_S)
+    assert 38.0 < told.start_s < 50.0
+    assert told.end_s is not None
+    assert 60.0 < told.end_s < 66.0
+    assert agreed(clogs, queue(1.8), QUEUE_S) == []
+
+
+def test_a_crowd_that_stands_still_does_not_fill_a_zone() -> None:
+    """Means of equal densities differ by rounding, and nobody leaves."""
+    t_s = times(70.0, 5.0)
+    leaves = [
+        bodies_on(there(line((1.0 - n, 0.9), (1.0, 0.0)), 0.0, 4.0 + n), t_s) for n in range(20)
+    ]
+    stand = [standing((0.5 + 0.37 * n, -0.4), t_s) for n in range(8)]
+    assert (
+        agreed(rule("flow.bottleneck", 'zone = "room"\non_delay_s = 0.2'), leaves + stand, t_s)
+        == []
+    )

@@ -1,14 +1,16 @@
-"""Rules on crowds in a zone, read naively: how many people, and how dense."""
+"""Rules on crowds in a zone, read naively: how many people, how dense, how they push and pass."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Int64
+from jaxtyping import Float64, Int64
 
+from trecsim.lab.true_events.naive_movement import over_the_last
 from trecsim.lab.true_events.naive_places import voronoi_density_pm2
 from trecsim.lab.true_events.true_people import TruePerson
 from trecsim.lab.true_events.true_places import Happening, Place, of_place
-from trecsim.lab.true_events.true_spans import SAME_S, Times
+from trecsim.lab.true_events.true_spans import SAME_S, Flags, Times
 
 EVERY_S = 0.4
 """So often crowds are looked at [s]."""
@@ -18,6 +20,15 @@ MOVING_MPS = 0.3
 """People who are faster than this in the mean move [m/s]."""
 FRUIN_PM2 = {"B": 0.31, "C": 0.43, "D": 0.72, "E": 1.08, "F": 2.15}
 """From which density on each level of service begins [people/m^2]."""
+GRAVE_S = 5.0
+"""A density that is worse is so in the mean over so long [s]."""
+AROUND_M, PACKED_PM2 = 1.0, 4.0
+"""Who is about so near makes up the crowd around somebody [m]; pressure counts from such a density
+on [people/m^2]."""
+STEPS_S, LEAST_S = 1.0, 0.5
+"""Velocities are those over so long, and at least so long [s]."""
+LATELY_S, USUALLY_S, KNOWN_S = 10.0, 60.0, 30.0
+"""The flow lately and the usual one are those over so long; after so long one is known [s]."""
 
 
 def looks(t_s: Times) -> Int64[np.ndarray, " time"]:
@@ -62,5 +73,97 @@ def density_level(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening
         within = [speeds_mps[k][n] for k in np.flatnonzero(inside[:, n])]
         moves = bool(within) and float(np.nanmean(within)) > MOVING_MPS
         packed[n] = density > FRUIN_PM2["F"] and moves and level != "F"
-    holds, at_once = (np.array([one[n] for n in looks(t_s).tolist()]) for one in (dense, packed))
-    yield from of_place(at, t_s, inside, holds, at_once)
+    yield from of_place(at, t_s, inside, _at_all(t_s, dense), _at_all(t_s, packed))
+
+
+def critical(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
+    """Yield when the density is dangerous; at once when it is so in the mean over a while."""
+    inside = np.array([at.holds(person) for person in people])
+    t_s, density = people[0].t_s, density_pm2(at, people)
+    dense = {n: one >= at.rule.get("density_pm2", 4.0) for n, one in density.items()}
+    grave = {}
+    for n in density:
+        lately = [m for m in density if t_s[n] - GRAVE_S - SAME_S <= t_s[m] <= t_s[n]]
+        is_known = t_s[n] - t_s[lately[0]] > GRAVE_S - EVERY_S - SAME_S
+        mean = float(np.mean([density[m] for m in lately]))
+        grave[n] = bool(is_known) and mean >= at.rule.get("grave_pm2", 5.0)
+    yield from of_place(at, t_s, inside, _at_all(t_s, dense), _at_all(t_s, grave))
+
+
+def pressure(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
+    """Yield when a packed crowd pushes."""
+    inside = np.array([at.holds(person) for person in people])
+    t_s = people[0].t_s
+    moved = [over_the_last(person, STEPS_S) for person in people]
+    pushes, grave = {}, {}
+    for n in np.unique(looks(t_s)).tolist():
+        there = [k for k, one in enumerate(moved) if one.took_s[n] >= LEAST_S - SAME_S]
+        xy_m = np.array([people[k].floor_m[n] for k in there]).reshape(-1, 2)
+        velocity_mps = np.array([moved[k].velocity_mps[n] for k in there]).reshape(-1, 2)
+        found_ps2 = []
+        for k, own_m in zip(there, xy_m, strict=True):
+            density, variance = _around(own_m, xy_m, velocity_mps)
+            if inside[k, n] and density >= PACKED_PM2:
+                found_ps2.append(density * variance)
+        mean_ps2 = float(np.mean(found_ps2)) if found_ps2 else 0.0
+        pushes[n] = mean_ps2 > at.rule.get("pressure_ps2", 0.02)
+        grave[n] = mean_ps2 > at.rule.get("grave_ps2", 0.04)
+    yield from of_place(at, t_s, inside, _at_all(t_s, pushes), _at_all(t_s, grave))
+
+
+def _around(
+    own_m: Float64[np.ndarray, " 2"],
+    xy_m: Float64[np.ndarray, "person 2"],
+    velocity_mps: Float64[np.ndarray, "person 2"],
+) -> tuple[float, float]:
+    """Return density [people/m^2] and variance of the velocities [m^2/s^2] around somebody.
+
+    Everybody counts with the weight exp(-r^2 / R^2) of a bell of R = `AROUND_M`, whose volume is
+    pi R^2.
+    """
+    weights = [math.exp(-(math.dist(own_m, other_m) ** 2) / AROUND_M**2) for other_m in xy_m]
+    flow_mps = np.average(velocity_mps, axis=0, weights=weights)
+    squares = [math.dist(one, flow_mps) ** 2 for one in velocity_mps]
+    variance = float(np.average(squares, weights=weights))
+    return sum(weights) / (math.pi * AROUND_M**2), variance
+
+
+def bottleneck(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
+    """Yield when a zone fills while fewer people than usual leave it."""
+    inside = np.array([at.holds(person) for person in people])
+    t_s, density = people[0].t_s, density_pm2(at, people)
+    left_s = np.array(sorted(one for k, p in enumerate(people) for one in _leaves_s(p, inside[k])))
+    clogs = {}
+    for n, now in ((n, float(t_s[n])) for n in density):
+        known_s = min(now - float(t_s[0]), USUALLY_S)
+        lately, usually = (
+            int(((left_s > now - one_s - SAME_S) & (left_s <= now)).sum())
+            for one_s in (LATELY_S, USUALLY_S)
+        )
+        late = [one for m, one in density.items() if now - LATELY_S / 2 < t_s[m] <= now]
+        early = [
+            one
+            for m, one in density.items()
+            if now - LATELY_S - SAME_S <= t_s[m] <= now - LATELY_S / 2
+        ]
+        rises = bool(early) and np.mean(late) > np.mean(early) + 1e-9
+        slow = lately / LATELY_S < at.rule.get("share", 0.5) * usually / max(known_s, SAME_S)
+        clogs[n] = known_s >= KNOWN_S - SAME_S and rises and slow
+    yield from of_place(at, t_s, inside, _at_all(t_s, clogs))
+
+
+def _leaves_s(person: TruePerson, inside: Flags) -> Iterator[float]:
+    """Yield when somebody leaves the zone [s]; who is not there any more has not left it."""
+    last_in_s = -math.inf
+    for n in np.flatnonzero(person.there):
+        now = float(person.t_s[n])
+        if inside[n]:
+            last_in_s = now
+        elif now - last_in_s <= LATELY_S:
+            yield now
+            last_in_s = -math.inf
+
+
+def _at_all(t_s: Times, found: Mapping[int, bool]) -> Flags:
+    """Return for all moments what was found at the last look."""
+    return np.array([found[n] for n in looks(t_s).tolist()])

@@ -7,7 +7,13 @@ of the documentation of the rules, written down a second time.
 from collections.abc import Mapping
 
 from trecsim.lab.true_events.naive_bodies import climb, down, edge, fall, reach, restricted
-from trecsim.lab.true_events.naive_crowds import density_level, occupancy
+from trecsim.lab.true_events.naive_crowds import (
+    bottleneck,
+    critical,
+    density_level,
+    occupancy,
+    pressure,
+)
 from trecsim.lab.true_events.naive_floor_points import confined, cross, dwell, enter, gate, leave
 from trecsim.lab.true_events.naive_hands import distress
 from trecsim.lab.true_events.naive_movement import goes_wrong_way, runs
@@ -36,5 +42,8 @@ NAIVE_KINDS: Mapping[str, Read] = {
     "access.unauthorised": gate,
     "body.climb": each(climb),
     "body.distress": each(distress),
+    "crowd.pressure": pressure,
+    "density.critical": critical,
+    "flow.bottleneck": bottleneck,
 }
 """All kinds of which the truth is known, by name."""

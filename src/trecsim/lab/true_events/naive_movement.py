@@ -1,6 +1,7 @@
 """Running, and going the wrong way, read naively from their definitions."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -14,6 +15,35 @@ AGAINST_MPS, AGAINST_M = 0.5, 1.5
 
 Flags = Bool[np.ndarray, " time"]
 Times = Float64[np.ndarray, " time"]
+
+
+class Moved(NamedTuple):
+    """How the hips moved over the floor up to each moment: velocity [m/s], in which time [s].
+
+    Attributes
+    ----------
+    velocity_mps
+        From first to last; NaN where that is one moment.
+    took_s
+        The time from first to last; NaN while the person is not there.
+    """
+
+    velocity_mps: Float64[np.ndarray, "time 2"]
+    took_s: Times
+
+
+def over_the_last(person: TruePerson, over_s: float) -> Moved:
+    """Return how somebody moved over a time up to each moment [s]."""
+    velocity_mps = np.full((len(person.t_s), 2), np.nan)
+    took_s = np.full(len(person.t_s), np.nan)
+    for n in np.flatnonzero(person.there):
+        first = int(np.searchsorted(person.t_s, person.t_s[n] - over_s - SAME_S))
+        while not person.there[first]:
+            first += 1
+        took_s[n] = person.t_s[n] - person.t_s[first]
+        if n > first:
+            velocity_mps[n] = (person.hips_m[n, :2] - person.hips_m[first, :2]) / took_s[n]
+    return Moved(velocity_mps, took_s)
 
 
 def running(person: TruePerson, inside: Flags, limit_mps: float) -> tuple[Flags, Times, Times]:

@@ -27,6 +27,7 @@ FLOW_S, USUAL_S = 10.0, 60.0
 """The flow over the last and the usual flow are those over so long [s]."""
 TOGETHER_S = 2.0
 """Who begin to run within so long run from the same thing [s]."""
+_SAME_PM2 = 1e-9  # means of equal densities differ by rounding
 _SLOW_SHARE = 0.8  # whoever is slower than this share of the limit does not run
 
 
@@ -236,9 +237,11 @@ class Bottleneck:
         usual = len(now.left_s) / max(known_s, 1e-9)
         flow = sum(scene.t_s - one <= FLOW_S for one in now.left_s) / FLOW_S
         half = len(densities) // 2
-        rises = half > 0 and np.mean([d for _, d in densities[half:]]) > np.mean(
-            [d for _, d in densities[:half]]
+        late, early = (
+            float(np.mean([d for _, d in some])) if some else math.inf
+            for some in (densities[half:], densities[:half])
         )
+        rises = late > early + _SAME_PM2
         clogs = known_s >= 3.0 * FLOW_S and rises and flow < self.share * usual
         people = tuple(scene.people.id[here].tolist())
         measures = {"flow_ps": flow, "usual_flow_ps": usual, "density_pm2": density}
