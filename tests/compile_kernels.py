@@ -9,6 +9,7 @@ from trecsim.calibrating.people.calibrate import calibrate_people
 from trecsim.fusion.warmup import warm_up
 from trecsim.geometry import Rig
 from trecsim.lab.simulation.scene import room_scene, simulate
+from trecsim.looking.attention import make_ready as looks_ready
 from trecsim.safety.ready import make_ready
 
 
@@ -16,6 +17,7 @@ def main() -> None:
     """Run all kernels; later runs load them from the cache."""
     warm_up(losing=True)
     make_ready()
+    looks_ready()
     simulate(room_scene(people=2, cameras=2, seconds=0.5), seed=0)
     scene = recording()
     rig = Rig(tuple(dataclasses.replace(one, T_cam_world=np.eye(4)) for one in scene.rig))

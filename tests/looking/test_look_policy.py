@@ -4,10 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+import reference_looking as reference
 from trecsim.estimators.looks import Look
 from trecsim.looking import Attention, ByNeed, cost, noted
-from trecsim.looking.attention import turns_upright
+from trecsim.looking.kernels import found_people
 from trecsim.values import Poses2D
 
 SIZE_PX = (1000, 500)
@@ -90,7 +93,32 @@ def test_who_bends_is_upright_and_who_lies_is_not():
     bent, lying = (np.full((17, 2), np.nan) for _ in range(2))
     bent[[5, 6]], bent[[11, 12]], bent[[15, 16]] = (100.0, 0.0), (50.0, 0.0), (50.0, 90.0)
     lying[[5, 6]], lying[[11, 12]], lying[[15, 16]] = (0.0, 0.0), (50.0, 0.0), (130.0, 20.0)
-    np.testing.assert_array_equal(turns_upright(np.array([bent, lying])), [0, 3])
+    assert noted(Attention(), [USUAL], poses(0.0, bent, lying), SIZE_PX).turns.tolist() == [0, 3]
+
+
+@given(st.integers(0, 2**32 - 1))
+def test_people_in_an_image_are_read_as_by_the_reference(seed):
+    rng = np.random.default_rng(seed)
+    xy_px = rng.uniform(0, 1, (4, 1, 2)) * SIZE_PX + rng.normal(0, 60, (4, 17, 2))
+    xy_px[rng.random((4, 17)) < 0.4] = np.nan
+    xy_px[:, 0] = rng.uniform(0, 500, (4, 2))  # everybody shows something
+    before_px = np.sort(rng.uniform(0, 1, (3, 2, 2)) * SIZE_PX, axis=1).reshape(3, 4)
+    before_turns = rng.integers(0, 4, 3)
+    box_px, turns = np.empty((4, 4)), np.empty(4, np.int64)
+    wide, high, turned, lost = found_people(
+        xy_px, before_px, before_turns, *map(float, SIZE_PX), box_px, turns
+    )
+    naive_px = np.array([reference.box(one) for one in xy_px])
+    np.testing.assert_allclose(box_px, naive_px)
+    assert turns.tolist() == [reference.turn_upright(one) for one in xy_px]
+    covered = (naive_px[:, 2:] - naive_px[:, :2]) / SIZE_PX
+    assert (wide, high) == pytest.approx(tuple(covered.max(axis=0)))
+    assert [turned >> n & 1 for n in range(4)] == [n in turns for n in range(4)]
+    gone = [reference.is_lost(one, naive_px, SIZE_PX) for one in before_px]
+    was_lying = [
+        bool(turn % 2) for turn, is_gone in zip(before_turns, gone, strict=True) if is_gone
+    ]
+    assert lost == (2 if any(was_lying) else int(any(gone)))
 
 
 @pytest.mark.parametrize("box", [(10, 100, 110, 300), (890, 100, 990, 300), (400, 5, 500, 200)])

@@ -5,19 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Bool, Float64, Int64
+from jaxtyping import Float64, Int64
 
 from trecsim.estimators.looks import Look
+from trecsim.looking.kernels import found_people
 from trecsim.values import Poses2D
 
-_FROM_THE_TOP = [5, 6, 11, 12, 13, 14, 15, 16]  # shoulders, hips, knees, ankles
 SEARCH_S = 2.0  # so long somebody who was lost is looked for in turned images
-_SAME_SHARE = 0.7  # somebody has moved by less than this share of the size since the last look
-_BORDER_SHARE = 0.05  # who is so near to the border of the image may have left it
-
-
-def _nobody() -> Float64[np.ndarray, "person 4"]:
-    return np.empty((0, 4))
+_LYING = 2  # somebody who was lying was lost
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,15 +36,27 @@ class Attention:
         When somebody was last found no more who had not left the image [s].
     searched
         Turned looks since somebody was lost, after nobody had been for `SEARCH_S`.
+    covered
+        The largest share of the image's width and height that one of them covers.
+    turned
+        Bit t is set if one of them needs t turns.
     """
 
-    box_px: Float64[np.ndarray, "person 4"] = field(default_factory=_nobody)
+    box_px: Float64[np.ndarray, "person 4"] = field(default_factory=lambda: np.empty((0, 4)))
     turns: Int64[np.ndarray, " person"] = field(default_factory=lambda: np.empty(0, np.int64))
     coarse_s: float = -math.inf
     turned_s: float = -math.inf
     last_turn: int = 3
     lost_s: float = -math.inf
     searched: int = 0
+    covered: tuple[float, float] = (0.0, 0.0)
+    turned: int = 0
+
+
+def make_ready() -> None:
+    """Compile the kernel, or load it from its cache: later it would hold up an image."""
+    nobody = np.empty((0, 17, 2)), np.empty((0, 17)), np.empty(0)
+    noted(Attention(), (), Poses2D("", 0.0, *nobody), (1, 1))
 
 
 def noted(
@@ -68,77 +75,31 @@ def noted(
     size_px
         Width and height of the image [px].
     """
-    box_px = boxes(poses.xy_px)
-    finest = max((look.long_side for look in looks), default=0)
-    is_coarse = any(look.long_side < finest and not look.turns for look in looks)
+    people = len(poses.xy_px)
+    box_px, turns = np.empty((people, 4)), np.empty(people, np.int64)
+    wide, high, turned, lost = found_people(
+        poses.xy_px,
+        before.box_px,
+        before.turns,
+        float(size_px[0]),
+        float(size_px[1]),
+        box_px,
+        turns,
+    )
+    usual = [look.long_side for look in looks if not look.turns]
     odd = [look.turns for look in looks if look.turns]
-    lost = _lost(before.box_px, box_px, size_px)
-    is_lost = bool(lost.any())
+    is_coarse = len(usual) > 1 and min(usual) < max(usual)
     # Who is found upright in every second look, as behind the edge of a door, starts no new search
     # each time; who was lying does.
-    was_lying = bool((before.turns[lost] % 2 == 1).any())
-    is_new = is_lost and (was_lying or poses.t_s - before.lost_s >= SEARCH_S)
+    is_new = lost == _LYING or (lost > 0 and poses.t_s - before.lost_s >= SEARCH_S)
     return Attention(
         box_px,
-        turns_upright(poses.xy_px),
+        turns,
         poses.t_s if is_coarse else before.coarse_s,
         poses.t_s if odd or before.turned_s == -math.inf else before.turned_s,
         odd[-1] if odd else before.last_turn,
-        poses.t_s if is_lost else before.lost_s,
+        poses.t_s if lost else before.lost_s,
         0 if is_new else before.searched + len(odd),
+        (wide, high),
+        turned,
     )
-
-
-def boxes(xy_px: Float64[np.ndarray, "person joint 2"]) -> Float64[np.ndarray, "person 4"]:
-    """Return the box around each person's key points: left, top, right, bottom [px]."""
-    if not len(xy_px):
-        return _nobody()
-    # These leave NaN out, as nanmin and nanmax do in ten times the time.
-    low, high = np.fmin.reduce(xy_px, axis=1), np.fmax.reduce(xy_px, axis=1)
-    return np.concatenate([low, high], axis=1)
-
-
-def turns_upright(xy_px: Float64[np.ndarray, "person joint 2"]) -> Int64[np.ndarray, " person"]:
-    """Return by how many quarter turns counter-clockwise the image has to be turned for each.
-
-    Then the body is upright, from the ankles to the shoulders; from the knees or the hips, where
-    the ankles are not known. So who only bends is upright. It is 0 where nothing is known.
-
-    Examples
-    --------
-    >>> lying = np.zeros((1, 17, 2))
-    >>> lying[0, [5, 6]] = (100.0, 0.0)  # the shoulders lie to the right of the ankles
-    >>> turns_upright(lying)
-    array([1])
-    """
-    pairs = xy_px[:, _FROM_THE_TOP].reshape(-1, 4, 2, 2)
-    known = pairs[..., 0] == pairs[..., 0]
-    count = known.sum(axis=2)
-    middle = np.where(known[..., None], pairs, 0.0).sum(axis=2) / np.maximum(count, 1)[..., None]
-    lowest = 3 - (count[:, :0:-1] > 0).argmax(axis=1)  # the hips where none is known
-    body = middle[:, 0] - middle[np.arange(len(middle)), lowest]
-    right, up = body[:, 0], -body[:, 1]
-    aside = np.where(right > 0.0, 1, 3)
-    ended = np.where(up < 0.0, 2, 0)
-    turns = np.where(np.abs(right) > np.abs(up), aside, ended)
-    is_known = (count[:, 0] > 0) & (count[:, 1:] > 0).any(axis=1)
-    return np.where(is_known, turns, 0)
-
-
-def _lost(
-    before_px: Float64[np.ndarray, "before 4"],
-    box_px: Float64[np.ndarray, "person 4"],
-    size_px: tuple[int, int],
-) -> Bool[np.ndarray, " before"]:
-    """Return who is found no more: nobody is near, and no border of the image."""
-    extent_px = (before_px[:, 2:] - before_px[:, :2]).max(axis=1, initial=0.0)
-    way = _middle(before_px)[:, None] - _middle(box_px)[None]
-    far_px = np.linalg.norm(way, axis=2).min(axis=1, initial=math.inf)
-    border_px = _BORDER_SHARE * np.array(size_px)
-    inside = (before_px[:, :2] > border_px) & (before_px[:, 2:] < size_px - border_px)
-    return np.asarray((far_px > _SAME_SHARE * extent_px) & inside.all(axis=1), np.bool_)
-
-
-def _middle(box_px: Float64[np.ndarray, "person 4"]) -> Float64[np.ndarray, "person 2"]:
-    middle: Float64[np.ndarray, "person 2"] = (box_px[:, :2] + box_px[:, 2:]) / 2.0
-    return middle

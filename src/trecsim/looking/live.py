@@ -8,7 +8,7 @@ from threading import Lock
 
 from trecsim.estimators import Estimator2D, image_limit_px, workers
 from trecsim.estimators.looks import Looker
-from trecsim.looking.attention import Attention, noted
+from trecsim.looking.attention import Attention, make_ready, noted
 from trecsim.looking.recorded import by_need
 from trecsim.looking.schedule import lighter
 from trecsim.values import Frame, Poses2D
@@ -34,6 +34,7 @@ class SelectiveEstimator:
         self._last: dict[str, tuple[int, bool]] = {}  # the last image, and whether it was light
         self._attention: dict[str, Attention] = defaultdict(Attention)
         self._one_at_a_time = Lock()
+        make_ready()
 
     def __call__(self, frame: Frame) -> Poses2D:
         """Find the people in an image."""

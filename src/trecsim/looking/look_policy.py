@@ -82,21 +82,20 @@ class ByNeed:
     def __call__(self, seen: Attention, t_s: float, size_px: Size) -> tuple[Look, ...]:
         """Return the looks at an image of `size_px` taken at `t_s` [s]."""
         looks = [self.usual]
-        if self.coarse is not None and self._is_coarse_due(seen, t_s, size_px):
+        if self.coarse is not None and self._is_coarse_due(seen, t_s):
             looks.append(self.coarse)
         return (*looks, *(Look(self.turned_px, turn) for turn in self._turns(seen, t_s)))
 
-    def _is_coarse_due(self, seen: Attention, t_s: float, size_px: Size) -> bool:
-        covered = (seen.box_px[:, 2:] - seen.box_px[:, :2]) / size_px
-        return t_s - seen.coarse_s >= self.newcomer_s or bool((covered > _NEAR_SHARE).any())
+    def _is_coarse_due(self, seen: Attention, t_s: float) -> bool:
+        return t_s - seen.coarse_s >= self.newcomer_s or max(seen.covered) > _NEAR_SHARE
 
     def _turns(self, seen: Attention, t_s: float) -> tuple[int, ...]:
         """Return the turns that the image is looked at in, besides none."""
-        turns = {*seen.turns.tolist()}
-        if turns & {1, 3}:
-            return tuple(sorted(turns & {1, 3}))
+        lying = tuple(turn for turn in (1, 3) if seen.turned >> turn & 1)
+        if lying:
+            return lying
         # Nobody stands on the head: that is the poor skeleton of somebody who lies or bends.
-        is_lost = 2 in turns or t_s - seen.lost_s < SEARCH_S
+        is_lost = bool(seen.turned >> 2 & 1) or t_s - seen.lost_s < SEARCH_S
         if is_lost and not seen.searched:
             return 1, 3
         is_lost &= t_s - seen.turned_s >= self.pause_s
