@@ -18,7 +18,10 @@ from trecsim.page.page_data import PageData
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView
 
-SITE = SiteView("hall", version="a" * 64, cameras={"north": {}, "south": {}})
+SITE = SiteView(
+    "hall", version="a" * 64, cameras={"north": {}, "south": {}},
+    feeds={"gate": {"source": "http", "most_per_s": 100.0}, "file": {"source": "file"}},
+)  # fmt: skip
 WAIT_S = 20.0
 Result = TypeVar("Result")
 

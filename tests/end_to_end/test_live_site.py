@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from threading import Thread
-from time import monotonic, sleep
+from time import monotonic, sleep, time
 
 import httpx
 import pytest
+from websockets.sync.client import connect
 
 import trecsim
 from made_recording import make_recording
@@ -157,6 +158,42 @@ id = "ahead"
 kind = "zone.enter"
 zone = "ahead"
 """
+
+
+FED = """
+[feeds.yard]
+http = true
+[volumes.truck]
+size_m = [4.0, 2.0, 2.0]
+feed = "yard"
+"""
+
+
+def test_a_vehicle_that_is_posted_is_shown_to_viewers_and_kept_in_the_recording(
+    tmp_path: Path,
+) -> None:
+    out = tmp_path / "out"
+    path = make_site(tmp_path, moments=3000, more=PAGE + FED)
+    with running(path, "--out", str(out)) as site:
+        site.until(site.is_well)
+        with connect(site.url.replace("http", "ws", 1) + "api/stream") as stream:
+
+            def shown() -> bool:
+                where = {"t_s": time(), "volume": "truck", "id": "7", "xy_m": [3.0, 1.0]}
+                posted = httpx.post(f"{site.url}api/feeds/yard", json=where, timeout=WAIT_S)
+                assert posted.status_code == 202, posted.text
+                vehicles: list[str] = []
+                for _ in range(20):
+                    message = json.loads(stream.recv(WAIT_S))
+                    vehicles += [one["id"] for one in message.get("volumes", ())]
+                return vehicles[-1:] == ["7"]
+
+            site.until(shown)
+        site.process.send_signal(signal.SIGTERM)
+        assert site.process.wait(WAIT_S) == 0
+    (kept,) = out.glob("**/signals-*.jsonl")
+    first = json.loads(kept.read_text().splitlines()[0])
+    assert (first["feed"], first["volume"], first["id"]) == ("yard", "truck", "7")
 
 
 def test_events_of_rules_reach_the_page_and_the_recording_gives_them_again_to_the_byte(

@@ -26,13 +26,14 @@ ROUTES = (
     "POST /api/login", "POST /api/logout", "GET /api/me", "GET /api/mode", "POST /api/mode",
     "GET /api/recordings", "GET /api/recordings/x/snapshots", "GET /api/stream",
     "GET /api/users/me/reviewed", "POST /api/users/me/reviewed", "GET /api/cameras/north/picture",
-    "GET /metrics", "GET /assets/x", "HEAD /", "OPTIONS /api/site", "PATCH /api/site", "X /",
+    "POST /api/feeds/gate", "POST /api/feeds/none", "GET /metrics", "GET /assets/x", "HEAD /",
+    "OPTIONS /api/site", "PATCH /api/site", "X /",
 )  # fmt: skip
 QUERIES = ("", "?after=one", "?limit=1", "?limit=1e99", "?from_s=0&to_s=1", "?until_s=nan", "?%ff")
 KEYS = (
     "phase", "event", "events", "until_s", "reason", "note", "user", "password", "based_on",
     "revision", "zones", "lines", "edges", "polygon_m", "points_m", "mode", "reviewed",
-    "bypass", "rule",
+    "bypass", "rule", "t_s", "grant", "closed", "volume", "xy_m",
 )  # fmt: skip
 
 texts = st.text(max_size=20)
@@ -57,8 +58,8 @@ headers = st.dictionaries(
          "Connection", "Transfer-Encoding", "Sec-WebSocket-Key", "Accept-Encoding", "Range"]
     ),
     st.sampled_from(
-        ["websocket", "Upgrade", "application/json", "chunked", "Bearer x", "gzip", "null", "a=b",
-         "bytes=0-", "dGhlIHNhbXBsZSBub25jZQ==", "\xff\xfe"]
+        ["websocket", "Upgrade", "application/json", "application/x-ndjson", "chunked",
+         "Bearer x", "gzip", "null", "a=b", "bytes=0-", "dGhlIHNhbXBsZSBub25jZQ==", "\xff\xfe"]
     ),
     max_size=4,
 )  # fmt: skip

@@ -32,26 +32,28 @@ from trecsim.store.ledger import Ledger
 
 PASSWORD = "a long password"
 TOKEN = "a-token-of-twenty-characters"
+FEEDS_TOKEN = "a-token-that-may-only-write"
 HASH = PasswordHasher(time_cost=1, memory_cost=8, parallelism=1).hash(PASSWORD)  # a quick one
 USERS = {name: User(name, name, HASH) for name in ROLES}
 
 
 @pytest.fixture(scope="module")
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningPage]:
-    """Run a page with one user of each role, named as the role, and a token."""
+    """Run a page with one user of each role, named as the role, and both tokens."""
     folder = tmp_path_factory.mktemp("guarded")
     write_users(folder / "users.toml", USERS)
     os.environ["TEST_PAGE_TOKEN"] = TOKEN
+    os.environ["TEST_FEEDS_TOKEN"] = FEEDS_TOKEN
     address = PageAddress(
         port=0, users_file=folder / "users.toml", token_env="TEST_PAGE_TOKEN",
-        trusted_proxy="127.0.0.1", hosts=("site.example",),
+        trusted_proxy="127.0.0.1", hosts=("site.example",), feeds_token_env="TEST_FEEDS_TOKEN",
     )  # fmt: skip
     with running_page(address, PageData(ledger=folder / "ledger")) as page:
         page.process.event(event("opened"))
         with Ledger(folder / "ledger") as ledger:
             ledger.append_event(event("opened"))
         yield page
-    del os.environ["TEST_PAGE_TOKEN"]
+    del os.environ["TEST_PAGE_TOKEN"], os.environ["TEST_FEEDS_TOKEN"]
 
 
 _ADDRESSES = (f"10.1.{high}.{low}" for high in range(256) for low in range(256))
@@ -83,7 +85,9 @@ def signed_in(page: RunningPage, user: str) -> Iterator[httpx.Client]:
 def clients(guarded: RunningPage) -> Iterator[dict[str, httpx.Client]]:
     token = client_of(guarded)
     token.headers["Authorization"] = f"Bearer {TOKEN}"
-    found = {"nobody": client_of(guarded), "token": token}
+    feeder = client_of(guarded)
+    feeder.headers["Authorization"] = f"Bearer {FEEDS_TOKEN}"
+    found = {"nobody": client_of(guarded), "token": token, "feeds token": feeder}
     found |= {role: sign_in(guarded, role) for role in ROLES}
     yield found
     for client in found.values():
@@ -117,6 +121,68 @@ def test_each_role_may_do_what_it_may_and_nothing_else(
         assert status in (200, 503)
     else:
         assert status == (401 if who == "nobody" else 403)
+
+
+@pytest.mark.parametrize(("method", "path"), ALLOWED)
+def test_the_token_of_feeds_opens_nothing_but_what_everybody_may(
+    clients: dict[str, httpx.Client], method: str, path: str
+) -> None:
+    body = {"events": [], "event": "opened", "phase": "reopen"} if method == "POST" else None
+    answer = clients["feeds token"].request(method, path, json=body)
+    if ALLOWED[method, path] == "nobody":
+        assert answer.status_code in (200, 503)
+    else:
+        assert answer.status_code == 403
+        assert answer.json() == {"error": "this token may only post messages of feeds"}
+
+
+def test_the_token_of_feeds_sees_nobody(
+    clients: dict[str, httpx.Client], guarded: RunningPage
+) -> None:
+    assert set(clients["feeds token"].get("/api/health").json()) == {"status"}
+    headers = {
+        "X-Forwarded-For": "10.2.0.2", "X-Forwarded-Proto": "https",
+        "Authorization": f"Bearer {FEEDS_TOKEN}",
+    }  # fmt: skip
+    with pytest.raises(InvalidStatus) as refused, guarded.stream(additional_headers=headers):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+@pytest.mark.parametrize(
+    ("who", "status"),
+    [("nobody", 401), ("viewer", 403), ("operator", 403), ("token", 403), ("admin", 202),
+     ("feeds token", 202)],
+)  # fmt: skip
+def test_only_the_token_of_feeds_and_admins_post_messages(
+    clients: dict[str, httpx.Client], who: str, status: int
+) -> None:
+    answer = clients[who].post("/api/feeds/gate", json={"t_s": 1.0, "grant": "gate"})
+    assert answer.status_code == status, answer.text
+
+
+def test_an_admin_posts_no_messages_from_another_site(clients: dict[str, httpx.Client]) -> None:
+    mark = {"X-CSRF-Token": ""}
+    assert (
+        clients["admin"].post("/api/feeds/gate", json={"t_s": 1}, headers=mark).status_code == 403
+    )
+    foreign = {"Origin": "https://evil.example"}
+    for who in ("admin", "feeds token"):
+        refused = clients[who].post("/api/feeds/gate", json={"t_s": 1}, headers=foreign)
+        assert refused.status_code == 403
+    assert clients["admin"].post("/api/feeds/gate", data={"t_s": "1"}).status_code == 415
+
+
+def test_who_posts_messages_stands_once_in_the_audit_log(
+    clients: dict[str, httpx.Client], guarded: RunningPage
+) -> None:
+    for _ in range(3):
+        assert clients["feeds token"].post("/api/feeds/gate", json={"t_s": 1.0}).status_code == 202
+    with Ledger(Path(guarded.process._setup.data["ledger"])) as ledger:
+        posts = [entry for entry in ledger.audit() if entry.act == "post to feed"]
+        told = repr(ledger.audit())
+    assert [one.details["feed"] for one in posts if one.who == "feeds token"] == ["gate"]
+    assert FEEDS_TOKEN not in told
 
 
 def test_without_signing_in_health_tells_the_status_only(clients: dict[str, httpx.Client]) -> None:
@@ -380,6 +446,7 @@ def test_a_page_whose_protection_is_missing_does_not_begin(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SHORT", "1234")
+    monkeypatch.setenv("TOKEN_OF_ALL", TOKEN)
     (tmp_path / "empty.toml").write_text('format = "trecsim.users/1"\n')
     (tmp_path / "no.pem").write_text("none")
     for address, said in (
@@ -387,6 +454,18 @@ def test_a_page_whose_protection_is_missing_does_not_begin(
         (PageAddress(users_file=tmp_path / "empty.toml"), "it names nobody; add somebody"),
         (PageAddress(token_env="NOT_SET"), "environment variable NOT_SET, found none"),
         (PageAddress(token_env="SHORT"), "at least 16 characters .* found one of 4"),
+        (
+            PageAddress(feeds_token_env="NOT_SET"),
+            "feeds_token_env: .* variable NOT_SET, found none",
+        ),
+        (
+            PageAddress(token_env="TOKEN_OF_ALL", feeds_token_env="TOKEN_OF_ALL"),
+            "feeds_token_env: expected a token of its own, found that of token_env",
+        ),
+        (
+            PageAddress("0.0.0.0", feeds_token_env="TOKEN_OF_ALL"),
+            "expected users or token_env, found neither",
+        ),
         (
             PageAddress(tls_cert=tmp_path / "no.pem", tls_key=tmp_path / "no.pem"),
             "expected a certificate and its key",

@@ -1,4 +1,4 @@
-"""Feeds of a live site: files that grow, and what the recording keeps of them."""
+"""Feeds of a live site: files that grow, posted messages, and what the recording keeps of them."""
 
 import threading
 import time
@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 
 from trecsim.safety.signals import Signal
-from trecsim.service.live_signals import Followed, KeptSignals
-from trecsim.sites.feed_files import kept_signals
+from trecsim.service.live_feeds import LiveFeeds
+from trecsim.service.live_signals import KeptSignals
+from trecsim.service.waiting_lines import LEAST_LINES, MOST_BYTES, WaitingLines
+from trecsim.sites.feed_files import LONGEST_LINE, kept_signals
+from trecsim.sites.feed_tables import FeedTable
 
 
 def append(path: Path, text: str) -> None:
@@ -29,7 +32,7 @@ def waited(source: Callable[[float], list[Signal]], count: int) -> list[Signal]:
 def test_lines_that_are_appended_come_once_and_those_from_before_do_not(tmp_path: Path) -> None:
     path = tmp_path / "f.jsonl"
     path.write_text('{"t_s": 1}\n', encoding="utf-8")
-    with Followed({"f": path}) as source:
+    with LiveFeeds({"f": FeedTable(file=path)}) as source:
         append(path, '{"t_s": 2, "grant": "a"}\n{"t_s"')
         first = waited(source, 1)
         append(path, ": 3}\n")
@@ -40,7 +43,7 @@ def test_lines_that_are_appended_come_once_and_those_from_before_do_not(tmp_path
 
 def test_a_file_that_comes_later_or_begins_anew_is_read_from_its_beginning(tmp_path: Path) -> None:
     path = tmp_path / "f.jsonl"
-    with Followed({"f": path}) as source:
+    with LiveFeeds({"f": FeedTable(file=path)}) as source:
         append(path, '{"t_s": 2}\n{"t_s": 3}\n')
         assert [one.t_s for one in waited(source, 2)] == [2.0, 3.0]
         path.write_text('{"t_s": 4}\n', encoding="utf-8")
@@ -52,18 +55,73 @@ def test_other_files_are_followed_from_then_on_and_one_that_stays_misses_nothing
 ) -> None:
     stays, goes, comes = (tmp_path / f"{name}.jsonl" for name in ("stays", "goes", "comes"))
     comes.write_text('{"t_s": 1}\n', encoding="utf-8")
-    with Followed({}) as source:
-        source.change({"s": stays, "g": goes})
+    with LiveFeeds({}) as source:
+        source.change({"s": FeedTable(file=stays), "g": FeedTable(file=goes)})
         append(stays, '{"t_s": 2}\n')
         append(goes, '{"t_s": 3}\n')
         assert sorted((one.feed, one.t_s) for one in waited(source, 2)) == [("g", 3.0), ("s", 2.0)]
         append(stays, '{"t_s": 4}\n{"t_s"')
-        source.change({"s": stays, "c": comes})
+        source.change({"s": FeedTable(file=stays), "c": FeedTable(file=comes)})
         append(stays, ": 5}\n")
         append(goes, '{"t_s": 6}\n')
         append(comes, '{"t_s": 7}\n')
         found = sorted((one.feed, one.t_s) for one in waited(source, 3))
     assert found == [("c", 7.0), ("s", 4.0), ("s", 5.0)]
+
+
+def test_posted_messages_come_once_and_only_where_the_site_file_allows_that(
+    tmp_path: Path,
+) -> None:
+    feeds = {"posted": FeedTable(http=True), "written": FeedTable(file=tmp_path / "f.jsonl")}
+    source = LiveFeeds(feeds)
+    for name in ("posted", "written", "unknown"):
+        source.put(name, [b'{"t_s": 2, "grant": "a"}', b"{"])
+    found = source(5.0)
+    assert [(one.feed, one.what, one.taken_s) for one in found] == [
+        ("posted", "grant", 5.0), ("posted", "unreadable", 5.0),
+    ]  # fmt: skip
+    assert source(6.0) == []
+    source.put("posted", [b'{"t_s": 3}'])
+    source.change({"posted": FeedTable(http=True, silent_s=5.0)})
+    assert [one.t_s for one in source(7.0)] == [3.0]  # what waited is not lost
+    source.change({"posted": FeedTable(file=tmp_path / "f.jsonl")})
+    source.put("posted", [b'{"t_s": 4}'])
+    assert source(8.0) == []
+
+
+def test_a_flood_takes_bounded_memory_and_says_what_it_lost() -> None:
+    now_s = [0.0]
+    waiting = WaitingLines(100.0, lambda: now_s[0])
+    waiting.put(b"%d" % n for n in range(LEAST_LINES + 500))
+    lines, dropped = waiting.take()
+    assert (len(lines), dropped) == (LEAST_LINES, 500)
+    now_s[0] = 1.0  # twice the limit of the feed is taken in the long run
+    waiting.put(b"%d" % n for n in range(1000))
+    assert [len(waiting.take()[0]), waiting.take()[1]] == [200, 0]
+    for _ in range(20):  # nobody takes: the newest stay
+        now_s[0] += 1.0
+        waiting.put(b"%d at %g" % (n, now_s[0]) for n in range(100))
+    lines, dropped = waiting.take()
+    assert (len(lines), dropped, lines[-1]) == (LEAST_LINES, 1000, b"99 at 21")
+
+
+def test_long_messages_take_bounded_memory_and_stay_too_long() -> None:
+    waiting = WaitingLines(10_000.0)
+    waiting.put(b"x" * 60_000 for _ in range(3000))
+    lines, dropped = waiting.take()
+    assert {len(line) for line in lines} == {LONGEST_LINE + 1}
+    assert sum(map(len, lines)) <= MOST_BYTES
+    assert len(lines) + dropped == 3000
+
+
+def test_a_feed_that_floods_is_distrusted() -> None:
+    source = LiveFeeds({"f": FeedTable(http=True)})
+    source.put("f", [b'{"t_s": 2}'] * (LEAST_LINES + 1))
+    first, *others = source(5.0)
+    assert (first.what, first.note) == (
+        "unreadable", "1 messages were dropped: too many came at once",
+    )  # fmt: skip
+    assert {one.what for one in others} == {"alive"}
 
 
 def test_messages_are_kept_in_the_recording_as_the_rules_got_them(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from trecsim.calibration import write_rig
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView, cameras_of
 from trecsim.service.counting import Counting
-from trecsim.service.live_signals import Followed, KeptSignals
+from trecsim.service.live_feeds import LiveFeeds
 from trecsim.service.monitor import Monitor
 from trecsim.service.rig_keeper import RigKeeper
 from trecsim.service.rule_watch import RuleWatch
@@ -67,7 +67,7 @@ def test_a_repaired_rig_and_a_changed_file_are_shown_together_whichever_comes_fi
             partial(service._new_rig, cast(RigKeeper, changes), cast(Monitor, changes)),
             partial(
                 service._apply, cast(RuleWatch, changes), cast(Counting, changes),
-                KeptSignals(Followed({})), read(tmp_path, SITE + ZONE),
+                LiveFeeds({}), read(tmp_path, SITE + ZONE),
             ),
         ]  # fmt: skip
         for step in steps if repaired_first else reversed(steps):
@@ -82,7 +82,7 @@ def test_a_feed_that_comes_with_a_changed_file_is_followed_at_once(tmp_path: Pat
     service = SiteService()
     service._show(read(tmp_path, SITE), ring(3))
     changes = Changes()
-    with KeptSignals(Followed({})) as signals:
+    with LiveFeeds({}) as signals:
         service._apply(
             cast(RuleWatch, changes), cast(Counting, changes), signals,
             read(tmp_path, SITE + '[feeds.gate]\nfile = "gate.jsonl"\n'),

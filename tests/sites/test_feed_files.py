@@ -19,7 +19,7 @@ from trecsim.sites.feed_files import (
     signal_of,
     signals_of,
 )
-from trecsim.sites.places import FeedTable
+from trecsim.sites.feed_tables import FeedTable
 
 GOOD = {
     '{"t_s": 1}': Signal("f", 1.0),

@@ -30,11 +30,11 @@ def test_every_key_reaches_the_page(tmp_path: Path) -> None:
         tmp_path,
         'host = "0.0.0.0"\nport = 0\nhosts = ["site.example"]\nusers = "users.toml"\n'
         'token_env = "SITE_TOKEN"\ntls_cert = "cert.pem"\ntls_key = "key.pem"\n'
-        'trusted_proxy = "10.0.0.1"\ninsecure = true\n',
+        'trusted_proxy = "10.0.0.1"\ninsecure = true\nfeeds_token_env = "FEEDS_TOKEN"\n',
     )
     assert found == PageAddress(
         "0.0.0.0", 0, ("site.example",), tmp_path / "users.toml", "SITE_TOKEN",
-        tmp_path / "cert.pem", tmp_path / "key.pem", "10.0.0.1", True,
+        tmp_path / "cert.pem", tmp_path / "key.pem", "10.0.0.1", True, "FEEDS_TOKEN",
     )  # fmt: skip
 
 

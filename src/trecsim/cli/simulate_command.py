@@ -150,7 +150,7 @@ def _feeds(source: str, site: Path | None) -> dict[str, str]:
     if site is None:
         return feeds_of(source) if source in BUILT_IN else {}
     files = [feed.file for feed in read_without_rig(site).feeds.values()]
-    return {path.name: read_text(path, "file of a feed") for path in files}
+    return {path.name: read_text(path, "file of a feed") for path in files if path is not None}
 
 
 def _show(name: str, json: bool) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from time import monotonic
+from typing import Literal
 
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection, Request
@@ -23,6 +24,9 @@ logger = logging.getLogger(__name__)
 
 SAFE = ("GET", "HEAD", "OPTIONS")
 TOKEN_ROLE: Role = "operator"
+Right = Role | Literal["feeds"]
+"""What may be asked for: a role, or that messages of feeds are taken, which is part of no role but
+that of admins: who may post them may not look at people, and the other way round."""
 USERS_READ_S = 1.0  # how often it is looked whether the file of users has changed
 CSRF_HEADER = "x-csrf-token"
 
@@ -38,21 +42,23 @@ class Identity:
     user
         Name of the user; None on a page without users.
     role
-        What the user may do.
+        What the user may do; "feeds": post messages of feeds, and nothing else.
     by
-        What stands in events and audit: the name of the user, "token" or "local".
+        What stands in events and audit: the name of the user, "token", "feeds token" or "local".
     csrf
         What has to come with everything that changes something; None where no cookie is involved.
     """
 
     user: str | None
-    role: Role
+    role: Right
     by: str
     csrf: str | None = None
 
-    def may(self, role: Role) -> bool:
-        """Tell whether the user has at least a role."""
-        return ROLES.index(self.role) >= ROLES.index(role)
+    def may(self, right: Right) -> bool:
+        """Tell whether the user has a right, or at least a role."""
+        if right == "feeds" or self.role == "feeds":
+            return right == "feeds" and self.role in ("feeds", "admin")
+        return ROLES.index(self.role) >= ROLES.index(right)
 
 
 LOCAL = Identity(None, "admin", "local")
@@ -129,6 +135,8 @@ class Access:
         self.sessions = Sessions()
         token = address.token()
         self._token = None if token is None else _digest(token)
+        feeds_token = address.feeds_token()
+        self._feeds_token = None if feeds_token is None else _digest(feeds_token)
         self._wrong_tokens = Rates(0.2, 20.0)
         self.cookie = f"trecsim-{port}"
 
@@ -152,16 +160,16 @@ class Access:
             return None
         return Identity(user.name, user.role, user.name, session.csrf)
 
-    def needs(self, role: Role, answer: Answer) -> Answer:
-        """Return a route that only those with a role may use."""
+    def needs(self, right: Right, answer: Answer) -> Answer:
+        """Return a route that only those with a right may use."""
 
         async def guarded(request: Request) -> Response:
-            request.state.identity = self.checked(request, role)
+            request.state.identity = self.checked(request, right)
             return await answer(request)
 
         return guarded
 
-    def checked(self, connection: HTTPConnection, role: Role) -> Identity:
+    def checked(self, connection: HTTPConnection, right: Right) -> Identity:
         """Return who asks, if the role is enough.
 
         Raises
@@ -172,8 +180,8 @@ class Access:
         identity = self.identity(connection)
         if identity is None:
             raise HTTPException(401, "sign in first", {"WWW-Authenticate": "Bearer"})
-        if not identity.may(role):
-            raise HTTPException(403, f"this needs the role {role}; you are {identity.role}")
+        if not identity.may(right):
+            raise HTTPException(403, _lacks(right, identity))
         changes = connection.scope.get("method", "GET") not in SAFE
         if changes and identity.csrf is not None:
             given = connection.headers.get(CSRF_HEADER, "")
@@ -185,11 +193,23 @@ class Access:
         caller = caller_of(connection.scope, self.address)
         if not caller.is_private:
             raise HTTPException(403, "tokens need TLS: this one was sent in the clear, replace it")
-        if self._token is not None and hmac.compare_digest(_digest(token), self._token):
+        given = _digest(token)
+        if self._token is not None and hmac.compare_digest(given, self._token):
             return Identity("token", TOKEN_ROLE, "token")
+        if self._feeds_token is not None and hmac.compare_digest(given, self._feeds_token):
+            return Identity("feeds token", "feeds", "feeds token")
         if not self._wrong_tokens.allows(caller.address):
             raise HTTPException(429, "too many wrong tokens", {"Retry-After": "5"})
         raise HTTPException(401, "the token is wrong", {"WWW-Authenticate": "Bearer"})
+
+
+def _lacks(right: Right, identity: Identity) -> str:
+    """Return why somebody may not do something."""
+    if identity.role == "feeds":
+        return "this token may only post messages of feeds"
+    if right == "feeds":
+        return f"this needs the token of feeds_token_env, or an admin; you are {identity.role}"
+    return f"this needs the role {right}; you are {identity.role}"
 
 
 def _digest(text: str) -> bytes:

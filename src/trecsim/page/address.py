@@ -39,6 +39,8 @@ class PageAddress:
         Address of the reverse proxy whose `X-Forwarded-` headers count.
     insecure
         Whether passwords may come over plain HTTP from other machines.
+    feeds_token_env
+        Name of the environment variable with the token of systems that post messages of feeds.
     """
 
     host: str = "127.0.0.1"
@@ -50,6 +52,7 @@ class PageAddress:
     tls_key: Path | None = None
     trusted_proxy: str | None = None
     insecure: bool = False
+    feeds_token_env: str | None = None
 
     @property
     def is_open(self) -> bool:
@@ -88,7 +91,12 @@ class PageAddress:
                 )
         if self.tls_cert is not None and self.tls_key is not None:
             _check_certificate(self.tls_cert, self.tls_key)
-        self.token()
+        token, feeds_token = self.token(), self.feeds_token()
+        if token is not None and token == feeds_token:
+            raise InputError(
+                "[page] feeds_token_env: expected a token of its own, found that of token_env, "
+                "which may do more; make another one"
+            )
 
     @property
     def remark(self) -> str | None:
@@ -111,22 +119,30 @@ class PageAddress:
         InputError
             The variable is not set, or what it holds is easily guessed.
         """
-        if self.token_env is None:
-            return None
-        token = os.environ.get(self.token_env, "")
-        if len(token) < SHORTEST_TOKEN:
-            found = f"one of {len(token)}" if token else "none"
-            raise InputError(
-                f"[page] token_env: expected a token of at least {SHORTEST_TOKEN} characters in "
-                f"the environment variable {self.token_env}, found {found}; make one: "
-                "python -c 'import secrets; print(secrets.token_urlsafe())'"
-            )
-        if not is_token(token):
-            raise InputError(
-                f"[page] token_env: {self.token_env} holds a space, a line break or a letter "
-                "beyond ASCII, which no program can send; expected printable ASCII without spaces"
-            )
-        return token
+        return _token_in("token_env", self.token_env)
+
+    def feeds_token(self) -> str | None:
+        """Return the token of systems that post messages of feeds; see `token`."""
+        return _token_in("feeds_token_env", self.feeds_token_env)
+
+
+def _token_in(key: str, variable: str | None) -> str | None:
+    if variable is None:
+        return None
+    token = os.environ.get(variable, "")
+    if len(token) < SHORTEST_TOKEN:
+        found = f"one of {len(token)}" if token else "none"
+        raise InputError(
+            f"[page] {key}: expected a token of at least {SHORTEST_TOKEN} characters in "
+            f"the environment variable {variable}, found {found}; make one: "
+            "python -c 'import secrets; print(secrets.token_urlsafe())'"
+        )
+    if not is_token(token):
+        raise InputError(
+            f"[page] {key}: {variable} holds a space, a line break or a letter "
+            "beyond ASCII, which no program can send; expected printable ASCII without spaces"
+        )
+    return token
 
 
 def is_token(text: str) -> bool:

@@ -16,9 +16,10 @@ from starlette.websockets import WebSocket
 from trecsim.errors import Error
 from trecsim.page.access import Access, Answer
 from trecsim.page.answers import error, json_answer
-from trecsim.page.asking import Ask
+from trecsim.page.asking import Ask, HandOn
 from trecsim.page.bundle import Bundle, answer
 from trecsim.page.event_routes import event_routes
+from trecsim.page.feed_routes import feed_routes
 from trecsim.page.journal import Journal
 from trecsim.page.live_state import LiveState
 from trecsim.page.login import login_routes
@@ -58,6 +59,8 @@ class Parts:
         Asks the tracking process for something.
     data
         Files that are shown.
+    hand_on
+        Hands messages of feeds on to the tracking process.
     """
 
     state: LiveState
@@ -66,6 +69,7 @@ class Parts:
     bundle: Bundle
     ask: Ask
     data: PageData
+    hand_on: HandOn
 
 
 def page_app(parts: Parts) -> Starlette:
@@ -84,6 +88,7 @@ def page_app(parts: Parts) -> Starlette:
         *site_routes(access, site),
         *mode_routes(access, state, parts.journal, parts.ask),
         *picture_routes(access, state, parts.journal, parts.ask),
+        *feed_routes(access, state, parts.journal, parts.hand_on),
         Route("/{path:path}", _files(parts.bundle)),
     ]
     return Starlette(
@@ -99,7 +104,8 @@ def page_app(parts: Parts) -> Starlette:
 def _health(state: LiveState, access: Access) -> Answer:
     async def health(request: Request) -> Response:
         body = state.health_json()
-        if access.identity(request) is None:  # a watchdog needs no more
+        identity = access.identity(request)
+        if identity is None or not identity.may("viewer"):  # a watchdog needs no more
             body = {"status": body["status"]}
         return json_answer(body, 200 if body["status"] == "ok" else 503)
 
@@ -127,7 +133,8 @@ def _metrics(state: LiveState) -> Answer:
 def _stream(parts: Parts) -> Callable[[WebSocket], Awaitable[None]]:
     def may_see(socket: WebSocket) -> bool:
         try:
-            return parts.access.identity(socket) is not None
+            identity = parts.access.identity(socket)
+            return identity is not None and identity.may("viewer")
         except HTTPException:
             return False
 

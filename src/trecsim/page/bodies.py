@@ -1,5 +1,6 @@
 """Bodies of requests: JSON of a known shape and size, or a clear refusal."""
 
+from collections.abc import Sequence
 from typing import TypeVar
 
 import msgspec
@@ -7,7 +8,31 @@ from starlette.exceptions import HTTPException
 from starlette.requests import Request
 
 Body = TypeVar("Body")
+JSON = "application/json"
 LARGEST = 16_384  # bytes, where a route does not say otherwise
+
+
+async def content_of(request: Request, types: Sequence[str], largest: int) -> bytes:
+    """Return the body of a request as it came.
+
+    Raises
+    ------
+    HTTPException
+        It has none of these types, or is too large.
+    """
+    if type_of(request) not in types:
+        raise HTTPException(415, f"expected a body of the type {' or '.join(types)}")
+    parts = bytearray()
+    async for part in request.stream():
+        parts += part
+        if len(parts) > largest:
+            raise HTTPException(413, f"expected a body of at most {largest} bytes")
+    return bytes(parts)
+
+
+def type_of(request: Request) -> str:
+    """Return the type of the body of a request, without parameters."""
+    return request.headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
 async def body_of(request: Request, kind: type[Body], largest: int = LARGEST) -> Body:
@@ -20,15 +45,8 @@ async def body_of(request: Request, kind: type[Body], largest: int = LARGEST) ->
     HTTPException
         It is none, has another shape, or is too large.
     """
-    kind_given = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if kind_given != "application/json":
-        raise HTTPException(415, "expected a body of the type application/json")
-    parts = bytearray()
-    async for part in request.stream():
-        parts += part
-        if len(parts) > largest:
-            raise HTTPException(413, f"expected a body of at most {largest} bytes")
+    content = await content_of(request, (JSON,), largest)
     try:
-        return msgspec.json.decode(bytes(parts), type=kind)
+        return msgspec.json.decode(content, type=kind)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
         raise HTTPException(400, f"the body is not as expected: {error}") from None

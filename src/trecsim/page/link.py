@@ -129,8 +129,23 @@ class PageRequest(msgspec.Struct, frozen=True, tag="request"):
     body: dict[str, Any]
 
 
+class FeedLines(msgspec.Struct, frozen=True, tag="feed"):
+    """Messages of a feed that were posted to the page.
+
+    Attributes
+    ----------
+    feed
+        Name of the feed.
+    lines
+        The messages, not read yet.
+    """
+
+    feed: str
+    lines: list[bytes]
+
+
 ToPage = Setup | SnapshotPart | HealthPart | EventPart | PicturePart | SitePart | PulsePart
-FromPage = PulsePart | PageRequest
+FromPage = PulsePart | PageRequest | FeedLines
 
 _ENCODER = msgspec.msgpack.Encoder()
 TO_PAGE = msgspec.msgpack.Decoder(ToPage)

@@ -6,7 +6,7 @@ import socket
 import subprocess
 import sys
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -24,6 +24,7 @@ from trecsim.page.address import PageAddress, listen, url_of
 from trecsim.page.last_seen import LastSeen
 from trecsim.page.link import (
     FROM_PAGE,
+    FeedLines,
     HealthPart,
     PageRequest,
     PicturePart,
@@ -46,6 +47,14 @@ SETTLED_S = 60.0  # a process that ran for so long begins a new row
 END_S = 1.0  # so long it may take to end
 REQUESTS_KEPT = 100
 _CREDENTIALS = "TRECSIM_CREDENTIALS_"
+
+
+TakeLines = Callable[[str, Sequence[bytes]], None]
+"""Takes the name of a feed, and messages of it that nobody has read yet; must not wait."""
+
+
+def _take_none(feed: str, lines: Sequence[bytes]) -> None:
+    """Drop messages of feeds, as a site does that has none."""
 
 
 class PageProcess:
@@ -102,6 +111,7 @@ class PageProcess:
         self._outgoing = Outgoing(SitePart(site.to_json()))
         self._seen = LastSeen()
         self._requests: deque[PageRequest] = deque(maxlen=REQUESTS_KEPT)
+        self._take_lines: TakeLines = _take_none
         self._link: socket.socket | None = None
         self._ending = Event()
         self._runner = Thread(target=self._run, name="page", daemon=True)
@@ -155,6 +165,10 @@ class PageProcess:
             The image.
         """
         self._outgoing.put_picture(PicturePart(camera, t_s, jpeg))
+
+    def feeds_to(self, take: TakeLines) -> None:
+        """Hand messages of feeds that are posted to the page to `take`, in a thread of the page."""
+        self._take_lines = take
 
     def requests(self) -> list[PageRequest]:
         """Return what people at the page have asked for since the last call."""
@@ -213,6 +227,8 @@ class PageProcess:
             within_s = HUNG_S
             if isinstance(message, PageRequest):
                 self._requests.append(message)
+            elif isinstance(message, FeedLines):
+                self._take_lines(message.feed, message.lines)
 
 
 def _received_within(link: socket.socket, seconds: float) -> bytes | None:

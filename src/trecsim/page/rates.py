@@ -34,13 +34,13 @@ class Rates:
         self._clock = clock
         self._left: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
-    def allows(self, key: str) -> bool:
-        """Count one more; return whether it is allowed."""
+    def allows(self, key: str, count: float = 1.0) -> bool:
+        """Count so many more; return whether they are allowed, all of them or none."""
         now_s = self._clock()
         left, at_s = self._left.pop(key, (self._at_once, now_s))
         left = min(left + (now_s - at_s) * self._per_s, self._at_once)
-        allowed = left >= 1.0
-        self._left[key] = (left - 1.0 if allowed else left, now_s)
+        allowed = left >= count
+        self._left[key] = (left - count if allowed else left, now_s)
         if len(self._left) > KEYS_KEPT:
             self._left.popitem(last=False)
         return allowed

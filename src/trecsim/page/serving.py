@@ -15,7 +15,7 @@ from starlette.applications import Starlette
 from trecsim.page.access import Access
 from trecsim.page.address import PageAddress
 from trecsim.page.app import Parts, page_app
-from trecsim.page.asking import asking_over
+from trecsim.page.asking import asking_over, handing_on_over
 from trecsim.page.bundle import STATIC, Bundle
 from trecsim.page.journal import Journal
 from trecsim.page.link import TO_PAGE, EventPart, PulsePart, Setup, framed
@@ -74,7 +74,8 @@ def _parts(setup: Setup, address: PageAddress, port: int, writer: asyncio.Stream
     journal = Journal(data.ledger, state.hub.events)
     access = Access(address, port, UsersAudit(journal))
     bundle = Bundle(data.static or STATIC)
-    return Parts(state, access, journal, bundle, asking_over(writer), data)
+    ask, hand_on = asking_over(writer), handing_on_over(writer)
+    return Parts(state, access, journal, bundle, ask, data, hand_on)
 
 
 async def _run(

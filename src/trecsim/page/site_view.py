@@ -25,6 +25,8 @@ class SiteView:
         `size_px`, `K`, `distortion_model`, `distortion` and `T_cam_world` by name.
     zones, lines, edges, walls, exclusions, portals, volumes
         As in the site file, by name.
+    feeds
+        How messages of other systems come (`source`: "file", "http") and `most_per_s`, by name.
     floor_m
         Extent of the floor to draw: least x, least y, greatest x, greatest y [m].
     rules
@@ -53,6 +55,7 @@ class SiteView:
     exclusions: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     portals: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     volumes: Mapping[str, dict[str, Any]] = field(default_factory=dict)
+    feeds: Mapping[str, dict[str, Any]] = field(default_factory=dict)
     floor_m: Sequence[float] = (-5.0, -5.0, 5.0, 5.0)
     rules: Mapping[str, int] = field(default_factory=lambda: {"armed": 0, "total": 0})
     rule_ids: Sequence[str] = ()

@@ -27,7 +27,7 @@ class LiveInputs:
     close
         Ends the sources.
     signals
-        The messages of feeds; None follows the files that the site names.
+        The messages of feeds; None takes them as the site file says.
     """
 
     sources: Sequence[Source[Poses2D]] | Sequence[Source[Frame]]

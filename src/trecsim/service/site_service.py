@@ -10,7 +10,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -33,8 +33,9 @@ from trecsim.service.counting import Counting
 from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
+from trecsim.service.live_feeds import LiveFeeds
 from trecsim.service.live_inputs import LiveInputs
-from trecsim.service.live_signals import Followed, KeptSignals, PlaceNames
+from trecsim.service.live_signals import KeptSignals, PlaceNames
 from trecsim.service.monitor import Monitor
 from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
@@ -119,7 +120,8 @@ class SiteService:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
         site = checked.file.site
-        signals = KeptSignals(_signals(site, inputs), self._named_places)
+        feeds = _live_feeds(site, inputs)
+        signals = KeptSignals(feeds or _known_signals(site, inputs), self._named_places)
         rules = self._rules = RuleWatch(
             _rules_of(checked.file, checked.rig), self._put_event, signals
         )
@@ -127,8 +129,8 @@ class SiteService:
         keeper = _rig_keeper(checked, out, live=feed is not None)
         self._reloading = Reloading(
             checked.file,
-            partial(self._apply, rules, counting, signals),
-            WHILE_RUNNING if signals.follows_files else WHILE_RUNNING - {"feeds"},
+            partial(self._apply, rules, counting, feeds),
+            WHILE_RUNNING - {"feeds"} if feeds is None else WHILE_RUNNING,
         )
         watchers = monitor.sinks()
         watchers = replace(watchers, snapshots=[*watchers.snapshots, rules, counting])
@@ -138,6 +140,7 @@ class SiteService:
             shown = Taken(partial(_show_people, self._page, rules))
             watchers = replace(watchers, snapshots=[*watchers.snapshots, shown])
             told.append(self._page.health)
+            _take_posted(self._page, feeds)
 
         def judged() -> Health:
             self._take_in(monitor, feed)
@@ -171,7 +174,7 @@ class SiteService:
             ending.callback(keeper.close)
             if inputs is not None:
                 ending.callback(inputs.close)
-            ending.enter_context(signals)
+            ending.enter_context(feeds or nullcontext())
             summary = run(
                 checked,
                 out,
@@ -207,12 +210,13 @@ class SiteService:
         return [FaultLog(), faults]
 
     def _apply(
-        self, rules: RuleWatch, counting: Counting, signals: KeptSignals, file: SiteFile
+        self, rules: RuleWatch, counting: Counting, feeds: LiveFeeds | None, file: SiteFile
     ) -> None:
         """Take over what has changed in a site file."""
         assert self._rig is not None
         rules.change(_rules_of(file, self._rig))  # first: rules ignore feeds they do not know
-        signals.follow(_files_of(file.site))
+        if feeds is not None:
+            feeds.change(file.site.feeds)
         counting.change(file.site)
         self._show(file=file)
 
@@ -298,6 +302,12 @@ def _show_people(page: PageProcess, rules: RuleWatch, snapshot: Snapshot) -> Non
     page.write(snapshot, rules.vehicles(snapshot.t_s))
 
 
+def _take_posted(page: PageProcess, feeds: LiveFeeds | None) -> None:
+    """Let messages that are posted to the page reach the feeds of a live site."""
+    if feeds is not None:
+        page.feeds_to(feeds.put)
+
+
 def _rig_keeper(checked: CheckedSite, out: Path | None, *, live: bool) -> RigKeeper:
     """Return who repairs the rig, where the site file wants that."""
     site = checked.file
@@ -346,16 +356,18 @@ def _left_open(checked: CheckedSite, store: SiteStore) -> list[dict[str, Any]]:
     return ends_of(checked.file.site.name, open_events)
 
 
-def _signals(site: Site, inputs: LiveInputs | None) -> SignalSource | Followed:
-    """Return the messages of feeds: with recordings those of the whole files, live the new ones."""
-    if inputs is None:
-        return recorded(signals_of(site.feeds))
-    return inputs.signals or Followed(_files_of(site))
+def _live_feeds(site: Site, inputs: LiveInputs | None) -> LiveFeeds | None:
+    """Return the feeds of a live site; None where their messages are known from the start."""
+    if inputs is None or inputs.signals is not None:
+        return None
+    return LiveFeeds(site.feeds)
 
 
-def _files_of(site: Site) -> dict[str, Path]:
-    """Return the file of each feed."""
-    return {name: one.file for name, one in site.feeds.items()}
+def _known_signals(site: Site, inputs: LiveInputs | None) -> SignalSource:
+    """Return messages that are known from the start: with recordings those of the whole files."""
+    if inputs is not None and inputs.signals is not None:
+        return inputs.signals
+    return recorded(signals_of(site.feeds))
 
 
 def _feed(inputs: LiveInputs, monitor: Monitor, pictures: PictureMaker | None) -> Feed:

@@ -54,6 +54,10 @@ def site_view(file: SiteFile, rig: Rig) -> SiteView:
         exclusions=_tables(site.exclusions),
         portals=_tables(site.portals),
         volumes=_tables(site.volumes),
+        feeds={
+            name: {"source": one.source, "most_per_s": one.most_per_s}
+            for name, one in site.feeds.items()
+        },
         floor_m=floor_of(rig, outlines_m=outlines_m),
         rule_ids=[rule.id for rule in site.rules],
         mode=None if mode is None else mode.name,

@@ -10,6 +10,7 @@ from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
 from trecsim.sites.feed_files import name_remarks, read_feed
+from trecsim.sites.feed_tables import feed_source_remarks
 from trecsim.sites.fusion_table import FusionTable, earlier_names, fusion_settings
 from trecsim.sites.live_cameras import camera_remarks, secrets_faults
 from trecsim.sites.output_tables import output_remarks
@@ -95,8 +96,11 @@ def check_site(path: Path | str) -> CheckedSite:
 
 
 def _feed_remarks(site: Site) -> Iterator[str]:
-    """Yield which files of feeds are not there, and the unknown places in the others."""
+    """Yield which files of feeds are not there, the unknown places in the others, and the rest."""
+    yield from feed_source_remarks(site.feeds, site.page)
     for name, feed in site.feeds.items():
+        if feed.file is None:
+            continue
         try:
             size = feed.file.stat().st_size
         except OSError as error:

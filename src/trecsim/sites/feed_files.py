@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 
 from trecsim.errors import InputError
 from trecsim.safety.signals import Signal
-from trecsim.sites.places import FeedTable
+from trecsim.sites.feed_tables import FeedTable
 from trecsim.store.names import SIGNALS
 from trecsim.toml_models.toml_reading import nearest
 
@@ -209,6 +209,8 @@ def kept_signals(recording: Path) -> list[Signal]:
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
     """Return the messages of feeds for a recording: those that it has kept, else of the files.
 
+    What came by HTTP is only known where the recording has kept it.
+
     Parameters
     ----------
     feeds
@@ -225,8 +227,8 @@ def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> li
         return []
     folder = tracks if tracks is None or tracks.is_dir() else tracks.parent
     kept = [] if folder is None else kept_signals(folder)
-    read = (read_feed(name, feed.file) for name, feed in feeds.items())
-    return kept or list(chain.from_iterable(read))
+    files = ((name, feed.file) for name, feed in feeds.items() if feed.file is not None)
+    return kept or list(chain.from_iterable(read_feed(*one) for one in files))
 
 
 def _kept(path: Path) -> Iterator[Signal]:

@@ -34,6 +34,9 @@ class PageTable(Table):
     """The file of the users who may sign in, made by `trecsim users add`."""
     token_env: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")] | None = None
     """Name of the environment variable that holds the token of programs."""
+    feeds_token_env: Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*$")] | None = None
+    """Name of the environment variable that holds the token of systems that post messages of feeds,
+    and may do nothing else."""
     tls_cert: FilePath | None = None
     """Certificate of the page with its chain, PEM; makes it `https`."""
     tls_key: FilePath | None = None

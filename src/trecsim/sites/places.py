@@ -1,14 +1,13 @@
-"""Tables of a site file for places, and for feeds of messages about them."""
+"""Tables of a site file for places."""
 
 from itertools import combinations, pairwise
-from pathlib import Path
 from typing import Annotated, Self
 from zoneinfo import ZoneInfo
 
 from pydantic import AfterValidator, Field, model_validator
 
 from trecsim.safety.volumes import MOST
-from trecsim.toml_models import FilePath, Table
+from trecsim.toml_models import Table
 
 _FURTHEST_M = 1e4
 _Coordinate = Annotated[float, Field(ge=-_FURTHEST_M, le=_FURTHEST_M)]
@@ -76,23 +75,6 @@ class WallTable(Table):
     def _has_a_length(self) -> Self:
         _check_steps(self.points_m)
         return self
-
-
-def _no_folder(path: Path) -> Path:
-    if path.is_dir():
-        raise ValueError(f"expected a file with messages, found the folder {path}")
-    return path
-
-
-class FeedTable(Table):
-    """A feed: messages of another system, such as access control or vehicles."""
-
-    file: Annotated[FilePath, AfterValidator(_no_folder)]
-    """File of messages, a line of JSON each; live, those that are appended while the site runs."""
-    silent_s: Annotated[float, Field(ge=0.0, le=86400.0)] = 30.0
-    """Rules do not rely on the feed after so long without a message [s]; 0: they always do."""
-    most_per_s: Annotated[float, Field(gt=0.0, le=10_000.0)] = 100.0
-    """After more messages in a second, a flood, rules do not rely on the feed for 10 s."""
 
 
 class VolumeTable(Table):

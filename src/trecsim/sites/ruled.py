@@ -5,10 +5,10 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from trecsim.forecasting.walls import Walls
+from trecsim.sites.feed_tables import FeedTable
 from trecsim.sites.mode_tables import ModeTable, mode_faults
 from trecsim.sites.places import (
     EdgeTable,
-    FeedTable,
     LineTable,
     TimeZone,
     VolumeTable,

@@ -23,7 +23,8 @@ from trecsim.safety.rule import Place, Rule
 from trecsim.safety.schedules import read_hours
 from trecsim.safety.signals import Feed
 from trecsim.safety.volumes import FedVolume, Volume
-from trecsim.sites.places import EdgeTable, FeedTable, LineTable, VolumeTable, ZoneTable
+from trecsim.sites.feed_tables import FeedTable
+from trecsim.sites.places import EdgeTable, LineTable, VolumeTable, ZoneTable
 from trecsim.sites.rule_tables import RuleTable
 from trecsim.toml_models.toml_reading import Fault, nearest
 

@@ -13,6 +13,7 @@ from trecsim.errors import InputError
 from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
+from trecsim.sites.feed_tables import feed_source_faults
 from trecsim.sites.fusion_table import FusionTable
 from trecsim.sites.output_tables import MOST_OUTPUTS, AnyOutput, output_faults
 from trecsim.sites.page_table import PageTable
@@ -262,6 +263,13 @@ class Site(Ruled):
     @model_validator(mode="after")
     def _outputs_fit(self) -> Self:
         faults = list(output_faults(self.outputs, self.rules))
+        if faults:
+            refuse("Site", faults)
+        return self
+
+    @model_validator(mode="after")
+    def _feeds_come(self) -> Self:
+        faults = list(feed_source_faults(self.feeds, self.page))
         if faults:
             refuse("Site", faults)
         return self

@@ -1,0 +1,52 @@
+"""The tables `[feeds.NAME]`: one way for messages to come, and what the site needs for it."""
+
+from pathlib import Path
+
+import pytest
+
+from made_rigs import ring
+from made_site import make_site
+from trecsim.errors import ConfigError
+from trecsim.service.viewing import site_view
+from trecsim.sites import read_site
+from trecsim.sites.check import check_site
+
+POSTED = "[feeds.gate]\nhttp = true\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("[page]\n[feeds.gate]\n", "feeds.gate: expected one of file.* and .*, found none"),
+        ("[page]\n[feeds.gate]\nhttp = false\n", "feeds.gate: expected one of .*, found none"),
+        (
+            '[page]\n[feeds.gate]\nhttp = true\nfile = "gate.jsonl"\n',
+            "feeds.gate: expected one of .*, found file and http",
+        ),
+        (POSTED, r"line 6: feeds.gate.http: .*expected a table \[page\], found none"),
+        ('[page]\nfeeds_token_env = "A B"\n', "line 6: page.feeds_token_env"),
+    ],
+)
+def test_a_feed_whose_messages_cannot_come_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        read_site(make_site(tmp_path, 2, text))
+
+
+def test_a_feed_to_which_no_program_may_post_is_remarked(tmp_path: Path) -> None:
+    for keys, remarked in (
+        ("", False),
+        ('token_env = "TOKEN"\n', True),
+        ('token_env = "TOKEN"\nfeeds_token_env = "FEEDS"\n', False),
+    ):
+        remarks = check_site(make_site(tmp_path, 2, f"[page]\n{keys}{POSTED}")).remarks
+        found = [one for one in remarks if one.startswith("feeds.gate.http: only admins")]
+        assert len(found) == remarked, keys
+
+
+def test_the_page_is_told_how_messages_come_and_no_path(tmp_path: Path) -> None:
+    text = f'[page]\n{POSTED}most_per_s = 20\n[feeds.lift]\nfile = "lift.jsonl"\n'
+    view = site_view(read_site(make_site(tmp_path, 2, text)), ring(3))
+    assert view.feeds == {
+        "gate": {"source": "http", "most_per_s": 20.0},
+        "lift": {"source": "file", "most_per_s": 100.0},
+    }
