@@ -17,11 +17,11 @@ from trecsim.forecasting.forecasts import Forecasts
 from trecsim.forecasting.walls import NO_WALLS, Walls
 from trecsim.geometry import Rig
 from trecsim.safety.early_warning import EVERY_S, Forecaster
-from trecsim.safety.engine import Clock, RuleEngine
+from trecsim.safety.engine import RuleEngine
 from trecsim.safety.modes import Mode, Overrides, rules_off
 from trecsim.safety.ready import make_ready
 from trecsim.safety.rule import Rule
-from trecsim.safety.schedules import armed
+from trecsim.safety.schedules import Clock, armed
 from trecsim.safety.signals import Feed, SignalSource, recorded
 from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.safety.volumes import FedVolume

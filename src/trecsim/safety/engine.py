@@ -1,15 +1,13 @@
 """Judges all rules of a site, moment by moment."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from datetime import UTC, tzinfo
-from typing import Any, NamedTuple
+from typing import Any
 
 from trecsim.cloud_events import derived_id
 from trecsim.geometry import Rig
 from trecsim.safety.ahead import TOLD_S, Expected
-from trecsim.safety.conditions.base import HERE, Condition
-from trecsim.safety.early_warning import Forecaster, Foreseeing
+from trecsim.safety.conditions.base import HERE
+from trecsim.safety.early_warning import Forecaster
 from trecsim.safety.event_data import (
     TIME_DECIMALS,
     cameras_in_view,
@@ -18,11 +16,9 @@ from trecsim.safety.event_data import (
 )
 from trecsim.safety.machine import (
     IDLE,
-    LIKELY,
     NOTHING,
     Change,
     Ending,
-    Episode,
     Finding,
     disarmed,
     judged,
@@ -31,90 +27,13 @@ from trecsim.safety.machine import (
 from trecsim.safety.modes import Mode, Overrides, in_force, rules_off
 from trecsim.safety.rule import Rule
 from trecsim.safety.rule_scene import Memory, Scene
-from trecsim.safety.schedules import LocalTime, armed, local_time
+from trecsim.safety.rule_state import Opened, RuleState
+from trecsim.safety.schedules import RECORDED, Clock, LocalTime, armed
 from trecsim.safety.signals import Feed, Signal, Signals
 from trecsim.safety.warned import Warned, foreseen, unforeseen
 from trecsim.values import Snapshot
 
 EventData = dict[str, Any]
-
-
-class _Opened(NamedTuple):
-    """An episode that a warning has opened.
-
-    Attributes
-    ----------
-    start_s
-        The predicted time; the identity of the episode follows from it [s].
-    told_s
-        When the warning was given [s].
-    came_s
-        When the worse thing began that was warned of, where the rule warns of such [s].
-    """
-
-    start_s: float
-    told_s: float
-    came_s: float | None = None
-
-
-@dataclass(slots=True, eq=False)
-class _Kept:
-    """The state of one rule.
-
-    Attributes
-    ----------
-    rule, condition
-        The rule, and what it looks for.
-    memory
-        Of the condition.
-    episodes
-        By person, or under `HERE`; without those of which nothing has to be remembered.
-    seen
-        Of each of these the scene in which the condition held last.
-    foreseeing
-        The condition, where the rule warns early.
-    warned
-        What is expected, by person.
-    opened
-        Episodes that a warning has opened, by person.
-    """
-
-    rule: Rule
-    condition: Condition
-    memory: Any = None
-    episodes: dict[int, Episode] = field(default_factory=dict)
-    seen: dict[int, Scene] = field(default_factory=dict)
-    foreseeing: Foreseeing | None = None
-    warned: dict[int, Warned] = field(default_factory=dict)
-    opened: dict[int, _Opened] = field(default_factory=dict)
-
-    @staticmethod
-    def of(rule: Rule) -> "_Kept":
-        """Return the state of a rule that has judged nothing yet."""
-        condition = rule.kind.condition(rule)
-        if rule.early_s > 0.0 and isinstance(condition, Foreseeing):
-            return _Kept(rule, condition, foreseeing=condition)
-        return _Kept(rule, condition)
-
-
-@dataclass(frozen=True, slots=True)
-class Clock:
-    """What the times of snapshots are.
-
-    Attributes
-    ----------
-    zone
-        Time zone of the site.
-    start_s
-        Is added to get Unix times, for recordings that do not have them [s].
-    """
-
-    zone: tzinfo = UTC
-    start_s: float = 0.0
-
-    def local(self, t_s: float) -> LocalTime | None:
-        """Return the local time of a moment, if it is known."""
-        return local_time(t_s, self.zone, self.start_s)
 
 
 class RuleEngine:
@@ -150,7 +69,7 @@ class RuleEngine:
         site: str,
         rules: Sequence[Rule],
         *,
-        clock: Clock = Clock(),
+        clock: Clock = RECORDED,
         rig: Rig | None = None,
         forecaster: Forecaster | None = None,
         modes: Sequence[Mode] = (),
@@ -160,7 +79,7 @@ class RuleEngine:
         self._site, self._clock, self._forecaster = site, clock, forecaster
         self._modes, self.overrides = tuple(modes), Overrides()
         self.faults: dict[str, str] = {}
-        self._kept = [_Kept.of(rule) for rule in rules]
+        self._kept = [RuleState.of(rule) for rule in rules]
         self._memory, self._cameras = Memory(self.signals), cameras_in_view(rig)
         self._last_s = float("-inf")
 
@@ -215,7 +134,7 @@ class RuleEngine:
             if kept is not None and kept.rule.config == rule.config:
                 self._kept.append(before.pop(rule.id))
             else:
-                self._kept.append(_Kept.of(rule))
+                self._kept.append(RuleState.of(rule))
         return [data for kept in before.values() for data in self._disarm(kept, t_s)]
 
     def armed(self, t_s: float) -> int:
@@ -233,7 +152,7 @@ class RuleEngine:
         return rules_off(self._modes, self.overrides.at(t_s), now)
 
     def _judged(
-        self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]
+        self, kept: RuleState, scene: Scene, now: LocalTime | None, off: frozenset[str]
     ) -> list[EventData]:
         """Judge one rule; one that raises begins anew, and all others go on."""
         self.faults.pop(kept.rule.id, None)
@@ -245,7 +164,7 @@ class RuleEngine:
             return []
 
     def _judge(
-        self, kept: _Kept, scene: Scene, now: LocalTime | None, off: frozenset[str]
+        self, kept: RuleState, scene: Scene, now: LocalTime | None, off: frozenset[str]
     ) -> Iterator[EventData]:
         found, kept.memory, fault = kept.condition.judge(scene, kept.memory)
         if not _is_armed(kept.rule, now, off):
@@ -268,10 +187,10 @@ class RuleEngine:
             if change is not None:
                 about = kept.seen.get(key) or self._memory.last_of(key) or scene
                 yield self._event(kept, key, change, t_s, about)
-            self._keep(kept, key, after, t_s)
+            kept.keep(key, after, t_s)
 
     def _look_ahead(
-        self, kept: _Kept, scene: Scene, found: Mapping[int, Finding]
+        self, kept: RuleState, scene: Scene, found: Mapping[int, Finding]
     ) -> Iterator[EventData]:
         """Warn of what is expected, and take back warnings of what is not expected any more.
 
@@ -288,7 +207,7 @@ class RuleEngine:
                 kept.warned.pop(key, None)
                 continue
             is_given = before is not None and before.start_s is not None
-            if not is_given and _is_there(kept, found.get(key, NOTHING)):
+            if not is_given and kept.is_there(found.get(key, NOTHING)):
                 kept.warned.pop(key, None)
                 continue
             if key not in seen and before is not None:
@@ -308,41 +227,36 @@ class RuleEngine:
             else:
                 kept.warned[key] = after
 
-    def _warn(self, kept: _Kept, key: int, warned: Warned, t_s: float, about: Scene) -> EventData:
-        kept.opened[key] = _Opened(warned.expected.at_s, t_s)
+    def _warn(
+        self, kept: RuleState, key: int, warned: Warned, t_s: float, about: Scene
+    ) -> EventData:
+        kept.opened[key] = Opened(warned.expected.at_s, t_s)
         change = Change("new", warned.expected.at_s, None, t_s, 0, _finding(warned.expected))
         return self._event(kept, key, change, t_s, about, predicted=True)
 
     def _take_back(
-        self, kept: _Kept, key: int, warned: Warned, t_s: float, about: Scene, why: Ending
+        self, kept: RuleState, key: int, warned: Warned, t_s: float, about: Scene, why: Ending
     ) -> EventData:
         start_s = kept.opened[key].start_s
         finding = _finding(warned.expected)
         change = Change("end", start_s, max(t_s, start_s), warned.told_s, 0, finding, why)
         return self._event(kept, key, change, t_s, about, predicted=True)
 
-    def _disarm(self, kept: _Kept, t_s: float) -> Iterator[EventData]:
+    def _disarm(self, kept: RuleState, t_s: float) -> Iterator[EventData]:
         for key, before in sorted(kept.episodes.items()):
             after, change = disarmed(before, kept.rule.timing, t_s)
             if change is not None:
                 yield self._event(kept, key, change, t_s, kept.seen[key])
-            self._keep(kept, key, after, t_s)
+            kept.keep(key, after, t_s)
         for key, warned in sorted(kept.warned.items()):
             about = self._memory.last_of(key)
             if key in kept.opened and about is not None:
                 yield self._take_back(kept, key, warned, t_s, about, "disarmed")
         kept.warned.clear()
 
-    def _keep(self, kept: _Kept, key: int, after: Episode, t_s: float) -> None:
-        if after.is_forgotten(t_s):
-            kept.episodes.pop(key, None)
-            kept.seen.pop(key, None)
-        else:
-            kept.episodes[key] = after
-
     def _event(
         self,
-        kept: _Kept,
+        kept: RuleState,
         key: int,
         change: Change,
         t_s: float,
@@ -358,33 +272,12 @@ class RuleEngine:
         rows = list(_rows(scene, key, change.finding))
         people = [person_entry(scene, row) for row in rows]
         names = {name for row in rows for name in self._cameras(scene, row)}
-        lead_s = _lead_s(kept, key, change, t_s, predicted)
+        lead_s = kept.lead_s(key, change, t_s, predicted=predicted)
         if change.phase == "end":
             kept.opened.pop(key, None)
         return event_data(
             episode, rule, change, t_s, people, sorted(names), predicted=predicted, lead_s=lead_s
         )
-
-
-def _is_there(kept: _Kept, found: Finding) -> bool:
-    """Tell whether what the rule would warn of is more likely than not there now."""
-    return (found.graver if _warns_of_worse(kept) else found.probability) >= LIKELY
-
-
-def _warns_of_worse(kept: _Kept) -> bool:
-    return bool(getattr(kept.foreseeing, "of_worse", False))
-
-
-def _lead_s(kept: _Kept, key: int, change: Change, t_s: float, predicted: bool) -> float | None:
-    """Return how long before what was warned of the warning came; None where it has not begun."""
-    opened = kept.opened.get(key)
-    if opened is None:
-        return None
-    if predicted or not _warns_of_worse(kept):
-        return change.start_s - opened.told_s
-    if opened.came_s is None and change.level > 0:
-        opened = kept.opened[key] = opened._replace(came_s=t_s)
-    return None if opened.came_s is None else opened.came_s - opened.told_s
 
 
 def _is_armed(rule: Rule, now: LocalTime | None, off: frozenset[str]) -> bool:

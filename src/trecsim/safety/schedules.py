@@ -132,3 +132,27 @@ def _minutes(text: str) -> int:
     if minute > 59 or 60 * hour + minute > _DAY_MINUTES:
         raise ValueError(f"expected a time from 00:00 to 24:00, found {text}")
     return 60 * hour + minute
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """What the times of snapshots are.
+
+    Attributes
+    ----------
+    zone
+        Time zone of the site.
+    start_s
+        Is added to get Unix times, for recordings that do not have them [s].
+    """
+
+    zone: tzinfo = UTC
+    start_s: float = 0.0
+
+    def local(self, t_s: float) -> LocalTime | None:
+        """Return the local time of a moment, if it is known."""
+        return local_time(t_s, self.zone, self.start_s)
+
+
+RECORDED = Clock()
+"""Of a recording whose times are not Unix times."""

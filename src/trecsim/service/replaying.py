@@ -15,7 +15,7 @@ from trecsim.health import CameraHealth, Counts, FusionHealth, FusionState, Heal
 from trecsim.page.page_process import PageProcess
 from trecsim.page.site_view import SiteView, cameras_of, floor_of
 from trecsim.run_summary import SUMMARY
-from trecsim.safety.engine import Clock
+from trecsim.safety.schedules import Clock
 from trecsim.safety.signals import recorded
 from trecsim.service.counting import Counting
 from trecsim.sites.feed_files import kept_signals
