@@ -18,7 +18,7 @@ def test_a_built_in_scene_becomes_files_with_its_rules_and_true_events(
     out = tmp_path / "made"
     code, told, err = trecsim("simulate", "crossing-50cm", "--out", out, "--seconds", 2)
     assert (code, err) == (0, "")
-    assert told == f"{out}: 80 images of 2 cameras, 2 people, 2 s, seed 0, 7 true events\n"
+    assert told == f"{out}: 80 images of 2 cameras, 2 people, 2 s, seed 0, 9 true events\n"
     assert sorted(path.name for path in out.iterdir()) == [
         "poses.jsonl", "rig.toml", "site.toml", "truth-events.jsonl", "truth.npz",
     ]  # fmt: skip

@@ -8,13 +8,14 @@ import numpy as np
 from trecsim.safety.conditions.base import Condition
 from trecsim.safety.conditions.body_poses import Climbing, ReachingIn
 from trecsim.safety.conditions.crossings import LineCrossed, ZoneLeft
-from trecsim.safety.conditions.crowds import Bottleneck, CriticalDensity, Panic, Pressure
+from trecsim.safety.conditions.crowds import Bottleneck, CriticalDensity, Pressure
 from trecsim.safety.conditions.density import DensityLevel
 from trecsim.safety.conditions.distress import Distress
 from trecsim.safety.conditions.edges import AtEdge
 from trecsim.safety.conditions.falls import Down, Fallen
 from trecsim.safety.conditions.gates import GatePassed
 from trecsim.safety.conditions.movement import Running, WrongWay
+from trecsim.safety.conditions.panic import Panic
 from trecsim.safety.conditions.split_groups import Separated
 from trecsim.safety.conditions.unloading import Unloading
 from trecsim.safety.conditions.vehicles import NearVolume, OnVolume

@@ -19,6 +19,7 @@ from trecsim.lab.staging import stage
 from trecsim.lab.true_events.naive_kinds import NAIVE_KINDS
 from trecsim.lab.true_events.scene_sites import feeds_of, site_of
 from trecsim.lab.true_events.truth_events import truth_events, unknown_rules
+from trecsim.safety.kinds import BUILT_IN as BUILT_IN_KINDS
 from trecsim.safety.signals import recorded
 from trecsim.sites.feed_files import signals_of
 from trecsim.sites.recorded_site import read_without_rig
@@ -121,6 +122,10 @@ def test_the_site_of_a_scene_can_be_assessed_as_it_is_written(tmp_path: Path) ->
     track(trecsim.read_rig(folder / "rig.toml"), folder / "poses.jsonl", folder / "tracks.csv")
     summary = assess(folder / "tracks.csv", folder / "site.toml", folder / "events.jsonl")
     assert summary["by_rule"]["seat-in"] == 1
+
+
+def test_the_truth_knows_all_built_in_kinds() -> None:
+    assert set(NAIVE_KINDS) == set(BUILT_IN_KINDS)
 
 
 def test_rules_of_which_nobody_knows_the_truth_are_named_and_left_out() -> None:

@@ -9,45 +9,14 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from made_paths import PLACES, bodies_on, events_of, line, moments, there, through, times
-from trecsim.lab.evaluation.event_episodes import EpisodeTold, episodes_of
-from trecsim.lab.true_events.truth_events import truth_events
+from made_paths import PLACES, bodies_on, line, there, through, times
+from made_truths import agreed, both, rule
 from trecsim.skeleton import COCO17
 
 HEAD = PLACES.partition("[zones")[0]
 WRISTS = [COCO17.index(f"{side}_wrist") for side in ("left", "right")]
 ANKLES = [COCO17.index(f"{side}_ankle") for side in ("left", "right")]
 T = times(11.0)
-
-
-def rule(kind: str, keys: str = 'zone = "room"') -> str:
-    return f'[[rules]]\nid = "r"\nkind = "{kind}"\n{keys}\n'
-
-
-def both(
-    rules: str, people: Sequence[np.ndarray], t_s: np.ndarray, places: str = PLACES
-) -> tuple[list[EpisodeTold], list[EpisodeTold]]:
-    """Return the episodes that the rules tell, and the true ones."""
-    told = episodes_of(events_of(rules, moments(people, t_s), places=places))
-    return told, episodes_of(truth_events(places + rules, t_s, np.array(people)))
-
-
-def agreed(
-    rules: str, people: Sequence[np.ndarray], t_s: np.ndarray, places: str = PLACES
-) -> list[EpisodeTold]:
-    """Return the true episodes, after the rules have told the same, within one frame."""
-    told, true = both(rules, people, t_s, places)
-    frame_s = float(t_s[1] - t_s[0]) + 1e-6
-    assert [one.start_s for one in told] == pytest.approx(
-        [one.start_s for one in true], abs=frame_s
-    )
-    assert [one.end_s is None for one in told] == [one.end_s is None for one in true]
-    assert [one.end_s for one in told if one.end_s is not None] == pytest.approx(
-        [one.end_s for one in true if one.end_s is not None], abs=frame_s
-    )
-    for one, other in zip(told, true, strict=True):
-        assert one.floor_m == pytest.approx(other.floor_m, abs=0.1)  # of the same person
-    return true
 
 
 def standing(at_m: tuple[float, float], t_s: np.ndarray = T) -> np.ndarray:

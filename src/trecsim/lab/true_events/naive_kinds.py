@@ -15,6 +15,7 @@ from trecsim.lab.true_events.naive_crowds import (
     pressure,
 )
 from trecsim.lab.true_events.naive_floor_points import confined, cross, dwell, enter, gate, leave
+from trecsim.lab.true_events.naive_groups import panic, split
 from trecsim.lab.true_events.naive_hands import distress
 from trecsim.lab.true_events.naive_movement import goes_wrong_way, runs
 from trecsim.lab.true_events.naive_volumes import on_volume, unload, vehicle
@@ -42,8 +43,10 @@ NAIVE_KINDS: Mapping[str, Read] = {
     "access.unauthorised": gate,
     "body.climb": each(climb),
     "body.distress": each(distress),
+    "crowd.panic": panic,
     "crowd.pressure": pressure,
     "density.critical": critical,
     "flow.bottleneck": bottleneck,
+    "group.split": split,
 }
 """All kinds of which the truth is known, by name."""

@@ -125,6 +125,9 @@ def of_place(
     who: Bool[np.ndarray, "person time"],
     holds: Flags,
     at_once: Flags | None = None,
+    *,
+    since_s: Times | None = None,
+    until_s: Times | None = None,
 ) -> Iterator[Happening]:
     """Yield the episodes of a condition on a place.
 
@@ -136,9 +139,12 @@ def of_place(
         The moments [s].
     who
         Who has to do with it when.
-    holds, at_once
+    holds, at_once, since_s, until_s
         See `spans`.
     """
-    for span in spans(t_s, holds, np.ones(len(t_s), bool), at.delays, at_once=at_once):
+    always = np.ones(len(t_s), bool)
+    for span in spans(
+        t_s, holds, always, at.delays, at_once=at_once, since_s=since_s, until_s=until_s
+    ):
         at_n = int(np.searchsorted(t_s, span.told_s))
         yield Happening(tuple(np.flatnonzero(who[:, at_n]).tolist()), span)

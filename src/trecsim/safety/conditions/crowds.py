@@ -1,4 +1,4 @@
-"""Conditions on crowds: pressure, a bottleneck that clogs, and many who begin to run."""
+"""Conditions on crowds in a zone: dangerous density, pressure, and a bottleneck that clogs."""
 
 import math
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from trecsim.safety.conditions.base import HERE, LEAST, Judged
+from trecsim.safety.conditions.base import HERE, Judged
 from trecsim.safety.conditions.density import EVERY_S, voronoi_density
 from trecsim.safety.gaussian import below
 from trecsim.safety.machine import LIKELY, Finding
@@ -25,10 +25,7 @@ GRAVE_S = 5.0
 """What is worse must have lasted so long in the mean [s]."""
 FLOW_S, USUAL_S = 10.0, 60.0
 """The flow over the last and the usual flow are those over so long [s]."""
-TOGETHER_S = 2.0
-"""Who begin to run within so long run from the same thing [s]."""
 _SAME_PM2 = 1e-9  # means of equal densities differ by rounding
-_SLOW_SHARE = 0.8  # whoever is slower than this share of the limit does not run
 
 
 class Last(NamedTuple):
@@ -247,73 +244,3 @@ class Bottleneck:
         measures = {"flow_ps": flow, "usual_flow_ps": usual, "density_pm2": density}
         finding = Finding(float(clogs), measures, people=people, count=len(people))
         return replace(now, densities=densities, last=Last(scene.t_s, finding))
-
-
-class Runs(NamedTuple):
-    """What is remembered of who runs: since when [s], and who has been seen not to run."""
-
-    since_s: Mapping[int, float]
-    walked: frozenset[int]
-
-
-@dataclass(frozen=True, slots=True)
-class Panic:
-    """Several people begin to run at nearly the same time.
-
-    Who is first seen running does not count: joggers run already.
-
-    Attributes
-    ----------
-    people
-        So many at least,
-    share
-        and this share of all.
-    speed_mps
-        From which speed on somebody runs [m/s].
-    polygon
-        Where it counts; None for everywhere.
-    """
-
-    people: int
-    share: float
-    speed_mps: float
-    polygon: Polygon | None
-
-    def judge(self, scene: Scene, memory: Any = None) -> Judged:
-        """Judge one moment; see `Condition`."""
-        before: Runs = memory or Runs({}, frozenset())
-        inside = np.nan_to_num(scene.inside(self.polygon))
-        since_s: dict[int, float] = {}
-        walked = set(before.walked & set(scene.people.id.tolist()))
-        there = 0
-        for row, person, trace in scene.seen_traces():
-            speed_mps = trace.speed_mps(0.5)
-            if not inside[row] > LEAST or not math.isfinite(speed_mps):
-                continue
-            there += 1
-            if person in before.since_s:
-                if speed_mps > _SLOW_SHARE * self.speed_mps:
-                    since_s[person] = before.since_s[person]
-            elif speed_mps > self.speed_mps and person in walked:
-                since_s[person] = scene.t_s
-            if speed_mps <= self.speed_mps:
-                walked.add(person)
-        together = _together(since_s)
-        enough = len(together) >= max(self.people, math.ceil(self.share * there))
-        finding = Finding(
-            float(enough),
-            {"people": float(len(together))},
-            since_s=max((since_s[one] for one in together), default=None) if enough else None,
-            people=tuple(sorted(together)),
-            count=len(together),
-        )
-        return Judged({HERE: finding}, Runs(since_s, frozenset(walked)))
-
-
-def _together(since_s: Mapping[int, float]) -> tuple[int, ...]:
-    """Return the most people who began within `TOGETHER_S` of each other."""
-    best: tuple[int, ...] = ()
-    for first_s in since_s.values():
-        these = [one for one, at_s in since_s.items() if 0.0 <= at_s - first_s <= TOGETHER_S]
-        best = max(best, tuple(these), key=len)
-    return best

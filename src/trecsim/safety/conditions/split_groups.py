@@ -14,8 +14,11 @@ NEAR_M = 1.5
 """People who walk together are nearer to each other than this [m],"""
 ALIKE_MPS = 0.4
 """and their velocities differ by less than this [m/s]."""
+WALKS_MPS = 0.3
+"""Each is faster than this [m/s]: who stand side by side, as in a queue, may be strangers."""
 EVERY_S = 0.4
 _FORGET_S = 60.0
+_SAME_S = 1e-6  # times of frames are rounded
 
 Pair = tuple[int, int]
 
@@ -68,7 +71,7 @@ class Separated:
             others = [
                 rows[a if b == person else b]
                 for (a, b), held_s in bonds.together_s.items()
-                if person in (a, b) and held_s >= self.bond_s
+                if person in (a, b) and held_s >= self.bond_s - _SAME_S
                 and (a if b == person else b) in rows
             ]  # fmt: skip
             if not others:
@@ -100,7 +103,8 @@ class Separated:
         ).reshape(-1, 2)
         apart_m = np.hypot(*(xy_m[:, None] - xy_m).transpose(2, 0, 1))
         differ = np.hypot(*(velocity[:, None] - velocity).transpose(2, 0, 1))
-        near = np.triu((apart_m < NEAR_M) & (differ < ALIKE_MPS), 1)
+        walk = np.hypot(*velocity.T) > WALKS_MPS
+        near = np.triu((apart_m < NEAR_M) & (differ < ALIKE_MPS) & walk & walk[:, None], 1)
         for a, b in np.argwhere(near):
             pair = people[a], people[b]
             together_s[pair] = together_s.get(pair, 0.0) + min(step_s, 2.0 * EVERY_S)
