@@ -84,7 +84,7 @@ def waving(
     hertz: float, *, wide_m: float = 0.2, from_s: float = 2.0, until_s: float = 8.0,
     height_m: float = 1.5, wrist: int = WRISTS[0],
 ) -> np.ndarray:  # fmt: skip
-    """Return somebody who has a wrist above the shoulders (1.4 m) and moves it to and fro."""
+    """Return somebody who has a wrist above the shoulders (1.4 m) and moves it back and forth."""
     body = standing((1.0, 0.0))
     up = between(from_s, until_s)
     to_m = 0.3 + wide_m * np.sin(2.0 * np.pi * hertz * (T - from_s) - 0.3)
