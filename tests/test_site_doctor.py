@@ -106,3 +106,17 @@ def test_a_site_without_live_cameras_has_none_to_look_at(tmp_path: Path) -> None
     from made_site import make_site
 
     assert list(found(make_site(tmp_path, 2))) == ["disk of the site"]
+
+
+def test_the_broker_of_a_feed_is_looked_at(tmp_path: Path) -> None:
+    from made_site import make_site
+    from receivers import Broker
+
+    broker = Broker(tmp_path)
+    feed = f'[feeds.gate]\nmqtt = "gates"\nbroker = "{broker.url}"\n'
+    with broker:
+        assert found(make_site(tmp_path, 2, feed))["broker of feed gate"].state == "ok"
+    gone = found(make_site(tmp_path, 2, feed))["broker of feed gate"]
+    assert (gone.state, gone.text) == (
+        "broken", f"the broker 127.0.0.1:{broker.port}: Connection refused",
+    )  # fmt: skip

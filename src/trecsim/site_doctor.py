@@ -10,10 +10,14 @@ from threading import Thread
 
 from trecsim.doctor import Finding
 from trecsim.errors import Error, InputError
+from trecsim.outputs.mqtt import broker_answer
+from trecsim.outputs.output_checks import LOOK_S as ANSWER_S
 from trecsim.outputs.output_checks import look_at
 from trecsim.page.address import PageAddress
 from trecsim.page.site_address import page_address
 from trecsim.sites.check import CheckedSite
+from trecsim.sites.feed_brokers import broker_of
+from trecsim.sites.feed_tables import FeedTable
 from trecsim.sites.live_cameras import address_of, login_faults
 from trecsim.sites.output_tables import DeliveryTable
 from trecsim.sites.site_file import Site
@@ -52,6 +56,9 @@ def examine_site(checked: CheckedSite, look_s: float = LOOK_S) -> Iterator[Findi
         yield _access(page_address(site.page))
     for output in site.outputs:
         yield _output(output, site)
+    for name, feed in site.feeds.items():
+        if feed.mqtt is not None:
+            yield _broker(name, feed, site)
     yield _disk(site.output.directory or checked.file.path.parent)
 
 
@@ -154,6 +161,17 @@ def _output(output: DeliveryTable, site: Site) -> Finding:
     except Error as error:
         remedy = "start it or correct its table; events are kept until it takes them"
         return Finding(name, "broken", str(error), remedy)
+
+
+def _broker(feed: str, table: FeedTable, site: Site) -> Finding:
+    """Look at the broker of a feed; whether messages come is not tried."""
+    name = f"broker of feed {feed}"
+    try:
+        broker = broker_of(table, site.outputs)
+        answer = broker_answer(broker.url, broker.login(site.secrets), broker.ca, ANSWER_S)
+    except (Error, OSError) as error:
+        return Finding(name, "broken", str(error), "start it or correct its table")
+    return Finding(name, "ok", answer)
 
 
 def _disk(folder: Path) -> Finding:

@@ -13,7 +13,8 @@ from made_events import made_event
 from receivers import Broker, free_port, mosquitto, until
 from trecsim.outputs.base import UndeliveredError
 from trecsim.outputs.delivery import Delivery
-from trecsim.outputs.mqtt import Mqtt, _leave, broker_answer
+from trecsim.outputs.mqtt import Mqtt, broker_answer
+from trecsim.outputs.mqtt_client import leave
 from trecsim.outputs.rule_states import RuleStates
 from trecsim.sources.streams.camera_login import Login
 from trecsim.store.ledger import Ledger
@@ -40,7 +41,7 @@ def listening(broker: Broker, topic: str = "#") -> Iterator[list[Message]]:
     try:
         yield messages
     finally:
-        _leave(client)
+        leave(client)
 
 
 def _body(payload: bytes) -> Any:

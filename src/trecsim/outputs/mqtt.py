@@ -6,20 +6,22 @@ import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 from trecsim.cloud_events import event_text
-from trecsim.extras import needed
 from trecsim.outputs.base import Event, UndeliveredError
+from trecsim.outputs.mqtt_client import (
+    KEEPALIVE_S,
+    LEAVE_S,
+    SLOWEST_RETRY_S,
+    client_of,
+    leave,
+    place_of,
+)
 from trecsim.outputs.onvif import onvif_message
 from trecsim.outputs.rule_states import RuleStates
 from trecsim.sources.streams.camera_login import Login
 
 TIMEOUT_S = 10.0
-KEEPALIVE_S = 15
-_SLOWEST_RETRY_S = 30
-_LEAVE_S = 1.0
-_PORTS = {"mqtt": 1883, "mqtts": 8883}
 
 
 class Mqtt:
@@ -65,7 +67,7 @@ class Mqtt:
         onvif_prefix: str | None = None,
         timeout_s: float = TIMEOUT_S,
     ) -> None:
-        host, port = _place_of(url)
+        host, port = place_of(url)
         self._broker = f"{host}:{port}"
         self._states, self._onvif_prefix, self._timeout_s = states, onvif_prefix, timeout_s
         self._root = f"trecsim/{site}"
@@ -74,9 +76,9 @@ class Mqtt:
         self._fault = "no connection"
         self._acknowledged: set[int] = set()
         self._pending: tuple[str, list[int]] | None = None
-        client = _client(url, client_id, login, ca, timeout_s)
+        client = client_of(url, client_id, login, ca, timeout_s)
         client.will_set(f"{self._root}/status", "offline", qos=1, retain=True)
-        client.reconnect_delay_set(1, _SLOWEST_RETRY_S)
+        client.reconnect_delay_set(1, SLOWEST_RETRY_S)
         client.on_connect, client.on_disconnect = self._connected, self._disconnected
         client.on_connect_fail, client.on_publish = self._not_connected, self._published
         self._client = client
@@ -106,8 +108,8 @@ class Mqtt:
         """Tell the broker that the site is offline, and leave it."""
         told = self._client.publish(f"{self._root}/status", "offline", qos=1, retain=True)
         with self._changed:
-            self._changed.wait_for(lambda: told.mid in self._acknowledged, _LEAVE_S)
-        _leave(self._client)
+            self._changed.wait_for(lambda: told.mid in self._acknowledged, LEAVE_S)
+        leave(self._client)
 
     def _wait_for_broker(self, end_s: float) -> None:
         with self._changed:
@@ -176,14 +178,14 @@ def broker_answer(url: str, login: Login | None, ca: Path | None, timeout_s: flo
     SetupError
         When the package that speaks MQTT is not installed.
     """
-    host, port = _place_of(url)
+    host, port = place_of(url)
     answered, answers = threading.Event(), []
 
     def connected(client: Any, data: Any, flags: Any, reason: Any, properties: Any) -> None:
         answers.append(reason)
         answered.set()
 
-    client = _client(url, "", login, ca, timeout_s)
+    client = client_of(url, "", login, ca, timeout_s)
     client.on_connect = connected
     try:
         client.connect(host, port, keepalive=KEEPALIVE_S)
@@ -192,40 +194,9 @@ def broker_answer(url: str, login: Login | None, ca: Path | None, timeout_s: flo
         raise UndeliveredError(f"the broker {host}:{port}: {said}") from None
     client.loop_start()
     answered.wait(timeout_s)
-    _leave(client)
+    leave(client)
     if not answers:
         raise UndeliveredError(f"the broker {host}:{port} has not answered within {timeout_s:g} s")
     if answers[0].is_failure:
         raise UndeliveredError(f"the broker {host}:{port} refuses the connection: {answers[0]}")
     return f"the broker {host}:{port} takes connections"
-
-
-def _place_of(url: str) -> tuple[str, int]:
-    parts = urlsplit(url)
-    return parts.hostname or "", parts.port or _PORTS[parts.scheme]
-
-
-def _client(
-    url: str, client_id: str, login: Login | None, ca: Path | None, timeout_s: float
-) -> Any:
-    """Return a client that is not connected yet."""
-    paho = needed("MQTT outputs need paho-mqtt", "outputs", "paho.mqtt.client")
-    client = paho.Client(
-        paho.CallbackAPIVersion.VERSION2, client_id=client_id, protocol=paho.MQTTv311
-    )
-    client.connect_timeout = timeout_s
-    if login is not None:
-        client.username_pw_set(login.user, login.password)
-    if urlsplit(url).scheme == "mqtts":
-        client.tls_set(ca_certs=None if ca is None else str(ca))
-    return client
-
-
-def _leave(client: Any) -> None:
-    """End a connection in order: its socket is closed once the broker knows."""
-    left = threading.Event()
-    client.on_disconnect = lambda *given: left.set()
-    if client.is_connected():
-        client.disconnect()
-        left.wait(_LEAVE_S)
-    client.loop_stop()

@@ -26,7 +26,7 @@ class SiteView:
     zones, lines, edges, walls, exclusions, portals, volumes
         As in the site file, by name.
     feeds
-        How messages of other systems come (`source`: "file", "http") and `most_per_s`, by name.
+        How messages of other systems come (`source`: "file", "http" or "mqtt"), and `most_per_s`.
     floor_m
         Extent of the floor to draw: least x, least y, greatest x, greatest y [m].
     rules

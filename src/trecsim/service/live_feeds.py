@@ -1,21 +1,29 @@
-"""Feeds of a site while it runs: files that grow, and messages that are posted to the page."""
+"""Feeds of a site while it runs: files that grow, messages that are posted or published."""
 
 import logging
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
+from time import monotonic
 from types import TracebackType
 from typing import Self
 
+from trecsim.errors import Error
 from trecsim.safety.signals import Signal, with_taken
+from trecsim.service.subscription import Subscription
 from trecsim.service.waiting_lines import WaitingLines
+from trecsim.sites.feed_brokers import broker_of
 from trecsim.sites.feed_files import LONGEST_LINE, signal_of
 from trecsim.sites.feed_tables import FeedTable
+from trecsim.sites.site_file import Site
 
 logger = logging.getLogger(__name__)
 
+Subscribe = Callable[[str, FeedTable, WaitingLines], Subscription]
 LOOK_S = 0.02
 """Time between two looks at the files [s]."""
+ENDING_S = 1.5
+"""So long all brokers together have to take leave [s]."""
 _MOST_BYTES = 1_000_000  # that are read at one look
 
 
@@ -28,9 +36,13 @@ class LiveFeeds:
     ----------
     feeds
         The feeds of the site file.
+    subscribe
+        Subscribes to the topic of a feed by MQTT, given its name, its table, and who takes the
+        messages.
     """
 
-    def __init__(self, feeds: Mapping[str, FeedTable]) -> None:
+    def __init__(self, feeds: Mapping[str, FeedTable], subscribe: Subscribe | None = None) -> None:
+        self._subscribe = subscribe
         self._feeds: dict[str, _Feed] = {}
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
@@ -44,6 +56,10 @@ class LiveFeeds:
         """
         before = self._feeds
         self._feeds = {name: _Feed(name, one, before.get(name)) for name, one in feeds.items()}
+        kept = {id(feed.subscription) for feed in self._feeds.values()}
+        for feed in before.values():
+            if feed.subscription is not None and id(feed.subscription) not in kept:
+                feed.subscription.close()
         self._begin()
 
     def put(self, feed: str, lines: Sequence[bytes]) -> None:
@@ -71,11 +87,19 @@ class LiveFeeds:
         trace: TracebackType | None,
     ) -> None:
         self._closing.set()
+        open_now = [feed.subscription for feed in self._feeds.values() if feed.subscription]
+        end_s = monotonic() + ENDING_S
+        for leaving in [one.close() for one in open_now]:
+            leaving.join(timeout=max(end_s - monotonic(), 0.0))
         if self._thread is not None:
             self._thread.join(timeout=1.0)
 
     def _begin(self) -> None:
-        """Look at the files in a thread, once there are any."""
+        """Look at the files in a thread, once there are any, and subscribe to topics."""
+        if self._is_open and self._subscribe is not None:
+            for feed in self._feeds.values():
+                if feed.table.mqtt is not None and feed.subscription is None:
+                    feed.subscription = _subscribed(self._subscribe, feed)
         has_files = any(feed.tail is not None for feed in self._feeds.values())
         if self._is_open and has_files and self._thread is None:
             self._thread = threading.Thread(target=self._follow, name="feeds", daemon=True)
@@ -90,8 +114,36 @@ class LiveFeeds:
                 return
 
 
+def subscription_of(site: Site, name: str, table: FeedTable, waiting: WaitingLines) -> Subscription:
+    """Return the subscription of a feed by MQTT; see `LiveFeeds`.
+
+    Raises
+    ------
+    ConfigError
+        When its broker is not known, or its credentials cannot be found.
+    SetupError
+        When the package that speaks MQTT is not installed.
+    OSError
+        When the certificates cannot be read.
+    """
+    broker = broker_of(table, site.outputs)
+    return Subscription(
+        name, table.mqtt or "", broker, broker.login(site.secrets), waiting,
+        client_id=f"trecsim-{site.name}-feed-{name}",
+    )  # fmt: skip
+
+
+def _subscribed(subscribe: Subscribe, feed: "_Feed") -> Subscription | None:
+    """Return a new subscription; None, and a line in the log, where it cannot be made."""
+    try:
+        return subscribe(feed.name, feed.table, feed.waiting)
+    except (Error, OSError) as error:
+        logger.warning("feed %s: %s; none of its messages comes", feed.name, error)
+        return None
+
+
 class _Feed:
-    """One feed: what waits, and the file from which it comes, if it comes from one.
+    """One feed: what waits, and its file or subscription.
 
     Parameters
     ----------
@@ -100,7 +152,8 @@ class _Feed:
     table
         What the site file says.
     before
-        The feed of this name as it was: what waits stays, and so does a file that is the same.
+        The feed of this name as it was: what waits stays, and so does a file or a topic that is
+        the same.
     """
 
     def __init__(self, name: str, table: FeedTable, before: "_Feed | None") -> None:
@@ -112,6 +165,8 @@ class _Feed:
             self.tail = None
         elif self.tail is None or self.tail.path != table.file:
             self.tail = _Tail(name, table.file, self.waiting)
+        same = before is not None and _topic_of(before.table) == _topic_of(table)
+        self.subscription: Subscription | None = before.subscription if before and same else None
 
     def taken(self, known_s: float) -> Iterator[Signal]:
         """Yield the messages that have come since."""
@@ -121,6 +176,10 @@ class _Feed:
             yield Signal(self.name, known_s, "unreadable", note=note)
         for line in lines:
             yield signal_of(self.name, line, known_s)
+
+
+def _topic_of(table: FeedTable) -> tuple[object, ...]:
+    return table.mqtt, table.broker, table.credentials, table.ca
 
 
 class _Tail:

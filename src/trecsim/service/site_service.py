@@ -19,6 +19,7 @@ from threading import Lock
 from typing import Any, cast
 
 from trecsim.assessing import RuleSet, rule_set
+from trecsim.extras import needed
 from trecsim.feed import Feed
 from trecsim.geometry import Rig
 from trecsim.health import Health
@@ -33,7 +34,7 @@ from trecsim.service.counting import Counting
 from trecsim.service.event_keeper import EventKeeper
 from trecsim.service.fault_event import TYPES
 from trecsim.service.fault_watch import FaultEvents, FaultWatch
-from trecsim.service.live_feeds import LiveFeeds
+from trecsim.service.live_feeds import LiveFeeds, subscription_of
 from trecsim.service.live_inputs import LiveInputs
 from trecsim.service.live_signals import KeptSignals, PlaceNames
 from trecsim.service.monitor import Monitor
@@ -360,7 +361,9 @@ def _live_feeds(site: Site, inputs: LiveInputs | None) -> LiveFeeds | None:
     """Return the feeds of a live site; None where their messages are known from the start."""
     if inputs is None or inputs.signals is not None:
         return None
-    return LiveFeeds(site.feeds)
+    if any(one.mqtt is not None for one in site.feeds.values()):
+        needed("feeds by MQTT need paho-mqtt", "outputs", "paho.mqtt.client")
+    return LiveFeeds(site.feeds, partial(subscription_of, site))
 
 
 def _known_signals(site: Site, inputs: LiveInputs | None) -> SignalSource:

@@ -33,6 +33,7 @@ class WaitingLines:
     --------
     >>> waiting = WaitingLines(100.0)
     >>> waiting.put([b"one", b" ", b"two"])
+    0
     >>> waiting.take(), waiting.take()
     (([b'one', b'two'], 0), ([], 0))
     """
@@ -49,15 +50,17 @@ class WaitingLines:
         self._rate_per_s = FLOOD_FACTOR * most_per_s
         self._most = max(LEAST_LINES, int(self._rate_per_s))
 
-    def put(self, lines: Iterable[bytes]) -> None:
-        """Add messages; of one that is too long the beginning, too long as well."""
+    def put(self, lines: Iterable[bytes]) -> int:
+        """Add messages, of one that is too long the beginning; return how many had no room."""
         with self._lock:
+            before = self._dropped
             now_s = self._clock()
             grown = self._room + (now_s - self._room_at_s) * self._rate_per_s
             self._room, self._room_at_s = min(grown, float(self._most)), now_s
             for line in lines:
                 if line.strip():
                     self._add(line[: LONGEST_LINE + 1])
+            return self._dropped - before
 
     def _add(self, line: bytes) -> None:
         if self._room < 1.0:

@@ -9,6 +9,7 @@ from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
+from trecsim.sites.feed_brokers import feed_broker_remarks
 from trecsim.sites.feed_files import name_remarks, read_feed
 from trecsim.sites.feed_tables import feed_source_remarks
 from trecsim.sites.fusion_table import FusionTable, earlier_names, fusion_settings
@@ -98,6 +99,7 @@ def check_site(path: Path | str) -> CheckedSite:
 def _feed_remarks(site: Site) -> Iterator[str]:
     """Yield which files of feeds are not there, the unknown places in the others, and the rest."""
     yield from feed_source_remarks(site.feeds, site.page)
+    yield from feed_broker_remarks(site.feeds, site.secrets)
     for name, feed in site.feeds.items():
         if feed.file is None:
             continue

@@ -209,7 +209,7 @@ def kept_signals(recording: Path) -> list[Signal]:
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
     """Return the messages of feeds for a recording: those that it has kept, else of the files.
 
-    What came by HTTP is only known where the recording has kept it.
+    What came by HTTP or MQTT is only known where the recording has kept it.
 
     Parameters
     ----------

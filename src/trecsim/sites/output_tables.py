@@ -5,21 +5,19 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
-from urllib.parse import SplitResult, parse_qsl, urlsplit
+from urllib.parse import urlsplit
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from trecsim.errors import InputError
-from trecsim.redaction import redacted
 from trecsim.safety.rule import Severity
-from trecsim.sites.ruled import Name
+from trecsim.sites.receiver_urls import url_of
+from trecsim.sites.site_names import Name
 from trecsim.sources.streams.camera_login import find_key, find_login
 from trecsim.toml_models import FilePath, Table
 from trecsim.toml_models.toml_reading import Fault
 
 MOST_OUTPUTS = 50
-_LONGEST = 2000
-_SECRET_NAMES = ("pass", "pwd", "token", "secret", "apikey", "api_key")
 _ADDRESS = r"^[^@\s<>,;:\"]{1,64}@[A-Za-z0-9.-]{1,255}$"
 
 MailAddress = Annotated[str, Field(pattern=_ADDRESS)]
@@ -44,46 +42,6 @@ class DeliveryTable(Table):
         return self.name or self.kind
 
 
-def _url_of(*schemes: str) -> AfterValidator:
-    """Return a validator of addresses that begin with one of these schemes."""
-
-    def checked(url: str) -> str:
-        parts = _split(url, schemes)
-        if parts.scheme not in schemes or not parts.hostname:
-            begin = " or ".join(f"{scheme}://" for scheme in schemes)
-            raise ValueError(f"expected a URL that begins with {begin}, found {_shown(url)}")
-        if "@" in parts.netloc or any(_is_secret(key) for key, _ in parse_qsl(parts.query)):
-            raise ValueError(
-                "passwords and tokens do not belong into the URL. Leave them out of it, write "
-                'credentials = "NAME" below it, and set the environment variable '
-                "TRECSIM_CREDENTIALS_NAME, or name a file with a line for NAME as `secrets`"
-            )
-        return url
-
-    return AfterValidator(checked)
-
-
-def _is_secret(key: str) -> bool:
-    return any(name in key.lower() for name in _SECRET_NAMES)
-
-
-def _split(url: str, schemes: Sequence[str]) -> SplitResult:
-    if len(url) > _LONGEST or not url.isprintable() or " " in url:
-        raise ValueError(f"expected a URL of at most {_LONGEST} letters without spaces")
-    try:
-        parts = urlsplit(url)
-        _ = parts.port
-    except ValueError:
-        raise ValueError(
-            f"expected a URL like {schemes[0]}://10.0.0.9, found {_shown(url)}"
-        ) from None
-    return parts
-
-
-def _shown(url: str) -> str:
-    return repr(redacted(url)[:60])
-
-
 class JsonlOutput(DeliveryTable):
     """Events as JSON Lines in a file."""
 
@@ -98,7 +56,7 @@ class MqttOutput(DeliveryTable):
 
     kind: Literal["mqtt"]
     """Always "mqtt"."""
-    url: Annotated[str, _url_of("mqtt", "mqtts")]
+    url: Annotated[str, url_of("mqtt", "mqtts")]
     """The broker: `mqtt://10.0.0.9:1883`, or `mqtts://` with encryption."""
     credentials: Name | None = None
     """User and password, by their name: see `secrets`."""
@@ -113,7 +71,7 @@ class WebhookOutput(DeliveryTable):
 
     kind: Literal["webhook"]
     """Always "webhook"."""
-    url: Annotated[str, _url_of("https", "http")]
+    url: Annotated[str, url_of("https", "http")]
     """Where events are posted."""
     credentials: Name | None = None
     """The key that signs each event, by its name: see `secrets`. All of the value is the key."""
@@ -126,7 +84,7 @@ class MailOutput(DeliveryTable):
 
     kind: Literal["mail"]
     """Always "mail"."""
-    url: Annotated[str, _url_of("smtp", "smtps")]
+    url: Annotated[str, url_of("smtp", "smtps")]
     """The mail server: `smtp://10.0.0.9:25`, or `smtps://` with encryption from the start."""
     starttls: bool = False
     """Whether the connection to an `smtp://` server is encrypted once it is there."""
@@ -138,7 +96,7 @@ class MailOutput(DeliveryTable):
     """The addresses to which they go."""
     severity: Severity = "warning"
     """From which severity on messages are sent."""
-    page_url: Annotated[str, _url_of("https", "http")] | None = None
+    page_url: Annotated[str, url_of("https", "http")] | None = None
     """Where the page is, for a link in the messages."""
 
     @model_validator(mode="after")

@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from trecsim.geometry import Rig
-from trecsim.sites.ruled import Name, Ruled
+from trecsim.sites.ruled import Ruled
 from trecsim.sites.site_file import NOT_YET, RigPlace
+from trecsim.sites.site_names import Name
 from trecsim.toml_models import parsed, read_text
 from trecsim.toml_models.toml_reading import examined, file_faults
 

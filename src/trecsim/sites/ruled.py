@@ -17,11 +17,8 @@ from trecsim.sites.places import (
 )
 from trecsim.sites.rule_tables import MOST_RULES, AnyRule
 from trecsim.sites.rules import Places, feed_faults, refuse, rule_faults
+from trecsim.sites.site_names import Name
 from trecsim.toml_models import Table
-
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-"""A name that may become a directory or part of an address."""
-
 
 RULED = (
     "format", "name", "timezone", "zones", "lines", "edges", "walls", "volumes", "exclusions",

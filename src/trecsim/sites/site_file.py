@@ -13,12 +13,14 @@ from trecsim.errors import InputError
 from trecsim.fusion.arguments import LONGEST_LAG_S
 from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
+from trecsim.sites.feed_brokers import feed_broker_faults
 from trecsim.sites.feed_tables import feed_source_faults
 from trecsim.sites.fusion_table import FusionTable
 from trecsim.sites.output_tables import MOST_OUTPUTS, AnyOutput, output_faults
 from trecsim.sites.page_table import PageTable
-from trecsim.sites.ruled import Name, Ruled
+from trecsim.sites.ruled import Ruled
 from trecsim.sites.rules import refuse
+from trecsim.sites.site_names import Name
 from trecsim.sources.poses_files import FPS_RANGE
 from trecsim.sources.streams.stream_address import (
     Transport,
@@ -269,7 +271,10 @@ class Site(Ruled):
 
     @model_validator(mode="after")
     def _feeds_come(self) -> Self:
-        faults = list(feed_source_faults(self.feeds, self.page))
+        faults = [
+            *feed_source_faults(self.feeds, self.page),
+            *feed_broker_faults(self.feeds, self.outputs),
+        ]
         if faults:
             refuse("Site", faults)
         return self
