@@ -5,13 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from made_paths import PLACES, events_of, moments
+from made_paths import PLACES, bodies_on, events_of, moments
 from trecsim.lab.evaluation.event_episodes import EpisodeTold, episodes_of
 from trecsim.lab.true_events.truth_events import truth_events
 
 
 def rule(kind: str, keys: str = 'zone = "room"') -> str:
     return f'[[rules]]\nid = "r"\nkind = "{kind}"\n{keys}\n'
+
+
+def bodies_at(xy_m: np.ndarray, t_s: np.ndarray) -> np.ndarray:
+    """Return somebody who stands at a place at each time, (time, 2) [m]."""
+    return bodies_on(lambda _: xy_m, t_s)
 
 
 def both(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from made_paths import bodies_on, line, there, through, times
-from made_truths import agreed, rule
+from made_truths import agreed, bodies_at, rule
 
 T = times(11.0)
 PANIC = rule("crowd.panic", "")
@@ -40,7 +40,7 @@ def test_the_third_who_begins_to_run_makes_a_panic_and_the_first_who_stops_ends_
 def test_who_gets_faster_little_by_little_runs_from_the_limit_on() -> None:
     speed_mps = np.interp(T, [3.0, 5.0, 8.0], [1.0, 3.4, 3.4])
     x_m = np.concatenate([[0.0], np.cumsum(speed_mps)[:-1] * 0.04])
-    people = [bodies_on(lambda _, y=y: np.stack([x_m, 0.0 * x_m + y], axis=1), T) for y in range(3)]
+    people = [bodies_at(np.stack([x_m, 0.0 * x_m + y], axis=1), T) for y in range(3)]
     (told,) = agreed(PANIC, people, T)
     assert told.start_s == pytest.approx(4.0, abs=0.1)  # 2.2 m/s
 

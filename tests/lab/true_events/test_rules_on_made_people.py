@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from made_paths import PLACES, bodies_on, line, there, through, times
-from made_truths import agreed, both, rule
+from made_truths import agreed, bodies_at, both, rule
 from trecsim.skeleton import COCO17
 
 HEAD = PLACES.partition("[zones")[0]
@@ -146,15 +146,14 @@ def crowd(spacing_m: np.ndarray, t_s: np.ndarray) -> list[np.ndarray]:
         for x in np.arange(-3.5, 4.0)
         for y in np.arange(-3.5, 4.0)
     ]
-    return [
-        bodies_on(lambda _, x=x, y=y: np.stack([2.0 + x * spacing_m, y * spacing_m], axis=1), t_s)
-        for x, y in places
-    ]
+    paths_m = [np.stack([2.0 + x * spacing_m, y * spacing_m], axis=1) for x, y in places]
+    return [bodies_at(path_m, t_s) for path_m in paths_m]
 
 
 def width(t_s: np.ndarray, *points: tuple[float, float]) -> np.ndarray:
     """Return a width that changes from time to time [s, m]."""
-    return np.interp(t_s, *np.array(points).T)
+    at_s, at_m = np.array(points).T
+    return np.asarray(np.interp(t_s, at_s, at_m))
 
 
 SMALL = f"{HEAD}[zones.room]\npolygon_m = [[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]]\n"

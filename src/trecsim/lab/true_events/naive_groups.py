@@ -41,7 +41,9 @@ def panic(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
             were = np.flatnonzero(together[:, n - 1]).tolist()
             stops_s = [runs[k][2][n] if inside[k, n] else t_s[n] for k in were if k not in run]
             until_s[n] = sorted(stops_s)[max(len(were) - needed, 0)] if stops_s else t_s[n]
-    yield from of_place(at, t_s, together, together.any(axis=0), since_s=since_s, until_s=until_s)
+    yield from of_place(
+        at, t_s, together, np.asarray(together.any(axis=0)), since_s=since_s, until_s=until_s
+    )
 
 
 def _begins_s(person: TruePerson, holds: Flags, since_s: Times, inside: Flags) -> Times:

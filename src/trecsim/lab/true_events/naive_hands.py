@@ -19,7 +19,8 @@ SLOWEST_S, MOST_PS = 1.0, 3.0
 def distress(at: Place, person: TruePerson) -> list[Span]:
     """Return when somebody holds up both hands, or waves."""
     with np.errstate(invalid="ignore"):
-        both_up = (person.xyz_m[:, WRISTS, 2] > person.head_m[:, None] + ABOVE_M).all(axis=1)
+        above = person.xyz_m[:, WRISTS, 2] > person.head_m[:, None] + ABOVE_M
+    both_up = above[:, 0] & above[:, 1]
     waves, since_s = np.zeros(len(both_up), bool), person.t_s.copy()
     for wrist in WRISTS:
         for first_s, last_s in waves_of(person, wrist):
