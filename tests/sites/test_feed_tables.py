@@ -11,6 +11,9 @@ from trecsim.service.viewing import site_view
 from trecsim.sites import read_site
 from trecsim.sites.check import check_site
 from trecsim.sites.feed_brokers import Broker, broker_of
+from trecsim.sites.recorded_site import RecordedSite
+from trecsim.sites.ruled import RULED
+from trecsim.toml_models import examined
 
 MQTT = '[[outputs]]\nkind = "mqtt"\nurl = "mqtt://10.0.0.9"\n'
 POSTED = "[feeds.gate]\nhttp = true\n"
@@ -92,3 +95,20 @@ def test_the_broker_of_a_feed_is_its_own_or_that_of_the_output(tmp_path: Path) -
         one.startswith("feeds.b.credentials: there are no credentials 'yard'")
         for one in check_site(path).remarks
     )
+
+
+def test_feeds_and_volumes_come_back_from_the_summary_of_a_recording(tmp_path: Path) -> None:
+    text = (
+        f'[page]\n{POSTED}[feeds.lift]\nfile = "lift.jsonl"\n'
+        '[feeds.yard]\nmqtt = "yard"\nbroker = "mqtt://10.0.0.9"\n'
+        '[volumes.truck]\nsize_m = [4.0, 2.0, 2.0]\nfeed = "yard"\n'
+        "[volumes.cart]\nsize_m = [1.0, 1.0, 1.0]\npath_m = [[0.0, 0.0]]\n"
+    )
+    site = read_site(make_site(tmp_path, 2, text)).site
+    kept = site.model_dump(mode="json")
+    found, faults = examined(
+        RecordedSite, {key: kept[key] for key in RULED if key in kept}, {"folder": tmp_path}
+    )
+    assert faults == []
+    assert found is not None
+    assert (found.feeds, found.volumes) == (site.feeds, site.volumes)

@@ -78,10 +78,10 @@ class FeedTable(Table):
             raise ValueError(f"expected one of {expected}, found {found}")
         if self.broker is not None and self.mqtt is None:
             raise ValueError(f"broker: only a feed with mqtt has one, found {given[0]}")
-        extra = {"credentials", "ca"} & self.model_fields_set
+        extra = [key for key in ("ca", "credentials") if getattr(self, key) is not None]
         if extra and self.broker is None:
             raise ValueError(
-                f"{' and '.join(sorted(extra))}: only beside broker; those of the MQTT output "
+                f"{' and '.join(extra)}: only beside broker; those of the MQTT output "
                 "count where its broker does"
             )
         return self

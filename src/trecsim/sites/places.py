@@ -77,6 +77,9 @@ class WallTable(Table):
         return self
 
 
+_TIMETABLE = ("path_m", "path_s", "start_s", "period_s", "heading_deg")
+
+
 class VolumeTable(Table):
     """A box that moves over the floor, by a timetable or a feed: a vehicle, a chair of a lift."""
 
@@ -109,9 +112,8 @@ class VolumeTable(Table):
     @model_validator(mode="after")
     def _has_a_timetable(self) -> Self:
         if self.feed is not None:
-            keys = ("path_m", "path_s", "start_s", "period_s", "heading_deg")
-            timetable = [key for key in keys if key in self.model_fields_set]
-            if timetable:
+            timetable = [key for key in _TIMETABLE if key in self.model_fields_set]
+            if timetable and not self._has_all_defaults():
                 raise ValueError(
                     f"expected either feed or a timetable, found feed and {', '.join(timetable)}"
                 )
@@ -131,6 +133,15 @@ class VolumeTable(Table):
                 f"{self.period_s:g} s, each on its way for {self.path_s[-1]:g} s"
             )
         return self
+
+    def _has_all_defaults(self) -> bool:
+        """Tell whether all of the timetable is there with its defaults, as a recording keeps it."""
+        fields = type(self).model_fields
+        return all(
+            key in self.model_fields_set
+            and getattr(self, key) == fields[key].get_default(call_default_factory=True)
+            for key in _TIMETABLE
+        )
 
 
 def _check_steps(points_m: list[tuple[float, float]]) -> None:
