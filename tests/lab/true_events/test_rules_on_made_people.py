@@ -102,6 +102,20 @@ def test_a_hand_that_waves_asks_for_help_from_its_first_turn_to_its_last(hertz: 
     assert 8.0 - 1.0 / hertz < told.end_s <= 8.0
 
 
+def test_who_waves_and_then_holds_up_both_hands_asks_once_until_these_are_down() -> None:
+    body = waving(1.0, until_s=6.5)
+    body[between(6.0, 8.0)[:, None] & np.isin(np.arange(17), WRISTS), 2] = 1.9
+    (told,) = agreed(rule("body.distress"), [body], T)
+    assert (told.start_s, told.end_s) == pytest.approx((2.3, 8.0), abs=0.05)
+
+
+def test_who_leaves_the_zone_while_waving_asks_until_then() -> None:
+    body = waving(1.0, until_s=10.5)
+    body[..., 0] += np.interp(T, [6.0, 7.0], [0.0, -2.0])[:, None]  # at the border at 6.5 s
+    (told,) = agreed(rule("body.distress"), [body], T)
+    assert told.end_s == pytest.approx(6.5, abs=0.05)
+
+
 def test_a_hand_that_waves_at_the_end_of_a_recording_may_wave_on() -> None:
     (told,) = agreed(rule("body.distress"), [waving(1.0, until_s=10.2)], T)
     assert told.end_s is None

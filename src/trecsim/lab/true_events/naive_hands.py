@@ -1,5 +1,6 @@
 """Calls for help, read naively: both hands above the head, or one that waves."""
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -17,38 +18,51 @@ SLOWEST_S, MOST_PS = 1.0, 3.0
 
 
 def distress(at: Place, person: TruePerson) -> list[Span]:
-    """Return when somebody holds up both hands, or waves."""
+    """Return when somebody holds up both hands, or waves.
+
+    A hand that will have waved for long enough does so from its first turn on, but nobody knows.
+    """
     with np.errstate(invalid="ignore"):
         above = person.xyz_m[:, WRISTS, 2] > person.head_m[:, None] + ABOVE_M
-    both_up = above[:, 0] & above[:, 1]
-    waves, since_s = np.zeros(len(both_up), bool), person.t_s.copy()
+    holds = above[:, 0] & above[:, 1]
+    known = holds.copy()
     for wrist in WRISTS:
         for first_s, last_s in waves_of(person, wrist):
-            meanwhile = (person.t_s >= first_s + WAVED_S - SAME_S) & (person.t_s <= last_s)
-            if person.t_s[-1] - last_s <= 2.0 * SLOWEST_S:  # nobody knows yet whether it is over
-                meanwhile |= person.t_s > last_s
-            waves |= meanwhile
-            since_s[meanwhile] = first_s
-    holds = (both_up | waves) & at.holds(person)
-    return spans(person.t_s, holds, person.there, at.delays, since_s=since_s)
+            into_s = person.t_s - first_s
+            holds |= (into_s >= 0.0) & (person.t_s <= last_s)
+            known |= (into_s >= WAVED_S - SAME_S) & (person.t_s <= last_s)
+    found = []
+    for span in spans(person.t_s, holds & at.holds(person), person.there, at.delays):
+        knows = person.t_s[known & (person.t_s >= span.told_s - SAME_S)]
+        if len(knows) and (span.end_s is None or knows[0] <= span.end_s):
+            found.append(span._replace(told_s=float(knows[0])))
+    return found
 
 
 def waves_of(person: TruePerson, wrist: int) -> list[tuple[float, float]]:
     """Return from when to when a hand waved for long enough: from its first turn to its last [s].
 
-    Only while the hand is raised, above both shoulders, it counts where it is.
+    Only while the hand is raised, above both shoulders, it counts where it is. The last wave of a
+    recording has no end where the hand may wave on.
     """
     with np.errstate(invalid="ignore"):
         raised = person.xyz_m[:, wrist, 2] > person.xyz_m[:, SHOULDERS, 2].max(axis=1)
     rows = np.flatnonzero(person.there & raised)
+    if not len(rows):
+        return []
     breaks = np.flatnonzero(np.diff(person.t_s[rows]) > SLOWEST_S + SAME_S) + 1
-    found: list[tuple[float, float]] = []
-    for part in np.split(rows, breaks) if len(rows) else []:
-        turned_s = turns(person.t_s[part], _across_m(person, wrist)[part])
-        for wave_s in _in_step(turned_s):
-            waved_s = wave_s[-1] - wave_s[0]
-            if waved_s >= WAVED_S - SAME_S and (len(wave_s) - 1) / 2 <= MOST_PS * waved_s:
-                found.append((wave_s[0], wave_s[-1]))
+    waves_s: list[list[float]] = []
+    for part in np.split(rows, breaks):
+        waves_s += _in_step(turns(person.t_s[part], _across_m(person, wrist)[part]))
+        begins_anew_s = float(person.t_s[part[0]])
+    found = []
+    for wave_s in waves_s:
+        first_s, last_s = wave_s[0], wave_s[-1]
+        waved_s = last_s - first_s
+        if waved_s >= WAVED_S - SAME_S and (len(wave_s) - 1) / 2 <= MOST_PS * waved_s:
+            is_last = wave_s is waves_s[-1] and last_s >= begins_anew_s
+            may_go_on = is_last and person.t_s[-1] - last_s <= 2.0 * SLOWEST_S
+            found.append((first_s, math.inf if may_go_on else last_s))
     return found
 
 
