@@ -25,7 +25,8 @@ from trecsim.safety.schedules import Clock, armed
 from trecsim.safety.signals import Feed, SignalSource, recorded
 from trecsim.safety.vehicle import PlacedVehicle
 from trecsim.safety.volumes import FedVolume
-from trecsim.sites.feed_files import name_remarks, signals_of
+from trecsim.sites.feed_files import signals_of
+from trecsim.sites.feed_remarks import name_remarks
 from trecsim.sites.mode_tables import modes_of
 from trecsim.sites.recorded_site import read_recorded_site
 from trecsim.sites.ruled import Ruled

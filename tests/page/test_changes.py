@@ -186,6 +186,39 @@ def test_recordings_are_listed_and_replayed_in_part(changing: RunningPage) -> No
     assert [person["person"] for person in lines[0]["people"]] == [0, 1, 2]
 
 
+def test_a_part_of_a_recording_has_the_vehicles_that_a_feed_told(
+    changing: RunningPage, folder: Path
+) -> None:
+    told = {"feed": "yard", "volume": "truck", "id": "7"}
+    lines = [
+        json.dumps({**told, "taken_s": t_s, "t_s": t_s, "xy_m": [t_s, 0.0]}) for t_s in (1.0, 2.0)
+    ]
+    kept = folder / "recordings" / "2026-11-30" / "signals-0000000000.jsonl"
+    truck = {"size_m": [4.0, 2.0, 2.0], "feed": "yard"}
+    before = replace(SITE, version=version(folder))
+    changing.process.site(replace(before, volumes={"truck": truck}))
+    until(lambda: bool(changing.client.get("/api/site").json()["site"]["volumes"]))
+
+    def shown() -> list[float | None]:
+        answer = changing.client.get(
+            "/api/recordings/2026-11-30/snapshots", params={"from_s": 1.9, "to_s": 2.1}
+        )
+        moments = [json.loads(line) for line in answer.text.splitlines()]
+        assert len(moments) == 5
+        return [one["volumes"][0]["xy_m"][0] if "volumes" in one else None for one in moments]
+
+    try:
+        kept.write_text("\n".join(lines) + "\n")
+        assert shown() == [1.0, 1.0, 2.0, 2.04, 2.08]  # known to move from its second message on
+        kept.write_text(f"{lines[0]}\ndamaged\n{lines[1]}\n")
+        assert shown() == [1.0] * 5
+        kept.unlink()
+        assert shown() == [None] * 5
+    finally:
+        kept.unlink(missing_ok=True)
+        changing.process.site(before)
+
+
 @pytest.mark.parametrize(
     ("path", "status"),
     [

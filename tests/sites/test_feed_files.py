@@ -11,14 +11,15 @@ from trecsim.safety.signals import Signal
 from trecsim.sites.feed_files import (
     LONGEST_LINE,
     _bounded,
+    kept_between,
     kept_signals,
     line_of,
-    name_remarks,
     read_feed,
     recorded_signal,
     signal_of,
     signals_of,
 )
+from trecsim.sites.feed_remarks import name_remarks
 from trecsim.sites.feed_tables import FeedTable
 
 GOOD = {
@@ -128,6 +129,12 @@ def test_what_a_recording_has_kept_counts_in_place_of_the_file(tmp_path: Path) -
         kept = Signal("f", 3600.0 * hour, "grant", "a", taken_s=3600.0 * hour + 0.1)
         (folder / f"signals-{hour:010d}.jsonl").write_text(line_of(kept) + "\n", encoding="utf-8")
     assert [one.taken_s for one in kept_signals(folder)] == [3600.1, 7200.1]
+    (folder / "signals-0000000009.jsonl").write_text("damaged, but of another hour\n")
+    for span, found in (
+        ((3600.1, 7200.1), [3600.1, 7200.1]), ((3601.0, 9000.0), [7200.1]), ((0.0, 3599.0), []),
+    ):  # fmt: skip
+        assert [one.taken_s for one in kept_between(folder, *span)] == found
+    (folder / "signals-0000000009.jsonl").unlink()
     assert signals_of(feeds, folder) == signals_of(feeds, folder / "tracks.parquet")
     assert [one.t_s for one in signals_of(feeds, folder)] == [3600.0, 7200.0]
     (folder / "signals-0000000003.jsonl").write_text("{}\n", encoding="utf-8")

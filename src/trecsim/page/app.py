@@ -84,7 +84,7 @@ def page_app(parts: Parts) -> Starlette:
         WebSocketRoute("/api/stream", _stream(parts)),
         *login_routes(access, parts.journal),
         *event_routes(access, parts.journal, state.hub, parts.ask, reasons),
-        *recording_routes(access, parts.data.recordings),
+        *recording_routes(access, parts.data.recordings, state),
         *site_routes(access, site),
         *mode_routes(access, state, parts.journal, parts.ask),
         *picture_routes(access, state, parts.journal, parts.ask),

@@ -11,6 +11,7 @@ from starlette.routing import Route
 
 from trecsim.page.access import Access
 from trecsim.page.answers import json_answer
+from trecsim.page.live_state import LiveState
 from trecsim.page.queries import number_in
 from trecsim.page.recordings_shown import recording_folder, shown_recordings, snapshot_lines
 
@@ -19,7 +20,7 @@ READERS = 2  # at the same time
 _END = ""
 
 
-def recording_routes(access: Access, folder: Path | None) -> list[Route]:
+def recording_routes(access: Access, folder: Path | None, state: LiveState) -> list[Route]:
     """Return the routes of recordings.
 
     Parameters
@@ -28,6 +29,8 @@ def recording_routes(access: Access, folder: Path | None) -> list[Route]:
         Says who may do what.
     folder
         The recordings of the site; None where there are none.
+    state
+        Has the volumes of the site.
     """
     readers = asyncio.Semaphore(READERS)
 
@@ -46,7 +49,7 @@ def recording_routes(access: Access, folder: Path | None) -> list[Route]:
         found = folder and recording_folder(folder, request.path_params["id"])
         if not found:
             raise HTTPException(404, "there is no such recording")
-        lines = snapshot_lines(found, from_s, to_s)
+        lines = snapshot_lines(found, from_s, to_s, state.site["site"].get("volumes", {}))
         async with readers:
             first = await asyncio.to_thread(next, lines, _END)  # what is wrong shows here
         body = _streamed(first, lines, readers)

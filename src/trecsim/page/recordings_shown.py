@@ -1,18 +1,22 @@
 """Recordings as the page lists and replays them."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from itertools import islice
 from pathlib import Path
 from time import time
+from types import MappingProxyType
 from typing import Any
 
+from trecsim.page.kept_vehicles import KeptVehicles
 from trecsim.page.last_seen import LastSeen, snapshot_part
 from trecsim.page.messages import message, snapshot_body
 
-LOOK_BACK_S = 10.0  # for when people were last seen before the part that is asked for
+LOOK_BACK_S = 10.0  # for when people were last seen before the part, and where vehicles were
 LINES_AT_ONCE = 25
+Volumes = Mapping[str, Any]
+NO_VOLUMES: Volumes = MappingProxyType({})
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,127}")
 
 
@@ -66,7 +70,9 @@ def recording_folder(folder: Path, identity: str) -> Path | None:
     return found.get(identity)
 
 
-def snapshot_lines(folder: Path, from_s: float, to_s: float) -> Iterator[str]:
+def snapshot_lines(
+    folder: Path, from_s: float, to_s: float, volumes: Volumes = NO_VOLUMES
+) -> Iterator[str]:
     """Yield the snapshots of a part of a recording as lines of JSON, several lines at once.
 
     Parameters
@@ -75,23 +81,26 @@ def snapshot_lines(folder: Path, from_s: float, to_s: float) -> Iterator[str]:
         Of the recording.
     from_s, to_s
         First and last time, both included [s].
+    volumes
+        Those of the site; vehicles that feeds told come with the people.
 
     Raises
     ------
     InputError
         The recording is damaged.
     """
-    lines = _lines(folder, from_s, to_s)
+    lines = _lines(folder, from_s, to_s, volumes)
     while block := list(islice(lines, LINES_AT_ONCE)):
         yield "".join(block)
 
 
-def _lines(folder: Path, from_s: float, to_s: float) -> Iterator[str]:
+def _lines(folder: Path, from_s: float, to_s: float, volumes: Volumes) -> Iterator[str]:
     from trecsim.store.playback import snapshots
 
-    seen = LastSeen()
+    seen, vehicles = LastSeen(), KeptVehicles(folder, volumes, from_s - LOOK_BACK_S, to_s)
     for snapshot in snapshots(folder, from_s - LOOK_BACK_S, to_s):
         seen_s = seen.ages_s(snapshot)
         if snapshot.t_s >= from_s:
-            body = snapshot_body(snapshot_part(snapshot, seen_s))
+            part = snapshot_part(snapshot, seen_s, vehicles.at(snapshot.t_s))
+            body = snapshot_body(part)
             yield message("snapshot", time(), body) + "\n"

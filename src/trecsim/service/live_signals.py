@@ -7,9 +7,10 @@ from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 
 from trecsim.safety.signals import Signal, SignalSource
-from trecsim.sites.feed_files import line_of, name_remarks
+from trecsim.sites.feed_files import line_of
+from trecsim.sites.feed_remarks import name_remarks
 from trecsim.store.atomic import PRIVATE_FILE
-from trecsim.store.names import SIGNALS
+from trecsim.store.names import SIGNALS, SIGNALS_S
 
 logger = logging.getLogger(__name__)
 
@@ -17,7 +18,6 @@ MOST_REMARKS = 100
 """Unknown names of places that are logged; a feed that floods must not fill the log."""
 PlaceNames = tuple[Collection[str], Collection[str]]
 """Names of lines, and of volumes."""
-_HOUR_S = 3600.0
 
 
 class KeptSignals:
@@ -61,7 +61,7 @@ class KeptSignals:
                 logger.warning("%s", remark)
 
     def _keep(self, folder: Path, t_s: float, signals: Sequence[Signal]) -> None:
-        path = folder / SIGNALS.format(f"{math.floor(t_s / _HOUR_S):010d}")
+        path = folder / SIGNALS.format(f"{math.floor(t_s / SIGNALS_S):010d}")
         try:
             handle = os.open(
                 path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE

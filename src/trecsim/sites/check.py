@@ -9,9 +9,7 @@ from trecsim.errors import ConfigError, InputError, SetupError
 from trecsim.fusion.arguments import check_arguments
 from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
-from trecsim.sites.feed_brokers import feed_broker_remarks
-from trecsim.sites.feed_files import name_remarks, read_feed
-from trecsim.sites.feed_tables import feed_source_remarks
+from trecsim.sites.feed_remarks import feed_remarks
 from trecsim.sites.fusion_table import FusionTable, earlier_names, fusion_settings
 from trecsim.sites.live_cameras import camera_remarks, secrets_faults
 from trecsim.sites.output_tables import output_remarks
@@ -24,8 +22,6 @@ from trecsim.sources.camera_names import unknown_camera
 from trecsim.sources.image_sizes import is_cut
 from trecsim.toml_models import file_faults
 from trecsim.toml_models.toml_reading import Fault
-
-_LOOKED_AT_BYTES = 2**24  # longer files of feeds are not read for a check
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,28 +85,11 @@ def check_site(path: Path | str) -> CheckedSite:
     remarks += _remarks(site, rig, videos)
     remarks += camera_remarks(site)
     remarks += rule_remarks(site.rules)
-    remarks += _feed_remarks(site)
+    remarks += feed_remarks(site)
     remarks += output_remarks(site.outputs, site.secrets, site.is_live)
     remarks += earlier_names(draft.data.get("fusion"))
     remarks += [f"fusion: {text}" for text in fusion_settings(site.fusion).remarks()]
     return CheckedSite(SiteFile(draft.path, draft.text, site), rig, videos, tuple(remarks))
-
-
-def _feed_remarks(site: Site) -> Iterator[str]:
-    """Yield which files of feeds are not there, the unknown places in the others, and the rest."""
-    yield from feed_source_remarks(site.feeds, site.page)
-    yield from feed_broker_remarks(site.feeds, site.secrets)
-    for name, feed in site.feeds.items():
-        if feed.file is None:
-            continue
-        try:
-            size = feed.file.stat().st_size
-        except OSError as error:
-            later = "; a live site waits for it" if site.is_live else ""
-            yield f"feeds.{name}.file: {feed.file} cannot be read: {error.strerror}{later}"
-            continue
-        if size <= _LOOKED_AT_BYTES:
-            yield from name_remarks(read_feed(name, feed.file), site.lines, site.volumes)
 
 
 def _rig(draft: Draft, remarks: list[str], faults: list[Fault]) -> Rig | None:

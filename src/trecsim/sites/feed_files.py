@@ -8,7 +8,8 @@ them it only says that the feed works. A `grant` may have `people`, a `volume` h
 
 import json
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -17,8 +18,7 @@ from typing import Any, BinaryIO
 from trecsim.errors import InputError
 from trecsim.safety.signals import Signal
 from trecsim.sites.feed_tables import FeedTable
-from trecsim.store.names import SIGNALS
-from trecsim.toml_models.toml_reading import nearest
+from trecsim.store.names import SIGNALS, SIGNALS_S
 
 LONGEST_LINE = 4096
 """A longer line is no message [bytes]."""
@@ -32,7 +32,6 @@ _LONGEST_NAME = 64
 _MOST_PEOPLE = 1000
 _FURTHEST_M = 1e4
 _LATEST_S = 1e11
-_MOST_REMARKS = 10
 
 
 class _WrongMessageError(Exception):
@@ -195,15 +194,39 @@ def read_feed(name: str, path: Path) -> list[Signal]:
 
 
 def kept_signals(recording: Path) -> list[Signal]:
-    """Return the messages that the recording of a live site has kept.
+    """Return the messages that the recording of a live site has kept; see `kept_between`."""
+    return list(kept_between(recording))
+
+
+def kept_between(
+    recording: Path, from_s: float = -math.inf, to_s: float = math.inf
+) -> Iterator[Signal]:
+    """Yield the messages of a part of a recording in the order in which the rules got them.
+
+    Parameters
+    ----------
+    recording
+        Its folder.
+    from_s, to_s
+        First and last `taken_s`, both included [s].
 
     Raises
     ------
     InputError
         When a file cannot be read.
     """
-    kept = sorted(recording.glob(SIGNALS.format("*"))) if recording.is_dir() else []
-    return list(chain.from_iterable(map(_kept, kept)))
+    for path in sorted(recording.glob(SIGNALS.format("*"))) if recording.is_dir() else []:
+        hour = _hour_of(path)
+        if hour is None or (hour * SIGNALS_S <= to_s and from_s < (hour + 1) * SIGNALS_S):
+            yield from (one for one in _kept(path) if from_s <= one.taken_s <= to_s)
+
+
+def _hour_of(path: Path) -> int | None:
+    """Return which hour of messages a file holds; None where its name does not say so."""
+    before, after = SIGNALS.split("{}")
+    with suppress(ValueError):
+        return int(path.name.removeprefix(before).removesuffix(after))
+    return None
 
 
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
@@ -240,32 +263,6 @@ def _kept(path: Path) -> Iterator[Signal]:
                 f"{path}: message {number}, which a live site has kept, is damaged: {wrong}; "
                 "restore the file, or delete that line"
             ) from None
-
-
-def name_remarks(
-    signals: Iterable[Signal], lines: Collection[str], volumes: Collection[str]
-) -> Iterator[str]:
-    """Yield which places messages name that a site file does not have: no rule heeds these.
-
-    Parameters
-    ----------
-    signals
-        The messages.
-    lines, volumes
-        The names in the site file.
-    """
-    known = {"line": lines, "volume": volumes}
-    kinds = {"grant": "line", "closed": "line", "volume": "volume", "gone": "volume"}
-    told = sorted({(one.feed, kinds[one.what], one.about) for one in signals if one.what in kinds})
-    unknown = [one for one in told if one[2] not in known[one[1]]]
-    for feed, kind, name in unknown[:_MOST_REMARKS]:
-        hint = nearest(name, known[kind]) if known[kind] else f"it has no [{kind}s.NAME]"
-        yield (
-            f"feed {feed} tells of {kind} {name!r}, which the site file does not have, and no rule "
-            f"heeds these messages; {hint}"
-        )
-    if len(unknown) > _MOST_REMARKS:
-        yield f"feeds tell of {len(unknown) - _MOST_REMARKS} more places that are not there"
 
 
 def _bounded(file: BinaryIO) -> Iterator[bytes]:

@@ -8,6 +8,8 @@ RIG_FROM = "rig-from-{}.toml"
 """The rig of a live site from a Unix time on [s], after a repair or when that is taken back."""
 SIGNALS = "signals-{}.jsonl"
 """Messages of feeds in the recording of a live site, a file per hour."""
+SIGNALS_S = 3600.0
+"""A file of messages holds so much [s]; its name counts these."""
 LIVE = ".live"
 """Marks the recording of a live site, which retention may delete."""
 OVERRIDES = "overrides"
