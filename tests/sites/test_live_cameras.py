@@ -8,11 +8,13 @@ import pytest
 
 from made_rigs import ring
 from made_site import make_site
-from trecsim.calibration import write_rig
+from trecsim.calibration import read_rig, write_rig
 from trecsim.errors import ConfigError
 from trecsim.geometry import Rig
 from trecsim.sites.check import check_site
+from trecsim.sites.live_cameras import clock_remarks
 from trecsim.sites.live_sources import image_sources, poses_source
+from trecsim.sites.site_reading import read_site
 from trecsim.sources.streams import StreamSource
 
 HEAD = 'format = "trecsim.site/1"\nname = "live"\nrig = "rig.toml"\n'
@@ -92,6 +94,42 @@ def test_two_cameras_that_show_the_same_stream_are_remarked(folder: Path) -> Non
     text = GOOD.replace("http://cam1/mjpeg", "rtsp://cam0/1")
     remarks = check_site(site(folder, text)).remarks
     assert "cam0 and cam1 show the same stream: rtsp://cam0/1" in remarks
+
+
+@pytest.mark.parametrize(
+    ("clock", "told"),
+    [
+        ({"time_offset_s": 1.84}, ["cam1 (+1.84 s)"]),
+        ({"time_offset_s": -0.4}, ["cam1 (-0.4 s)"]),
+        ({"time_drift_ppm": -10.0}, ["cam1 (-1.8e+04 s)"]),  # since the origin of the recording
+        ({"time_offset_s": 0.3}, []),
+    ],
+)
+def test_clocks_of_recordings_are_remarked_where_cameras_are_live(
+    folder: Path, clock: dict[str, float], told: list[str]
+) -> None:
+    rig = read_rig(folder / "rig.toml")
+    cameras = [replace(one, **clock) if one.name == "cam1" else one for one in rig]
+    rig = Rig(tuple(cameras))
+    live = check_site(site(folder, GOOD)).file.site
+    found = list(clock_remarks(live, rig, 1.8e9))
+    assert [re.findall(r"cam\d \([^)]*\)", one) for one in found] == ([told] if told else [])
+
+
+def test_clocks_of_recordings_are_right_for_recordings(folder: Path) -> None:
+    text = '[sources.cam0]\nvideo = "cam0.mp4"\n[sources.cam1]\nurl = "rtsp://cam1/1"\n'
+    late = Rig(tuple(replace(one, time_offset_s=1.84) for one in read_rig(folder / "rig.toml")))
+    (told,) = clock_remarks(read_site(site(folder, text)).site, late, 1.8e9)
+    assert "cam1 (+1.84 s)" in told
+    assert "cam0" not in told
+
+
+def test_a_check_of_a_live_site_tells_of_the_clocks_of_its_rig(folder: Path) -> None:
+    rig = read_rig(folder / "rig.toml")
+    write_rig(Rig(tuple(replace(one, time_offset_s=2.0) for one in rig)), folder / "rig.toml")
+    (told,) = [one for one in check_site(site(folder, GOOD)).remarks if "clocks" in one]
+    assert told.startswith(f"{folder / 'rig.toml'}: the clocks of these live cameras")
+    assert told.endswith("delete time_offset_s, time_drift_ppm and time_ref_s there")
 
 
 def test_secrets_that_everybody_can_read_are_a_fault(folder: Path) -> None:

@@ -1,5 +1,6 @@
 """Check everything that a site file names, before anything runs."""
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from trecsim.geometry import Rig
 from trecsim.sites.estimator_table import EstimatorTable
 from trecsim.sites.feed_remarks import feed_remarks
 from trecsim.sites.fusion_table import FusionTable, earlier_names, fusion_settings
-from trecsim.sites.live_cameras import camera_remarks, secrets_faults
+from trecsim.sites.live_cameras import camera_remarks, clock_remarks, secrets_faults
 from trecsim.sites.output_tables import output_remarks
 from trecsim.sites.rules import rule_remarks
 from trecsim.sites.site_file import OutputTable, PosesPlace, RigPlace, Site, SourceTable
@@ -84,6 +85,7 @@ def check_site(path: Path | str) -> CheckedSite:
     site = draft.site
     remarks += _remarks(site, rig, videos)
     remarks += camera_remarks(site)
+    remarks += clock_remarks(site, rig, time.time())
     remarks += rule_remarks(site.rules)
     remarks += feed_remarks(site)
     remarks += output_remarks(site.outputs, site.secrets, site.is_live)

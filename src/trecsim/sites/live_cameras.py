@@ -5,11 +5,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from trecsim.errors import InputError
+from trecsim.geometry import Rig
 from trecsim.redaction import redacted
 from trecsim.sites.site_file import Site, SourceTable
 from trecsim.sites.site_reading import Draft
 from trecsim.sources.streams.camera_login import find_login, read_secrets
 from trecsim.sources.streams.stream_address import Address, DeviceAddress, NetworkAddress
+from trecsim.sync.stream_time import AHEAD_S
 from trecsim.toml_models import FilePath
 from trecsim.toml_models.toml_reading import Fault
 
@@ -37,6 +39,33 @@ def camera_remarks(site: Site) -> Iterator[str]:
     for place, cameras in places.items():
         if len(cameras) > 1:
             yield f"{' and '.join(cameras)} show the same stream: {redacted(place)}"
+
+
+def clock_remarks(site: Site, rig: Rig, now_s: float) -> Iterator[str]:
+    """Yield which live cameras the rig gives the clocks of the recordings it was made from.
+
+    A calibration finds when each recording was started, and how its clock drifts. Live cameras are
+    dated by clocks of their own: put off so far, their images are never combined.
+
+    Parameters
+    ----------
+    site
+        The site.
+    rig
+        Its cameras.
+    now_s
+        The present, Unix time [s].
+    """
+    live = [name for name, source in site.sources.items() if source.is_live and name in rig.names]
+    off_s = {name: rig[name].time_s(now_s) - now_s for name in live}
+    told = [f"{name} ({off:+.3g} s)" for name, off in off_s.items() if abs(off) > AHEAD_S]
+    if told:
+        yield (
+            f"{site.rig.file}: the clocks of these live cameras are put off by more than "
+            f"{AHEAD_S:g} s, as those of recordings that were started by hand: {', '.join(told)}. "
+            "Live, their images are then not combined with those of the others: delete "
+            "time_offset_s, time_drift_ppm and time_ref_s there"
+        )
 
 
 def login_faults(site: Site) -> Iterator[Fault]:
