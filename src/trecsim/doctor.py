@@ -195,7 +195,7 @@ def _disk() -> Finding:
     free = shutil.disk_usage(here).free
     text = f"{free / 1e9:.1f} GB free in {here}"
     if free < _LEAST_FREE_BYTES:
-        remedy = "free some space: an hour with 20 people takes 0.4 GB, with videos far more"
+        remedy = "free some space: an hour with 20 people takes 0.2 GB, with videos far more"
         return Finding("disk", "broken", text, remedy)
     return Finding("disk", "ok", text)
 

@@ -12,6 +12,7 @@ import pytest
 from made_live import assert_same_bits, live_moments
 from trecsim.cli import main
 from trecsim.errors import InputError
+from trecsim.page.site_history import SiteHistory
 from trecsim.store.backup import backup, restore
 from trecsim.store.ledger import Ledger
 from trecsim.store.parquet_file import TracksInfo
@@ -65,6 +66,16 @@ def test_repairs_of_the_rig_are_backed_up_but_not_the_poses_that_one_works_on(
     restore(tmp_path / "site.tar", tmp_path / "again")
     kept = sorted((tmp_path / "again" / "repairs").rglob("*"))
     assert [path.name for path in kept] == ["current.json"]
+
+
+def test_earlier_versions_of_the_site_file_are_backed_up(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    history = SiteHistory(site)
+    with SiteStore(site):
+        history.keep("zones as they were", "0" * 64)
+        backup(site, tmp_path / "site.tar")
+    restore(tmp_path / "site.tar", tmp_path / "again")
+    assert SiteHistory(tmp_path / "again").text("0" * 64) == "zones as they were"
 
 
 def test_a_backup_and_what_is_restored_are_for_their_owner_alone(tmp_path: Path) -> None:

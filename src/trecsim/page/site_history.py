@@ -7,8 +7,8 @@ from time import time
 from typing import Any
 
 from trecsim.store.atomic import atomic_write
+from trecsim.store.names import SITE_HISTORY
 
-FOLDER = "site-history"
 MOST_VERSIONS = 200
 _NAME = re.compile(r"(\d{13})-([0-9a-f]{64})\.toml")
 
@@ -27,7 +27,7 @@ class SiteHistory:
 
     def keep(self, text: str, version: str, now_s: float | None = None) -> None:
         """Keep a version that is about to be replaced."""
-        folder = self.folder / FOLDER
+        folder = self.folder / SITE_HISTORY
         folder.mkdir(parents=True, exist_ok=True)
         stamp = int(1000 * (time() if now_s is None else now_s))
         with atomic_write(folder / f"{stamp:013d}-{version}.toml", private=True) as file:
@@ -49,6 +49,6 @@ class SiteHistory:
 
     def _files(self) -> list[Path]:
         """Return the kept files, the newest first."""
-        folder = self.folder / FOLDER
+        folder = self.folder / SITE_HISTORY
         found = folder.iterdir() if folder.is_dir() else ()
         return sorted((path for path in found if _NAME.fullmatch(path.name)), reverse=True)

@@ -23,7 +23,7 @@ from trecsim.store.erasing import changing_tracks
 from trecsim.store.ledger import Ledger
 from trecsim.store.ledger_file import NAME as LEDGER
 from trecsim.store.ledger_file import copy_ledger
-from trecsim.store.names import REPAIRING, REPAIRS, TRACKS
+from trecsim.store.names import REPAIRING, REPAIRS, SITE_HISTORY, TRACKS
 from trecsim.store.playback import recording_folders, recordings
 
 _MARK = ".trecsim-backup"  # the first member, by which a backup is known
@@ -87,6 +87,7 @@ def backup(folder: Path, out: Path) -> BackedUp:
             with changing_tracks(recording / TRACKS):
                 target.add_all(_files(recording))
         target.add_all(_files(folder / REPAIRS))
+        target.add_all(_files(folder / SITE_HISTORY))
         target.add_all(path for path in _files(folder, deep=False))
     return BackedUp(len(recording_folders(folder)), events, target.files, target.size_bytes)
 
