@@ -67,7 +67,7 @@ def test_a_repaired_rig_and_a_changed_file_are_shown_together_whichever_comes_fi
             partial(service._new_rig, cast(RigKeeper, changes), cast(Monitor, changes)),
             partial(
                 service._apply, cast(RuleWatch, changes), cast(Counting, changes),
-                LiveFeeds({}), read(tmp_path, SITE + ZONE),
+                read(tmp_path, SITE + ZONE),
             ),
         ]  # fmt: skip
         for step in steps if repaired_first else reversed(steps):
@@ -76,16 +76,28 @@ def test_a_repaired_rig_and_a_changed_file_are_shown_together_whichever_comes_fi
         assert page.shown[-1].cameras == cameras_of(ring(4))
 
 
+FEED = '[page]\n[feeds.gate]\nfile = "gate.jsonl"\n[feeds.yard]\nhttp = true\n'
+
+
 def test_a_feed_that_comes_with_a_changed_file_is_followed_at_once(tmp_path: Path) -> None:
     write_rig(ring(3), tmp_path / "rig.toml")
     (tmp_path / "walk.poses.jsonl").write_text("")
-    service = SiteService()
+    page, changes = Page(), Changes()
+    service = SiteService(cast(PageProcess, page))
     service._show(read(tmp_path, SITE), ring(3))
-    changes = Changes()
-    with LiveFeeds({}) as signals:
+    with LiveFeeds({}) as feeds:
+        service._feeds = feeds
         service._apply(
-            cast(RuleWatch, changes), cast(Counting, changes), signals,
-            read(tmp_path, SITE + '[feeds.gate]\nfile = "gate.jsonl"\n'),
-        )  # fmt: skip
+            cast(RuleWatch, changes), cast(Counting, changes), read(tmp_path, SITE + FEED)
+        )
         (tmp_path / "gate.jsonl").write_text('{"t_s": 3}\n')
-        until(lambda: bool(signals(4.0)))
+        until(lambda: bool(feeds(4.0)))
+    assert page.shown[-1].feeds["yard"]["source"] == "http"
+
+
+def test_a_site_on_recordings_takes_no_messages_at_its_page(tmp_path: Path) -> None:
+    write_rig(ring(3), tmp_path / "rig.toml")
+    (tmp_path / "walk.poses.jsonl").write_text("")
+    page = Page()
+    SiteService(cast(PageProcess, page))._show(read(tmp_path, SITE + FEED), ring(3))
+    assert page.shown[-1].feeds == {}

@@ -79,6 +79,7 @@ class SiteService:
         self._pictures: PictureMaker | None = None
         self._deliveries: list[Delivery] = []
         self._rules: RuleWatch | None = None
+        self._feeds: LiveFeeds | None = None
         self._lock = Lock()  # of what the page shows: a new rig comes in another thread
         self._file: SiteFile | None = None
         self._rig: Rig | None = None
@@ -114,14 +115,14 @@ class SiteService:
         picture
             Draws what came of the run, at its end.
         """
+        site = checked.file.site
+        feeds = self._feeds = _live_feeds(site, inputs)
         self._show(checked.file, checked.rig)
         monitor = Monitor(checked.rig.names, inputs.readings if inputs else (), rig=checked.rig)
         feed = None
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
             feed = _feed(inputs, monitor, self._pictures)
-        site = checked.file.site
-        feeds = _live_feeds(site, inputs)
         signals = KeptSignals(feeds or _known_signals(site, inputs), self._named_places)
         rules = self._rules = RuleWatch(
             _rules_of(checked.file, checked.rig), self._put_event, signals
@@ -130,7 +131,7 @@ class SiteService:
         keeper = _rig_keeper(checked, out, live=feed is not None)
         self._reloading = Reloading(
             checked.file,
-            partial(self._apply, rules, counting, feeds),
+            partial(self._apply, rules, counting),
             WHILE_RUNNING - {"feeds"} if feeds is None else WHILE_RUNNING,
         )
         watchers = monitor.sinks()
@@ -210,14 +211,12 @@ class SiteService:
             self._rules.override(Overrides.of(store.ledger.setting(OVERRIDES)))
         return [FaultLog(), faults]
 
-    def _apply(
-        self, rules: RuleWatch, counting: Counting, feeds: LiveFeeds | None, file: SiteFile
-    ) -> None:
+    def _apply(self, rules: RuleWatch, counting: Counting, file: SiteFile) -> None:
         """Take over what has changed in a site file."""
         assert self._rig is not None
         rules.change(_rules_of(file, self._rig))  # first: rules ignore feeds they do not know
-        if feeds is not None:
-            feeds.change(file.site.feeds)
+        if self._feeds is not None:
+            self._feeds.change(file.site.feeds)
         counting.change(file.site)
         self._show(file=file)
 
@@ -234,12 +233,16 @@ class SiteService:
             self._show_event(event, False)
 
     def _show(self, file: SiteFile | None = None, rig: Rig | None = None) -> None:
-        """Show a site on the page, if there is one; None is what was shown last."""
+        """Show a site on the page, if there is one; None is what was shown last.
+
+        A site whose messages are known from the start takes none at its page.
+        """
         with self._lock:
             self._file = self._file if file is None else file
             self._rig = self._rig if rig is None else rig
             if self._page is not None and self._file is not None and self._rig is not None:
-                self._page.site(site_view(self._file, self._rig))
+                view = site_view(self._file, self._rig)
+                self._page.site(view if self._feeds is not None else replace(view, feeds={}))
 
     def _tell_event(self, event: Mapping[str, Any], kept: bool) -> None:
         """Show an event, and let all outputs look for it."""
