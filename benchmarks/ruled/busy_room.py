@@ -2,6 +2,10 @@
 
 Stops are at least 0.2 m away from every border, stays at least a second longer than the limit.
 Nobody walks through anybody. Ways are not kept away from borders: who cuts a corner, cuts it.
+
+Densities are not kept away from the limit: four people at the middle of their spots make 0.42
+people/m^2, and level C begins at 0.43. For `density.level` centimetres decide, so its F1 says more
+about the room than about the rule.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -98,6 +102,8 @@ kind = "body.fall"
 id = "down"
 kind = "body.down"
 """
+SPOTS_M = ((2.1, 1.1), (3.5, 1.2), (2.1, 2.3), (3.5, 2.3))
+"""About where people wait [m]."""
 Point = tuple[float, float]
 
 
@@ -167,10 +173,9 @@ def waits(rng: np.random.Generator, at_s: float) -> list["Visit"]:
     """Return three or four people who come into the waiting area, wait, and go."""
     from trecsim.lab.simulation.actions import Stand, Walk
 
-    spots = [(2.1, 1.1), (3.5, 1.2), (2.1, 2.3), (3.5, 2.3)]
     people = []
     for n in range(int(rng.integers(3, 5))):
-        spot = (spots[n][0] + _u(rng, -0.15, 0.15), spots[n][1] + _u(rng, -0.15, 0.15))
+        spot = (SPOTS_M[n][0] + _u(rng, -0.15, 0.15), SPOTS_M[n][1] + _u(rng, -0.15, 0.15))
         door = (4.8, spot[1]) if n % 2 else (0.9, spot[1])
         stays = Stand(_u(rng, 8.0, 12.0))
         actions = [Walk((spot,), _u(rng, 0.8, 1.2)), stays, Walk((door,), _u(rng, 0.8, 1.2))]

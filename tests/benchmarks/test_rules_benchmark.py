@@ -14,6 +14,8 @@ from trecsim.assessing import RuleEvents
 from trecsim.lab.evaluation.event_episodes import episodes_of
 from trecsim.lab.simulation.walkers import poses
 from trecsim.lab.true_events.truth_events import truth_events, unknown_rules
+from trecsim.safety.conditions.density import LEVELS, voronoi_density
+from trecsim.safety.polygons import Prism
 
 
 def event(phase: str, *, predicted: bool, lead_s: float | None = None) -> dict[str, Any]:
@@ -42,6 +44,16 @@ def test_in_the_busy_room_nobody_walks_through_anybody(seed: int) -> None:
     for n, way_m in enumerate(ways_m):
         assert busy_room._apart_m([way_m], ways_m[:n]) > busy_room.APART_M
     assert unknown_rules(busy_room.SITE) == []
+
+
+def test_four_who_wait_are_just_below_the_level_of_density_as_the_busy_room_says() -> None:
+    (zone,) = [
+        one.place for one in judging.rules_of_site(busy_room.SITE).rules if one.id == "wait-dense"
+    ]
+    assert zone is not None
+    assert isinstance(zone.shape, Prism)
+    density = voronoi_density(zone.shape.polygon, np.array(busy_room.SPOTS_M))
+    assert round(density, 2) == 0.42 < LEVELS["C"]
 
 
 @pytest.mark.parametrize("seed", [0, 1])
