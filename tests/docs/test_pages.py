@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from trecsim.calibration import read_rig
+from trecsim.lab.true_events.scene_sites import site_of
+from trecsim.sites.site_reading import read_site
 
 DOCS = Path(__file__).parents[2] / "docs"
 THESIS = (DOCS / "thesis-to-code.md").read_text()
@@ -59,6 +61,24 @@ def test_the_rig_of_the_conventions_can_be_read(tmp_path: Path) -> None:
     rig = read_rig(tmp_path / "rig.toml")
     assert rig.names == ("north",)
     np.testing.assert_allclose(rig["north"].position_m, [0.0, -3.0, 1.5])
+
+
+def test_the_site_of_the_how_to_has_live_cameras_and_a_page(tmp_path: Path) -> None:
+    text = (DOCS / "how-to.md").read_text().partition("### Write the site file")[2]
+    (tmp_path / "site.toml").write_text(text.partition("```toml\n")[2].partition("```")[0])
+    site = read_site(tmp_path / "site.toml").site
+    assert site.is_live
+    assert site.page is not None
+
+
+def test_the_site_without_cameras_gets_its_page_from_one_more_line(tmp_path: Path) -> None:
+    text = (DOCS / "run-a-site.md").read_text().partition("## Without cameras")[2]
+    (scene,) = re.findall(r"\$ trecsim simulate (\S+) .*--out hall ", text)
+    (more,) = re.findall(r'\$ echo "(.*)" >> hall/site\.toml', text)
+    (tmp_path / "site.toml").write_text(f"{site_of(scene)}{more}\n")
+    site = read_site(tmp_path / "site.toml").site
+    assert site.page is not None
+    assert site.rules
 
 
 @pytest.mark.parametrize("page", sorted(DOCS.glob("**/*.md")), ids=lambda page: page.name)
