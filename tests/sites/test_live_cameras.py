@@ -128,8 +128,16 @@ def test_a_check_of_a_live_site_tells_of_the_clocks_of_its_rig(folder: Path) -> 
     rig = read_rig(folder / "rig.toml")
     write_rig(Rig(tuple(replace(one, time_offset_s=2.0) for one in rig)), folder / "rig.toml")
     (told,) = [one for one in check_site(site(folder, GOOD)).remarks if "clocks" in one]
-    assert told.startswith(f"{folder / 'rig.toml'}: the clocks of these live cameras")
+    assert told.startswith(f"{folder / 'rig.toml'} shifts the times of live cameras")
     assert told.endswith("delete time_offset_s, time_drift_ppm and time_ref_s there")
+
+
+def test_2d_poses_that_no_limit_deletes_are_remarked_where_cameras_are_live(folder: Path) -> None:
+    kept = "[output]\nposes = true\n"
+    told = [one for one in check_site(site(folder, GOOD + kept)).remarks if "poses" in one]
+    assert [one.partition(":")[0] for one in told] == ["output.poses"]
+    (folder / "played").mkdir()
+    assert check_site(make_site(folder / "played", 2, kept)).remarks == ()
 
 
 def test_secrets_that_everybody_can_read_are_a_fault(folder: Path) -> None:

@@ -39,13 +39,18 @@ def camera_remarks(site: Site) -> Iterator[str]:
     for place, cameras in places.items():
         if len(cameras) > 1:
             yield f"{' and '.join(cameras)} show the same stream: {redacted(place)}"
+    if site.is_live and site.output.poses:
+        yield (
+            "output.poses: 2D poses of a live site are kept without a limit: poses.jsonl grows as "
+            "long as the run lasts, whatever [retention] says; leave it out unless you need them"
+        )
 
 
 def clock_remarks(site: Site, rig: Rig, now_s: float) -> Iterator[str]:
     """Yield which live cameras the rig gives the clocks of the recordings it was made from.
 
     A calibration finds when each recording was started, and how its clock drifts. Live cameras are
-    dated by clocks of their own: put off so far, their images are never combined.
+    dated by clocks of their own: shifted so far, their images are never combined.
 
     Parameters
     ----------
@@ -61,10 +66,10 @@ def clock_remarks(site: Site, rig: Rig, now_s: float) -> Iterator[str]:
     told = [f"{name} ({off:+.3g} s)" for name, off in off_s.items() if abs(off) > AHEAD_S]
     if told:
         yield (
-            f"{site.rig.file}: the clocks of these live cameras are put off by more than "
-            f"{AHEAD_S:g} s, as those of recordings that were started by hand: {', '.join(told)}. "
-            "Live, their images are then not combined with those of the others: delete "
-            "time_offset_s, time_drift_ppm and time_ref_s there"
+            f"{site.rig.file} shifts the times of live cameras by more than {AHEAD_S:g} s, as for "
+            f"recordings that were started by hand: {', '.join(told)}. Live cameras have clocks of "
+            "their own, and images shifted so far are not combined with those of other cameras: "
+            "delete time_offset_s, time_drift_ppm and time_ref_s there"
         )
 
 
