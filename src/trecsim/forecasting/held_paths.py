@@ -89,7 +89,7 @@ def _moved(at_m: np.ndarray, by_m: np.ndarray, walls: Walls) -> np.ndarray:
         share, wall = first_met(at_m, by_m, walls)
         meets = np.isfinite(share)
         if not meets.any():
-            return at_m + by_m
+            return np.asarray(at_m + by_m)
         along, normal = _axes(walls.ends_m[wall])
         normal = normal * np.sign(_dot(by_m, normal))[:, None]  # the way people go
         until = np.where(meets, share, 1.0)[:, None]

@@ -85,7 +85,7 @@ def hidden(
     by_m = place_m - seen_from_m[:, None]
     at_m = np.broadcast_to(seen_from_m[:, None], by_m.shape)
     share, _ = first_met(at_m.reshape(-1, 2), by_m.reshape(-1, 2), walls)
-    return np.isfinite(share).reshape(by_m.shape[:2])
+    return np.asarray(np.isfinite(share).reshape(by_m.shape[:2]))
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
