@@ -9,17 +9,14 @@
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from shlex import quote
 from threading import Lock
-from typing import Any, cast
+from typing import Any
 
-from trecsim.assessing import RuleSet, rule_set
-from trecsim.extras import needed
 from trecsim.feed import Feed
 from trecsim.geometry import Rig
 from trecsim.health import Health
@@ -29,37 +26,40 @@ from trecsim.page.link import PageRequest
 from trecsim.page.page_process import PageProcess
 from trecsim.run_summary import RunSummary
 from trecsim.safety.modes import Overrides
-from trecsim.safety.signals import SignalSource, recorded
 from trecsim.service.counting import Counting
 from trecsim.service.event_keeper import EventKeeper
-from trecsim.service.fault_event import TYPES
-from trecsim.service.fault_watch import FaultEvents, FaultWatch
-from trecsim.service.live_feeds import LiveFeeds, subscription_of
+from trecsim.service.live_feeds import LiveFeeds
 from trecsim.service.live_inputs import LiveInputs
 from trecsim.service.live_signals import KeptSignals, PlaceNames
 from trecsim.service.monitor import Monitor
-from trecsim.service.picture_maker import PictureMaker, Watched, jpeg
+from trecsim.service.picture_maker import PictureMaker, jpeg
 from trecsim.service.pulse import FaultLog, Pulse
 from trecsim.service.reloading import WHILE_RUNNING, Reloading
 from trecsim.service.rig_keeper import RigKeeper
-from trecsim.service.rig_repairs import RigRepairs, keep_rig
-from trecsim.service.rule_watch import TYPES as RULE_TYPES
-from trecsim.service.rule_watch import RuleWatch, ends_of
+from trecsim.service.rig_repairs import keep_rig
+from trecsim.service.rule_watch import RuleWatch
+from trecsim.service.site_setup import (
+    fault_events,
+    feed_of,
+    known_signals,
+    left_open,
+    live_feeds,
+    open_episodes,
+    rig_keeper,
+    rules_of_file,
+    site_store,
+)
 from trecsim.service.systemd import Heartbeat, notify
-from trecsim.service.timed_estimator import TimedEstimator
 from trecsim.service.viewing import shows_pictures, site_view
 from trecsim.sinks import Taken
-from trecsim.site_run import recordings_folder, run
+from trecsim.site_run import run
 from trecsim.sites.check import CheckedSite
-from trecsim.sites.feed_files import signals_of
-from trecsim.sites.site_file import Site
 from trecsim.sites.site_reading import SiteFile
-from trecsim.sources.base import Source
 from trecsim.store.names import OVERRIDES, RIG
 from trecsim.store.recorder import Recorder
 from trecsim.store.recordings import newest_rig
 from trecsim.store.site_store import SiteStore
-from trecsim.values import Frame, Snapshot
+from trecsim.values import Snapshot
 
 
 class SiteService:
@@ -116,19 +116,19 @@ class SiteService:
             Draws what came of the run, at its end.
         """
         site = checked.file.site
-        feeds = self._feeds = _live_feeds(site, inputs)
+        feeds = self._feeds = live_feeds(site, inputs)
         self._show(checked.file, checked.rig)
         monitor = Monitor(checked.rig.names, inputs.readings if inputs else (), rig=checked.rig)
         feed = None
         if inputs is not None:
             self._pictures = self._picture_maker(checked)
-            feed = _feed(inputs, monitor, self._pictures)
-        signals = KeptSignals(feeds or _known_signals(site, inputs), self._named_places)
+            feed = feed_of(inputs, monitor, self._pictures)
+        signals = KeptSignals(feeds or known_signals(site, inputs), self._named_places)
         rules = self._rules = RuleWatch(
-            _rules_of(checked.file, checked.rig), self._put_event, signals
+            rules_of_file(checked.file, checked.rig), self._put_event, signals
         )
         counting = Counting(checked.file.site)
-        keeper = _rig_keeper(checked, out, live=feed is not None)
+        keeper = rig_keeper(checked, out, live=feed is not None)
         self._reloading = Reloading(
             checked.file,
             partial(self._apply, rules, counting),
@@ -168,7 +168,7 @@ class SiteService:
         with ExitStack() as ending:
             store = None
             if feed is not None:
-                store = ending.enter_context(_store(checked, out))
+                store = ending.enter_context(site_store(checked, out))
                 told += self._keep_events(checked, store, feed, monitor, ending)
             if self._pictures is not None:
                 ending.enter_context(self._pictures)
@@ -201,11 +201,11 @@ class SiteService:
         ending: ExitStack,
     ) -> list[Callable[[Health], None]]:
         """Open what keeps and sends events; return who is told how well the site works."""
-        for one in deliveries(checked.file.site, store.ledger, partial(_open, store)):
+        for one in deliveries(checked.file.site, store.ledger, partial(open_episodes, store)):
             self._deliveries.append(ending.enter_context(one))
-        self._keeper, faults = _fault_events(checked, store, feed, monitor.people, self._tell_event)
+        self._keeper, faults = fault_events(checked, store, feed, monitor.people, self._tell_event)
         ending.enter_context(self._keeper)
-        for event in _left_open(checked, store):
+        for event in left_open(checked, store):
             self._keeper.put(event)
         if self._rules is not None:
             self._rules.override(Overrides.of(store.ledger.setting(OVERRIDES)))
@@ -214,7 +214,7 @@ class SiteService:
     def _apply(self, rules: RuleWatch, counting: Counting, file: SiteFile) -> None:
         """Take over what has changed in a site file."""
         assert self._rig is not None
-        rules.change(_rules_of(file, self._rig))  # first: rules ignore feeds they do not know
+        rules.change(rules_of_file(file, self._rig))  # first: rules ignore feeds they do not know
         if self._feeds is not None:
             self._feeds.change(file.site.feeds)
         counting.change(file.site)
@@ -310,76 +310,3 @@ def _take_posted(page: PageProcess, feeds: LiveFeeds | None) -> None:
     """Let messages that are posted to the page reach the feeds of a live site."""
     if feeds is not None:
         page.feeds_to(feeds.put)
-
-
-def _rig_keeper(checked: CheckedSite, out: Path | None, *, live: bool) -> RigKeeper:
-    """Return who repairs the rig, where the site file wants that."""
-    site = checked.file
-    given = f" --out {quote(str(out))}" if out is not None else ""
-    return RigKeeper(
-        checked.rig,
-        RigRepairs(out or recordings_folder(site)),
-        automatic=live and site.site.repair.automatic,
-        revoke_by=f"trecsim calibrate revoke {quote(str(site.path))}{given}",
-    )
-
-
-def _store(checked: CheckedSite, out: Path | None) -> SiteStore:
-    """Open what a live site stores: beside its recordings, or in the directory of this run."""
-    retention = checked.file.site.retention.limits()
-    return SiteStore(out or recordings_folder(checked.file), retention)
-
-
-def _fault_events(
-    checked: CheckedSite,
-    store: SiteStore,
-    feed: Feed,
-    people: Callable[[], list[dict[str, Any]]],
-    tell: Callable[[Mapping[str, Any], bool], None],
-) -> tuple[EventKeeper, FaultEvents]:
-    """Return who keeps events, and who makes them of faults: those that were open go on."""
-    open_events = [one.event for one in store.ledger.open_events(TYPES)]
-    of_rules = [one.event for one in store.ledger.open_events(RULE_TYPES)]
-    keeper = EventKeeper(store.ledger, tell, [*open_events, *of_rules])
-    watch = FaultWatch(checked.file.site.name, open_events, people=people)
-    return keeper, FaultEvents(watch, keeper.put, lambda: feed.is_read)
-
-
-def _open(store: SiteStore) -> list[Mapping[str, Any]]:
-    """Return the newest event of each episode that is open."""
-    return [one.event for one in store.ledger.open_events([*TYPES, *RULE_TYPES])]
-
-
-def _rules_of(file: SiteFile, rig: Rig) -> RuleSet:
-    return rule_set(file.site.name, file.site, rig)
-
-
-def _left_open(checked: CheckedSite, store: SiteStore) -> list[dict[str, Any]]:
-    """Return the ends of episodes of rules that were open when the site ran last."""
-    open_events = [one.event for one in store.ledger.open_events(RULE_TYPES)]
-    return ends_of(checked.file.site.name, open_events)
-
-
-def _live_feeds(site: Site, inputs: LiveInputs | None) -> LiveFeeds | None:
-    """Return the feeds of a live site; None where their messages are known from the start."""
-    if inputs is None or inputs.signals is not None:
-        return None
-    if any(one.mqtt is not None for one in site.feeds.values()):
-        needed("feeds by MQTT need paho-mqtt", "outputs", "paho.mqtt.client")
-    return LiveFeeds(site.feeds, partial(subscription_of, site))
-
-
-def _known_signals(site: Site, inputs: LiveInputs | None) -> SignalSource:
-    """Return messages that are known from the start: with recordings those of the whole files."""
-    if inputs is not None and inputs.signals is not None:
-        return inputs.signals
-    return recorded(signals_of(site.feeds))
-
-
-def _feed(inputs: LiveInputs, monitor: Monitor, pictures: PictureMaker | None) -> Feed:
-    estimator = inputs.estimator
-    timed = estimator and TimedEstimator(estimator, monitor.take_estimate)
-    if pictures is None:
-        return Feed(inputs.sources, timed)
-    images = cast(Sequence[Source[Frame]], inputs.sources)
-    return Feed([Watched(source, pictures.take) for source in images], timed)
