@@ -62,6 +62,23 @@ def test_nobody_is_expected_behind_a_wall_unless_the_way_leads_through_its_door(
     assert open_door[0]["data"]["lead_s"] > 1.0
 
 
+def test_who_comes_through_the_door_of_a_walled_zone_is_expected_there() -> None:
+    """The walls stand exactly on the sides of the zone, whose middle is not part of it."""
+    around = "[0, -1], [6, -1], [6, 5], [5, 5], [5, 1], [0, 1]"
+    places = (
+        'format = "trecsim.site/1"\nname = "hall"\n'
+        f"[zones.room]\npolygon_m = [{around}]\n"
+        f"[walls.around]\npoints_m = [[0, -0.6], {around}, [0, 0.6]]\n"
+    )
+    inside = events_of(RESTRICTED, walking(line((-4.0, 0.0), (1.2, 0.0))), places=places)
+    assert inside[0]["data"]["predicted"]
+    beside = walking(through((0, -4, 3), (6, 4.5, 3), (8, 4.5, 3)))
+    assert events_of(RESTRICTED, beside, places=places) == []
+    assert events_of(RESTRICTED, beside, places=places[: places.index("[walls")])[0]["data"][
+        "predicted"
+    ]
+
+
 def test_a_warning_says_how_probable_it_is_within_one_two_and_four_seconds() -> None:
     warned = events_of(RESTRICTED, walking(line((-4.0, 0.0), (1.2, 0.0))))[0]["data"]
     within = [warned["measures"][f"probability_{n}s"] for n in (1, 2, 4)]

@@ -102,3 +102,15 @@ def test_corners_may_go_either_way_round() -> None:
     assert other.probability(xy_m, cov_m2) == pytest.approx(SQUARE.probability(xy_m, cov_m2))
     assert other.distance_m(xy_m)[0] == pytest.approx(0.05)
     np.testing.assert_allclose(other.normals(xy_m), [[1.0, 0.0]])
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(5, 60), st.floats(0.3, 60.0))
+def test_the_points_by_which_a_zone_is_looked_for_are_few_and_in_it(
+    seed: int, corners: int, wide_m: float
+) -> None:
+    rng = np.random.default_rng(seed)
+    angle = (np.arange(corners) + rng.uniform(0.1, 0.9, corners)) * 2.0 * np.pi / corners
+    star_m = np.stack([np.cos(angle), np.sin(angle)], 1) * rng.uniform(0.3, 1.0, (corners, 1))
+    for polygon in (SQUARE, BAY, Polygon(wide_m * star_m)):
+        assert 3 <= len(polygon.inner_m) <= 40
+        assert (polygon.distance_m(polygon.inner_m) > 0.0).all()

@@ -5,7 +5,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
+
+_ENDS_SHARE = 1e-9
+"""Walls are longer by this share at both ends: nobody slips through a corner of two by rounding."""
+_BOX_M = 1e-6
+"""Boxes that are so far from each other touch [m]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,8 +43,18 @@ class Walls:
 
     def near(self, low_m: Float64[np.ndarray, " 2"], high_m: Float64[np.ndarray, " 2"]) -> "Walls":
         """Return the pieces that may be met inside a box."""
-        below, above = self.ends_m.min(axis=1), self.ends_m.max(axis=1)
-        return Walls(self.ends_m[((below <= high_m) & (above >= low_m)).all(axis=1)])
+        return Walls(self.ends_m[self.in_boxes(low_m[None], high_m[None])[0]])
+
+    def in_boxes(
+        self, low_m: Float64[np.ndarray, "box 2"], high_m: Float64[np.ndarray, "box 2"]
+    ) -> Bool[np.ndarray, "box wall"]:
+        """Tell which pieces may be met inside each box."""
+        below, above = self.ends_m.min(axis=1) - _BOX_M, self.ends_m.max(axis=1) + _BOX_M
+        x, y = (
+            (below[:, axis] <= high_m[:, axis, None]) & (above[:, axis] >= low_m[:, axis, None])
+            for axis in (0, 1)
+        )
+        return np.asarray(x & y)
 
 
 NO_WALLS = Walls(np.empty((0, 2, 2)))
@@ -47,7 +62,7 @@ NO_WALLS = Walls(np.empty((0, 2, 2)))
 
 def first_met(
     at_m: Float64[np.ndarray, "path 2"], by_m: Float64[np.ndarray, "path 2"], walls: Walls
-) -> tuple[Float64[np.ndarray, " path"], np.ndarray]:
+) -> tuple[Float64[np.ndarray, " path"], Int64[np.ndarray, " path"]]:
     """Return at which share of a straight motion it first meets a wall, and which wall.
 
     Parameters
@@ -60,33 +75,73 @@ def first_met(
     Returns
     -------
     share
-        From 0 to 1, infinity where it meets none.
+        Up to 1, infinity where it meets none. A wall on which a motion begins is not met.
     wall
-        The wall.
+        The wall; of several that are met at once the first.
     """
-    a, b = walls.ends_m[:, 0], walls.ends_m[:, 1]
-    to_m, wall_m = a - at_m[:, None], b - a
-    cross = _cross(by_m[:, None], wall_m)
+    to_m = at_m + by_m
+    path, wall = np.nonzero(walls.in_boxes(np.minimum(at_m, to_m), np.maximum(at_m, to_m)))
+    shares = _share(at_m.T[:, path], by_m.T[:, path], walls.ends_m[wall])
+    share, first = np.full(len(at_m), np.inf), np.zeros(len(at_m), np.int64)
+    np.minimum.at(share, path, shares)
+    are_first = np.flatnonzero(np.isfinite(shares) & (shares == share[path]))[::-1]
+    first[path[are_first]] = wall[are_first]
+    return share, first
+
+
+def _share(at_m: np.ndarray, by_m: np.ndarray, ends_m: np.ndarray) -> np.ndarray:
+    """Return at which share of each motion (axis, path) it meets its wall, or the only one."""
+    by_x, by_y = by_m
+    (to_x, to_y), (wall_x, wall_y) = (ends_m[:, 0].T - at_m), (ends_m[:, 1] - ends_m[:, 0]).T
+    cross = by_x * wall_y - by_y * wall_x
     slanted = np.abs(cross) > 1e-12
     safe = np.where(slanted, cross, 1.0)
-    share, place = _cross(to_m, wall_m) / safe, _cross(to_m, by_m[:, None]) / safe
-    met = slanted & (share >= 0.0) & (share <= 1.0) & (place >= 0.0) & (place <= 1.0)
-    share = np.where(met, share, np.inf)
-    wall = share.argmin(axis=1)
-    return share[np.arange(len(share)), wall], wall
+    share, place = (to_x * wall_y - to_y * wall_x) / safe, (to_x * by_y - to_y * by_x) / safe
+    met = slanted & (share > 0.0) & (share <= 1.0)
+    met &= (place >= -_ENDS_SHARE) & (place <= 1.0 + _ENDS_SHARE)
+    return np.where(met, share, np.inf)
 
 
-def hidden(
-    seen_from_m: Float64[np.ndarray, "path 2"],
-    place_m: Float64[np.ndarray, "corner 2"],
+def sees(
+    from_m: Float64[np.ndarray, "person point 2"],
+    place_m: Float64[np.ndarray, "point 2"],
     walls: Walls,
-) -> Bool[np.ndarray, "path corner"]:
-    """Tell which corners of a place lie behind a wall, seen from somewhere."""
-    by_m = place_m - seen_from_m[:, None]
-    at_m = np.broadcast_to(seen_from_m[:, None], by_m.shape)
-    share, _ = first_met(at_m.reshape(-1, 2), by_m.reshape(-1, 2), walls)
-    return np.asarray(np.isfinite(share).reshape(by_m.shape[:2]))
+) -> Bool[np.ndarray, " person"]:
+    """Tell who sees a place: from any point, any point of it, with no wall between.
 
+    Parameters
+    ----------
+    from_m
+        Where each person is, now or later [m].
+    place_m
+        Points of the place [m].
+    walls
+        The walls.
 
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    Notes
+    -----
+    One way of each person is compared with all walls. What hides it hides most others as well, so
+    these walls are then compared with all ways that are left. The cost hardly grows with the walls.
+    """
+    people, points = from_m.shape[:2]
+    ends_m = np.concatenate([from_m.reshape(-1, 2), place_m])
+    walls = walls.near(ends_m.min(axis=0), ends_m.max(axis=0))
+    if not len(walls):
+        return np.ones(people, np.bool_)
+    at_m = np.repeat(from_m.reshape(-1, 2).T, len(place_m), axis=1)
+    by_m = np.tile(place_m.T, (1, people * points)) - at_m
+    person = np.repeat(np.arange(people), points * len(place_m))
+    seeing = np.zeros(people, np.bool_)
+    while len(person):
+        tried = np.flatnonzero(np.diff(person, prepend=-1))
+        share, wall = first_met(at_m[:, tried].T, by_m[:, tried].T, walls)
+        is_hidden = np.isfinite(share)
+        seeing[person[tried[~is_hidden]]] = True
+        left = ~seeing[person]
+        left[tried] = False
+        rows = np.flatnonzero(left)
+        for one in np.unique(wall[is_hidden]):
+            ends_m = walls.ends_m[one : one + 1]
+            rows = rows[np.isinf(_share(at_m[:, rows], by_m[:, rows], ends_m))]
+        at_m, by_m, person = at_m[:, rows], by_m[:, rows], person[rows]
+    return seeing

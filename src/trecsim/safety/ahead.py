@@ -23,7 +23,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from trecsim.forecasting.forecasts import Forecasts
-from trecsim.forecasting.walls import NO_WALLS, Walls, hidden
+from trecsim.forecasting.walls import NO_WALLS, Walls, sees
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.kernels import LEAST, MOST, reached_edge, reached_zone
 from trecsim.safety.polygons import Polygon, plain, sides_of
@@ -32,6 +32,8 @@ from trecsim.values import Snapshot
 
 STEP_S = 0.2
 """Between two steps people at 2 m/s go less than a body is wide [s]."""
+LOOK_STEPS = 4
+"""After so many steps it is looked anew what walls hide."""
 TOLD_S = (1.0, 2.0, 4.0)
 """The probabilities within these times stand in events [s]."""
 _LIKELY = 0.5
@@ -111,7 +113,7 @@ class Ahead:
             Later times are computed only for people who may be there by then [s].
         """
         rows = np.flatnonzero(self._may_reach(polygon.corners_m))
-        rows = rows[self._see(rows, polygon.corners_m)]
+        rows = rows[self._see(rows, polygon.inner_m)]
         return self._reached(polygon.sides, rows, z_m, _at(self.ahead_s, within_s))
 
     def _reached(
@@ -183,22 +185,13 @@ class Ahead:
         return may
 
     def _see(
-        self, rows: Int64[np.ndarray, " row"], corners_m: Float64[np.ndarray, "corner 2"]
+        self, rows: Int64[np.ndarray, " row"], place_m: Float64[np.ndarray, "point 2"]
     ) -> Bool[np.ndarray, " row"]:
         """Tell who sees a place now or on the way: what walls hide for good, nobody gets into."""
-        low_m, high_m = self._reached_m
-        walls = self.walls
-        if len(walls) and len(rows):
-            walls = walls.near(
-                np.minimum(low_m[rows].min(axis=0), corners_m.min(axis=0)),
-                np.maximum(high_m[rows].max(axis=0), corners_m.max(axis=0)),
-            )
-        if not len(walls):
+        if not (len(rows) and len(self.walls)):
             return np.ones(len(rows), bool)
-        sides_m = 0.5 * (corners_m + np.roll(corners_m, -1, axis=0))
-        place_m = np.concatenate([corners_m, sides_m, corners_m.mean(axis=0)[None]])
-        path_m = self.xy_m[rows].reshape(-1, 2)
-        return np.asarray(~hidden(path_m, place_m, walls).reshape(len(rows), -1).all(axis=1))
+        from_m = self.xy_m[rows, :, ::LOOK_STEPS]
+        return sees(from_m.reshape(len(rows), -1, 2), place_m, self.walls)
 
     @cached_property
     def _reached_m(

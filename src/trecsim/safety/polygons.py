@@ -26,6 +26,10 @@ from trecsim.safety.kernels import (
 )
 
 Points = Float64[np.ndarray, "point 2"]
+_SAMPLE_M, _MOST_SAMPLES = 0.5, 16
+"""Points within a polygon are so far from each other along its border, and hardly more [m]."""
+_INNER = 0.9
+"""They are nearer to the middle by this factor than the border is."""
 
 
 def plain(values: Float64[np.ndarray, "*n"]) -> Float64[np.ndarray, "*n"]:
@@ -104,6 +108,27 @@ class Polygon:
             parts.append(self.corners_m[[left[ear - 1], left[ear], left[(ear + 1) % len(left)]]])
             del left[ear]
         return (*parts, self.corners_m[left])
+
+    @cached_property
+    def inner_m(self) -> Points:
+        """Points all over it: the middles of its convex parts, and some within its borders.
+
+        None is at a border, where a wall may stand that hides nothing of what is before it.
+        """
+        around_m = sum(float(np.hypot(*(_next(part) - part).T).sum()) for part in self.parts)
+        step_m = max(_SAMPLE_M, around_m / _MOST_SAMPLES)
+        found = []
+        for part in self.parts:
+            ring_m = np.concatenate([part, part[:1]])
+            along_m = np.concatenate([[0.0], np.hypot(*np.diff(ring_m, axis=0).T).cumsum()])
+            at_m = np.arange(0.0, along_m[-1], step_m)
+            border_m = np.stack([np.interp(at_m, along_m, axis_m) for axis_m in ring_m.T], axis=1)
+            middle_m = part.mean(axis=0)
+            found += [middle_m[None], middle_m + _INNER * (border_m - middle_m)]
+        points_m = np.concatenate(found)
+        if len(points_m) > 2 * _MOST_SAMPLES:
+            points_m = points_m[:: -(-len(points_m) // _MOST_SAMPLES)]
+        return points_m
 
     @cached_property
     def sides(self) -> Float64[np.ndarray, "1 part side 3"]:
