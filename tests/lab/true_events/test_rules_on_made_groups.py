@@ -37,12 +37,32 @@ def test_the_third_who_begins_to_run_makes_a_panic_and_the_first_who_stops_ends_
     assert (told.start_s, told.end_s) == pytest.approx((3.8, 6.8), abs=0.05)
 
 
+def fast(speed_mps: np.ndarray, y_m: float) -> np.ndarray:
+    """Return somebody who goes along x with a speed at each time [m/s]."""
+    x_m = np.concatenate([[0.0], np.cumsum(speed_mps)[:-1] * 0.04])
+    return bodies_at(np.stack([x_m, np.full(len(x_m), y_m)], axis=1), T)
+
+
 def test_who_gets_faster_little_by_little_runs_from_the_limit_on() -> None:
     speed_mps = np.interp(T, [3.0, 5.0, 8.0], [1.0, 3.4, 3.4])
-    x_m = np.concatenate([[0.0], np.cumsum(speed_mps)[:-1] * 0.04])
-    people = [bodies_at(np.stack([x_m, 0.0 * x_m + y], axis=1), T) for y in range(3)]
-    (told,) = agreed(PANIC, people, T)
+    (told,) = agreed(PANIC, [fast(speed_mps, y_m) for y_m in range(3)], T)
     assert told.start_s == pytest.approx(4.0, abs=0.1)  # 2.2 m/s
+
+
+def test_of_two_who_are_noticed_at_once_the_first_who_began_is_enough() -> None:
+    """Who stops short twice is noticed as late as who begins 0.16 s later."""
+    halting, even = (np.where(from_s - 1e-6 < T, 3.5, 1.0) for from_s in (4.0, 4.16))
+    halting[[108, 114]] = 0.0
+    people = [runner(3.0, 0), runner(3.2, 2), fast(halting, 4), fast(even, 6)]
+    (told,) = agreed(PANIC, people, T)
+    assert told.start_s == pytest.approx(4.0, abs=0.05)
+
+
+def test_when_others_leave_those_who_run_are_enough_from_then_on() -> None:
+    run = [runner(3.0 + 0.2 * n, 2.0 * n, for_s=5.0) for n in range(3)]
+    gone = bodies_on(there(line((-20.0, -2.0), (1.0, 0.0)), 0.0, 6.0), T)
+    (told,) = agreed(PANIC, [*run, *walkers(7), gone], T)
+    assert (told.start_s, told.end_s) == pytest.approx((6.0, 8.0), abs=0.05)
 
 
 @pytest.mark.parametrize(
@@ -51,7 +71,7 @@ def test_who_gets_faster_little_by_little_runs_from_the_limit_on() -> None:
         [runner(3.0, 0), runner(4.2, 2), runner(5.2, 4)],
         [runner(3.0, 0), runner(3.5, 2)],
         [runner(3.0, 0), runner(3.4, 2), runner(3.8, 4, mps=2.1)],
-        [runner(3.0, 0), runner(3.4, 2), runner(0.0, 4, for_s=9.0)],
+        [runner(3.0, 0), runner(3.4, 2), bodies_on(there(line((0, 4), (3.5, 0)), 2.6, 11.0), T)],
         [*(runner(3.0, 2.0 * n) for n in range(3)), *walkers(8)],
         [runner(3.0, 2.0 * n, for_s=0.45) for n in range(3)],
     ],

@@ -35,7 +35,8 @@ def panic(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
         run = [k for k in range(len(people)) if inside[k, n] and np.isfinite(began_s[k, n])]
         most = _most_within([float(began_s[k, n]) for k in run])
         if len(most) >= needed:
-            since_s[n] = sorted(began_s[run[m], n] for m in most)[needed - 1]
+            if any(n == 0 or not runs[run[m]][0][n - 1] for m in most):  # else others have gone
+                since_s[n] = sorted(began_s[run[m], n] for m in most)[needed - 1]
             together[[run[m] for m in most], n] = True
         elif n > 0 and together[:, n - 1].any():
             were = np.flatnonzero(together[:, n - 1]).tolist()

@@ -69,16 +69,23 @@ def running(person: TruePerson, inside: Flags, limit_mps: float) -> tuple[Flags,
 
 
 def _last_fast(t_s: Times, fast: Flags) -> tuple[float, float]:
-    """Return when the last fast stretch began, and when it was over, with short pauses in it."""
+    """Return when the last fast stretch began, and when it was over, with short pauses in it.
+
+    Examples
+    --------
+    >>> _last_fast(np.arange(6) / 25, np.array([1, 0, 0, 1, 1, 0], bool))
+    (0.0, 0.2)
+    """
     began_s: float | None = None
-    ended_s = last_s = float(t_s[0])
+    ended_s = float(t_s[0])
+    was_fast = False
     for now, is_fast in zip(t_s.tolist(), fast.tolist(), strict=True):
         if is_fast:
-            if began_s is None or now - last_s > PAUSE_S:
+            if began_s is None or (not was_fast and now - ended_s > PAUSE_S):
                 began_s = now
-            last_s = now
-        elif began_s is not None and ended_s <= last_s:
+        elif was_fast:
             ended_s = now
+        was_fast = is_fast
     return (float(t_s[-1]) if began_s is None else began_s), ended_s
 
 

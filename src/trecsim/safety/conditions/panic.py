@@ -80,10 +80,11 @@ class Panic:
         needed = max(self.people, math.ceil(self.share * len(here) - _SAME_SHARE))
         enough = len(together) >= needed
         began_s = sorted(counted[one] for one in together)
+        is_new = any(one not in before.since_s for one in together)  # else others have gone
         finding = Finding(
             float(enough),
             {"people": float(len(together))},
-            since_s=began_s[needed - 1] if enough else None,
+            since_s=began_s[needed - 1] if enough and is_new else None,
             until_s=None if enough else _until_s(before.together, counted, found, needed),
             people=together,
             count=len(together),
