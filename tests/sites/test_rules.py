@@ -9,8 +9,9 @@ from made_site import make_site
 from trecsim.errors import ConfigError
 from trecsim.safety.kinds import KINDS
 from trecsim.sites import read_site
-from trecsim.sites.recorded_site import read_recorded_site
+from trecsim.sites.recorded_site import RecordedSite, read_recorded_site
 from trecsim.sites.rules import rules_of
+from trecsim.sites.site_file import Site
 
 PLACES = """
 [zones.exit-strip]
@@ -129,6 +130,12 @@ def test_rules_on_a_recording_need_neither_cameras_nor_outputs(tmp_path: Path) -
     path.write_text(bare + '[sources.north]\nurl = "rtsp://cam/1"\n[[outputs]]\nkind = "mqtt"\n')
     site, rig = read_recorded_site(path)
     assert (site.name, len(site.rules), rig) == ("bare", 1, None)
+    path.write_text(bare + "[repair]\nautomatic = true\n[retention]\ntracks_h = 9\n")
+    assert read_recorded_site(path)[0].name == "bare"
     path.write_text(bare + "[zone.typo]\n")
     with pytest.raises(ConfigError, match="zone: unknown key; did you mean 'zones'"):
         read_recorded_site(path)
+
+
+def test_all_that_a_site_file_may_say_may_stand_beside_the_rules_of_a_recording() -> None:
+    assert set(Site.model_fields) <= set(RecordedSite.model_fields)

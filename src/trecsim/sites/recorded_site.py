@@ -36,6 +36,8 @@ class RecordedSite(Ruled):
     """Not looked at."""
     output: Any = None
     """Not looked at."""
+    repair: Any = None
+    """Not looked at."""
     outputs: Any = None
     """Not looked at."""
     retention: Any = None
