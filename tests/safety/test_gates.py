@@ -1,5 +1,6 @@
 """Rules on a gate that another system opens: tickets, followers, and feeds that do not work."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -204,6 +205,22 @@ def test_after_a_flood_or_an_unreadable_message_nothing_is_concluded_for_ten_sec
         )  # fmt: skip
         assert faults == {"r": [said]}
         assert told(events, "t_start_s") == ([(14.5,)] if with_late else [])
+
+
+@pytest.mark.parametrize("kept_s", [math.nan, 0.0])
+def test_a_part_of_a_recording_begins_with_what_came_before_it_and_not_with_a_flood(
+    kept_s: float,
+) -> None:
+    """As when a draft is tried on some minutes, or a file of messages is of the whole day."""
+    before = [Signal("f", float(n), "grant", "gate", n + kept_s) for n in range(300)]
+    source = recorded([*before, Signal("f", 299.9, "grant", "gate", 299.9 + kept_s)])
+    signals = Signals([Feed("f")])
+    signals.take(source(299.5))
+    assert signals.fault("f", 299.5) is None
+    assert len(signals.grants("f", "gate")) == 300
+    signals.take(source(300.0))
+    assert signals.grants("f", "gate")[-1].holds(300.0, 1.0)
+    assert [one.taken_s for one in source(301.0)] == []
 
 
 @pytest.mark.parametrize("what", ["grant", "volume", "gone"])

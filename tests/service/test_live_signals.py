@@ -4,9 +4,11 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from trecsim.errors import ConfigError
 from trecsim.safety.signals import Signal
 from trecsim.service.live_feeds import LiveFeeds
 from trecsim.service.live_signals import KeptSignals
@@ -67,6 +69,22 @@ def test_other_files_are_followed_from_then_on_and_one_that_stays_misses_nothing
         append(comes, '{"t_s": 7}\n')
         found = sorted((one.feed, one.t_s) for one in waited(source, 3))
     assert found == [("c", 7.0), ("s", 4.0), ("s", 5.0)]
+
+
+def test_what_changes_after_the_end_is_not_followed_any_more(tmp_path: Path) -> None:
+    """The site file may be read again until all else has ended, too."""
+    subscribed: list[str] = []
+
+    def subscribe(name: str, *given: Any) -> Any:
+        subscribed.append(name)
+        raise ConfigError("no broker")
+
+    topic = FeedTable(mqtt="hall/tickets")
+    with LiveFeeds({"t": topic}, subscribe) as source:
+        assert subscribed == ["t"]
+    source.change({"other": topic, "f": FeedTable(file=tmp_path / "f.jsonl")})
+    assert subscribed == ["t"]
+    assert "feeds" not in {one.name for one in threading.enumerate()}
 
 
 def test_posted_messages_come_once_and_only_where_the_site_file_allows_that(

@@ -144,6 +144,25 @@ def test_what_a_recording_has_kept_counts_in_place_of_the_file(tmp_path: Path) -
         kept_signals(folder)
 
 
+def test_the_recording_of_a_live_site_to_which_no_message_came_has_none(tmp_path: Path) -> None:
+    """The file is of another day; the rules of the live site never got what it says."""
+    (tmp_path / "f.jsonl").write_text('{"t_s": 3}\n', encoding="utf-8")
+    feeds = {"f": FeedTable(file=tmp_path / "f.jsonl")}
+    assert len(signals_of(feeds, tmp_path)) == 1
+    (tmp_path / ".live").touch()
+    assert signals_of(feeds, tmp_path) == signals_of(feeds, tmp_path / "tracks.parquet") == []
+
+
+def test_a_heading_is_kept_to_the_last_bit() -> None:
+    """Else the rules on a recording would judge another vehicle than the live ones did."""
+    for tenth in range(-3600, 3601):
+        moved = '"volume": "cart", "xy_m": [1, 2], "heading_deg"'
+        message = signal_of("f", f'{{"t_s": 1, {moved}: {tenth / 10}}}')
+        assert message.what == "volume"
+        taken = replace(message, taken_s=8.0)
+        assert recorded_signal(line_of(taken).encode()) == taken
+
+
 def test_a_line_without_end_is_one_wrong_message_and_the_next_ones_are_read(tmp_path: Path) -> None:
     path = tmp_path / "f.jsonl"
     path.write_bytes(b'{"t_s": 3}\n' + b"x" * 100_000 + b'\n{"t_s": 4, "grant": "a"}\n')

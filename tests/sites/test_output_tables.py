@@ -21,6 +21,7 @@ def site_with_output(folder: Path, text: str) -> Path:
         ('kind = "mqtt"\nurl = "mqtt://kim:s3cret@10.0.0.9"\n', "do not belong into the URL"),
         ('kind = "webhook"\nurl = "https://desk/x?token=s3cret"\n', "do not belong into the URL"),
         ('kind = "webhook"\nurl = "https://desk:s3cret"\n', "expected a URL like https://"),
+        ('kind = "mqtt"\nurl = "mqtt://broker..lan"\n', "expected a URL like mqtt://"),
         ('kind = "webhook"\n', "url"),
         ('kind = "mail"\nurl = "smtp://m"\nsender = "kim"\nto = ["a@b.c"]\n', "sender"),
         ('kind = "mail"\nurl = "smtp://m"\nsender = "a@b.c"\nto = []\n', "to"),

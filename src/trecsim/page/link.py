@@ -14,7 +14,8 @@ from trecsim.errors import Error
 from trecsim.health import Health
 from trecsim.safety.vehicle import PlacedVehicle
 
-LARGEST_BYTES = 64 * 1024 * 1024
+LARGEST_BYTES = 4 * 1024 * 1024
+"""A longer message of the page process is none: what it was asked is much shorter."""
 _HEAD_BYTES = 4
 
 

@@ -10,7 +10,7 @@ that cannot be read. Rules on this feed then do not judge, and report the fault.
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal, NamedTuple
 
@@ -75,7 +75,7 @@ class Signal:
 SignalSource = Callable[[float], Sequence[Signal]]
 """Returns the messages that have come since it was last asked, given the time of a frame set [s].
 
-Each of them has that time as `taken_s`."""
+Each of them has that time as `taken_s`, or, in a recording, the one at which the rules got it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,6 +267,8 @@ class Signals:
 def recorded(signals: Iterable[Signal]) -> SignalSource:
     """Return the messages of a recording as rules take them.
 
+    What came before the first frame set that is asked for came then, not all at once.
+
     Parameters
     ----------
     signals
@@ -279,12 +281,19 @@ def recorded(signals: Iterable[Signal]) -> SignalSource:
     ([], [('grant', 2.1)])
     """
     waiting = deque(sorted(signals, key=_due_s))
+    has_begun = False
 
-    def taken(t_s: float) -> Iterator[Signal]:
+    def taken(t_s: float) -> list[Signal]:
+        nonlocal has_begun
+        found = []
         while waiting and _due_s(waiting[0]) <= t_s:
-            yield with_taken(waiting.popleft(), t_s)
+            one = waiting.popleft()
+            is_now = has_begun and math.isnan(one.taken_s)
+            found.append(with_taken(one, t_s if is_now else _due_s(one)))
+        has_begun = True
+        return found
 
-    return lambda t_s: list(taken(t_s))
+    return taken
 
 
 def _due_s(one: Signal) -> float:

@@ -46,6 +46,7 @@ class LiveFeeds:
         self._feeds: dict[str, _Feed] = {}
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
+        self._lock = threading.Lock()  # the site file is read again in a thread of its own
         self._is_open = False
         self.change(feeds)
 
@@ -54,13 +55,14 @@ class LiveFeeds:
 
         May be called in any thread.
         """
-        before = self._feeds
-        self._feeds = {name: _Feed(name, one, before.get(name)) for name, one in feeds.items()}
-        kept = {id(feed.subscription) for feed in self._feeds.values()}
-        for feed in before.values():
-            if feed.subscription is not None and id(feed.subscription) not in kept:
-                feed.subscription.close()
-        self._begin()
+        with self._lock:
+            before = self._feeds
+            self._feeds = {name: _Feed(name, one, before.get(name)) for name, one in feeds.items()}
+            kept = {id(feed.subscription) for feed in self._feeds.values()}
+            for feed in before.values():
+                if feed.subscription is not None and id(feed.subscription) not in kept:
+                    feed.subscription.close()
+            self._begin()
 
     def put(self, feed: str, lines: Sequence[bytes]) -> None:
         """Take messages that were posted to the page; of other feeds they are dropped.
@@ -76,8 +78,9 @@ class LiveFeeds:
         return [with_taken(one, t_s) for feed in self._feeds.values() for one in feed.taken(t_s)]
 
     def __enter__(self) -> Self:
-        self._is_open = True
-        self._begin()
+        with self._lock:
+            self._is_open = True
+            self._begin()
         return self
 
     def __exit__(
@@ -86,7 +89,9 @@ class LiveFeeds:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._closing.set()
+        with self._lock:  # what changes from now on is followed no more
+            self._is_open = False
+            self._closing.set()
         open_now = [feed.subscription for feed in self._feeds.values() if feed.subscription]
         end_s = monotonic() + ENDING_S
         for leaving in [one.close() for one in open_now]:

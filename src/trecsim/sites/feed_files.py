@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 from trecsim.errors import InputError
 from trecsim.safety.signals import Signal
 from trecsim.sites.feed_tables import FeedTable
-from trecsim.store.names import SIGNALS, SIGNALS_S
+from trecsim.store.names import LIVE, SIGNALS, SIGNALS_S
 
 LONGEST_LINE = 4096
 """A longer line is no message [bytes]."""
@@ -157,12 +157,19 @@ def line_of(signal: Signal) -> str:
         if signal.xy_m is not None:
             facts["xy_m"] = list(signal.xy_m)
         if signal.heading_rad is not None:
-            facts["heading_deg"] = math.degrees(signal.heading_rad)
+            facts["heading_deg"] = _degrees(signal.heading_rad)
         if signal.what == "gone":
             facts["gone"] = True
     elif signal.what == "unreadable":
         facts["unreadable"] = signal.note
     return json.dumps(facts)
+
+
+def _degrees(angle_rad: float) -> float:
+    """Return an angle in degrees that is read as the same angle again, to the last bit."""
+    near = math.degrees(angle_rad)
+    above, below = math.nextafter(near, math.inf), math.nextafter(near, -math.inf)
+    return next((one for one in (near, above, below) if math.radians(one) == angle_rad), near)
 
 
 def recorded_signal(line: bytes) -> Signal:
@@ -232,7 +239,8 @@ def _hour_of(path: Path) -> int | None:
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
     """Return the messages of feeds for a recording: those that it has kept, else of the files.
 
-    What came by HTTP or MQTT is only known where the recording has kept it.
+    What came by HTTP or MQTT is only known where the recording has kept it. That of a live site has
+    kept all that the rules got, even where that is nothing.
 
     Parameters
     ----------
@@ -250,6 +258,8 @@ def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> li
         return []
     folder = tracks if tracks is None or tracks.is_dir() else tracks.parent
     kept = [] if folder is None else kept_signals(folder)
+    if folder is not None and (folder / LIVE).exists():
+        return kept
     files = ((name, feed.file) for name, feed in feeds.items() if feed.file is not None)
     return kept or list(chain.from_iterable(read_feed(*one) for one in files))
 

@@ -40,6 +40,7 @@ def _split(url: str, schemes: Sequence[str]) -> SplitResult:
     try:
         parts = urlsplit(url)
         _ = parts.port
+        (parts.hostname or "").encode("idna")  # raises a ValueError, too
     except ValueError:
         raise ValueError(
             f"expected a URL like {schemes[0]}://10.0.0.9, found {_shown(url)}"
