@@ -127,6 +127,12 @@ def test_who_has_left_the_image_is_not_looked_for(box):
     assert not any(look.turns for looks in taken for look in looks)
 
 
+def test_who_shows_no_key_point_is_not_missed_when_gone():
+    unknown = np.full((17, 2), np.nan)
+    taken = looked([poses(0.0, unknown), *(poses((1 + i) / 8) for i in range(10))])
+    assert not any(look.turns for looks in taken for look in looks)
+
+
 def test_lying_people_nobody_knows_of_are_looked_for_from_time_to_time():
     taken = looked([poses(i / 8) for i in range(65)])
     turned = {i: look.turns for i, looks in enumerate(taken) for look in looks if look.turns}

@@ -46,7 +46,7 @@ def turn_upright(xy_px, p):
 
 @inner
 def enclose(xy_px, p, box_px):
-    """Write the box around a person's known key points."""
+    """Write the box around a person's known key points; without any it is inside out."""
     left = top = math.inf
     right = bottom = -math.inf
     for j in range(xy_px.shape[1]):
@@ -60,10 +60,15 @@ def enclose(xy_px, p, box_px):
 
 @inner
 def is_lost(before_px, b, box_px, width_px, height_px):
-    """Tell whether somebody is found no more: nobody is near, and no border of the image."""
+    """Tell whether somebody is found no more: nobody is near, and no border of the image.
+
+    Where somebody was of whom nothing is known, nobody is lost.
+    """
     left, top, right, bottom = before_px[b]
     if not (
-        left > BORDER_SHARE * width_px
+        left <= right
+        and top <= bottom
+        and left > BORDER_SHARE * width_px
         and top > BORDER_SHARE * height_px
         and right < (1.0 - BORDER_SHARE) * width_px
         and bottom < (1.0 - BORDER_SHARE) * height_px

@@ -67,20 +67,22 @@ class Separated:
         }
         bonds = self._followed(scene, before, rows)
         findings = {}
-        for person, row in rows.items():
-            others = [
-                rows[a if b == person else b]
-                for (a, b), held_s in bonds.together_s.items()
-                if person in (a, b) and held_s >= self.bond_s - _SAME_S
-                and (a if b == person else b) in rows
-            ]  # fmt: skip
-            if not others:
-                continue
+        for person, others in self._belonging(bonds, rows).items():
+            row = rows[person]
             apart_m = np.hypot(*(scene.floor.xy_m[others] - scene.floor.xy_m[row]).T)
             nearest_m = float(apart_m.min())
             if nearest_m > self.distance_m:
                 findings[person] = Finding(1.0, {"distance_m": nearest_m})
         return Judged(findings, bonds)
+
+    def _belonging(self, bonds: Bonds, rows: Mapping[int, int]) -> dict[int, list[int]]:
+        """Return the rows of those who belong to each person and are there, if there are any."""
+        others: dict[int, list[int]] = {}
+        for (a, b), held_s in bonds.together_s.items():
+            if held_s >= self.bond_s - _SAME_S and a in rows and b in rows:
+                others.setdefault(a, []).append(rows[b])
+                others.setdefault(b, []).append(rows[a])
+        return {person: others[person] for person in rows if person in others}
 
     def _followed(self, scene: Scene, before: Bonds, rows: Mapping[int, int]) -> Bonds:
         """Return who belongs together now."""
