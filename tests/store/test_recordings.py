@@ -158,6 +158,14 @@ def test_the_newest_rig_is_that_of_the_last_repair(tmp_path: Path) -> None:
     assert newest_rig(tmp_path) == tmp_path / "rig-from-1780000000.500.toml"
 
 
+def test_a_rig_of_somebody_else_beside_tracks_is_neither_shown_nor_removed(tmp_path: Path) -> None:
+    own = tmp_path / "rig-from-metashape.toml"
+    own.touch()
+    assert newest_rig(tmp_path) == tmp_path / "rig.toml"
+    discard_recording(tmp_path)
+    assert own.exists()
+
+
 def test_poses_that_lie_there_twice_are_not_continued(tmp_path: Path) -> None:
     for name in ("poses.jsonl", "poses.jsonl.partial"):
         (tmp_path / name).touch()

@@ -30,6 +30,9 @@ from trecsim.store.timing_csv import last_time_s, read_timing, timing_in
 from trecsim.store.timing_writer import TimingWriter
 from trecsim.store.tracks_parquet import HOUR_S, ParquetTracksWriter
 
+_RIGS_FROM = RIG_FROM.format("[0-9]*.[0-9][0-9][0-9]")
+"""Other files that begin so belong to somebody else."""
+
 
 @dataclass(frozen=True, slots=True)
 class Stored:
@@ -149,7 +152,7 @@ def _complete_until_s(folder: Path, tracked_s: float) -> float:
 
 def newest_rig(folder: Path) -> Path:
     """Return the file of the rig that was in force last; the rules judge by ``rig.toml``."""
-    repaired = sorted(folder.glob(RIG_FROM.format("*")))  # named by times of one length
+    repaired = sorted(folder.glob(_RIGS_FROM))  # named by times of one length
     return repaired[-1] if repaired else folder / RIG
 
 
@@ -161,7 +164,8 @@ def discard_recording(folder: Path) -> None:
     OSError
         When one of them cannot be removed.
     """
-    many = [path.name for kind in (SIGNALS, RIG_FROM) for path in folder.glob(kind.format("*"))]
+    kinds = SIGNALS.format("*"), _RIGS_FROM
+    many = [path.name for kind in kinds for path in folder.glob(kind)]
     for name in (TRACKS, TIMING, POSES, RIG, GAPS, LIVE, *many):
         for path in (folder / name, partial_path(folder / name), parts_of(folder / name)):
             if path.is_dir() and not path.is_symlink():
