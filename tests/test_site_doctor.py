@@ -7,6 +7,7 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
@@ -120,3 +121,23 @@ def test_the_broker_of_a_feed_is_looked_at(tmp_path: Path) -> None:
     assert (gone.state, gone.text) == (
         "broken", f"the broker 127.0.0.1:{broker.port}: Connection refused",
     )  # fmt: skip
+
+
+def test_a_broker_that_speaks_an_older_mqtt_is_none_for_feeds(tmp_path: Path) -> None:
+    from made_site import make_site
+
+    def answer_one(listening: socket.socket) -> None:
+        """Answer as MQTT 3.1.1 does, which refuses a later version with 1."""
+        link, _ = listening.accept()
+        with link:
+            is_known = link.recv(1000)[8] <= 4
+            link.sendall(bytes([0x20, 2, 0, 0 if is_known else 1]))
+            link.recv(1000)
+
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        Thread(target=answer_one, args=(listening,), daemon=True).start()
+        broker = f"mqtt://127.0.0.1:{listening.getsockname()[1]}"
+        feed = f'[feeds.gate]\nmqtt = "gates"\nbroker = "{broker}"\n'
+        finding = found(make_site(tmp_path, 2, feed))["broker of feed gate"]
+    assert finding.state == "broken"
+    assert "refuses the connection: Unsupported protocol version" in finding.text

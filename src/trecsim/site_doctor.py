@@ -16,7 +16,7 @@ from trecsim.outputs.output_checks import look_at
 from trecsim.page.address import PageAddress
 from trecsim.page.site_address import page_address
 from trecsim.sites.check import CheckedSite
-from trecsim.sites.feed_brokers import broker_of
+from trecsim.sites.feed_brokers import VERSION, broker_of
 from trecsim.sites.feed_tables import FeedTable
 from trecsim.sites.live_cameras import address_of, login_faults
 from trecsim.sites.output_tables import DeliveryTable
@@ -168,7 +168,9 @@ def _broker(feed: str, table: FeedTable, site: Site) -> Finding:
     name = f"broker of feed {feed}"
     try:
         broker = broker_of(table, site.outputs)
-        answer = broker_answer(broker.url, broker.login(site.secrets), broker.ca, ANSWER_S)
+        answer = broker_answer(
+            broker.url, broker.login(site.secrets), broker.ca, ANSWER_S, version=VERSION
+        )
     except (Error, OSError) as error:
         return Finding(name, "broken", str(error), "start it or correct its table")
     return Finding(name, "ok", answer)

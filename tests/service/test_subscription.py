@@ -134,6 +134,27 @@ def test_a_broker_that_refuses_a_password_is_told_without_it(
     assert "s3cret" not in caplog.text
 
 
+def test_a_broker_that_refuses_the_topic_is_told_and_nothing_says_that_it_is_tried_again(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    class Refusal:
+        is_failure = True
+
+        def __str__(self) -> str:
+            return "Not authorized"
+
+    site = site_of(tmp_path, Broker(tmp_path))
+    table = FeedTable(mqtt="gates")
+    with LiveFeeds({"f": table}, partial(subscription_of, site)) as feeds:
+        until(lambda: "no connection" in caplog.text)
+        subscription = feeds._feeds["f"].subscription
+        assert subscription is not None
+        subscription._subscribed(None, None, 1, [Refusal()], None)
+    (told,) = (one for one in caplog.messages if "topic" in one)
+    assert "refuses the topic gates: Not authorized; let its user read that" in told
+    assert "tried again" not in told
+
+
 def test_a_feed_without_its_credentials_is_told_and_stops_nobody(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -5,7 +5,7 @@ import threading
 import time
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from trecsim.cloud_events import event_text
 from trecsim.outputs.base import Event, UndeliveredError
@@ -168,8 +168,15 @@ class Mqtt:
             self._changed.notify_all()
 
 
-def broker_answer(url: str, login: Login | None, ca: Path | None, timeout_s: float) -> str:
-    """Return what a broker says to a client that connects and goes away again.
+def broker_answer(
+    url: str,
+    login: Login | None,
+    ca: Path | None,
+    timeout_s: float,
+    *,
+    version: Literal[4, 5] = 4,
+) -> str:
+    """Return what a broker says to a client that connects and goes away again; see `client_of`.
 
     Raises
     ------
@@ -185,7 +192,7 @@ def broker_answer(url: str, login: Login | None, ca: Path | None, timeout_s: flo
         answers.append(reason)
         answered.set()
 
-    client = client_of(url, "", login, ca, timeout_s)
+    client = client_of(url, "", login, ca, timeout_s, version=version)
     client.on_connect = connected
     try:
         client.connect(host, port, keepalive=KEEPALIVE_S)

@@ -67,7 +67,7 @@ def leave(client: Any) -> None:
     """End a connection in order: its socket is closed once the broker knows."""
     left = threading.Event()
     client.on_disconnect = lambda *given: left.set()
-    if client.is_connected():
-        client.disconnect()
+    client.disconnect()  # also where the broker has refused it, which leaves the socket open
+    if client.socket() is not None:
         left.wait(LEAVE_S)
     client.loop_stop()

@@ -15,7 +15,7 @@ from trecsim.outputs.mqtt_client import (
     place_of,
 )
 from trecsim.service.waiting_lines import WaitingLines
-from trecsim.sites.feed_brokers import Broker
+from trecsim.sites.feed_brokers import VERSION, Broker
 from trecsim.sources.streams.camera_login import Login
 
 logger = logging.getLogger(__name__)
@@ -74,7 +74,7 @@ class Subscription:
         self._fault: str | None = None
         # A name of its own each time: one that is being closed must not be taken for this one.
         name = f"{client_id}-{token_hex(3)}"
-        client = client_of(broker.url, name, login, broker.ca, CONNECT_S, version=5)
+        client = client_of(broker.url, name, login, broker.ca, CONNECT_S, version=VERSION)
         client.reconnect_delay_set(1, SLOWEST_RETRY_S)
         client.on_connect, client.on_disconnect = self._connected, self._disconnected
         client.on_connect_fail, client.on_subscribe = self._not_connected, self._subscribed
@@ -100,7 +100,7 @@ class Subscription:
 
     def _connected(self, client: Any, data: Any, flags: Any, reason: Any, properties: Any) -> None:
         if reason.is_failure:
-            self._say(f"refuses the connection: {reason}")
+            self._say(f"refuses the connection: {reason}; it is tried again")
             return
         options = import_module("paho.mqtt.subscribeoptions")
         wanted = options.SubscribeOptions(qos=_QOS, retainHandling=_NO_RETAINED)
@@ -108,16 +108,17 @@ class Subscription:
 
     def _subscribed(self, client: Any, data: Any, mid: int, reasons: Any, properties: Any) -> None:
         refused = next((one for one in reasons if one.is_failure), None)
-        self._say(None if refused is None else f"refuses the topic {self._topic}: {refused}")
+        said = f"refuses the topic {self._topic}: {refused}; let its user read that"
+        self._say(None if refused is None else said)
 
     def _disconnected(
         self, client: Any, data: Any, flags: Any, reason: Any, properties: Any
     ) -> None:
         if reason.is_failure and self._fault is None:
-            self._say(f"the connection was lost: {reason}")
+            self._say(f"the connection was lost: {reason}; it is tried again")
 
     def _not_connected(self, client: Any, data: Any) -> None:
-        self._say(self._fault or "no connection")
+        self._say(self._fault or "no connection; it is tried again")
 
     def _say(self, fault: str | None) -> None:
         """Log what is wrong with the broker, or that nothing is any more: each once."""
@@ -127,9 +128,7 @@ class Subscription:
         if fault is None:
             logger.warning("feed %s: the broker %s is there again", self._feed, self._broker)
         else:
-            logger.warning(
-                "feed %s: the broker %s: %s; it is tried again", self._feed, self._broker, fault
-            )
+            logger.warning("feed %s: the broker %s: %s", self._feed, self._broker, fault)
 
 
 def _limits() -> Any:

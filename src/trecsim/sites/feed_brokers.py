@@ -3,12 +3,16 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from trecsim.errors import ConfigError, InputError
 from trecsim.sites.feed_tables import FeedTable
 from trecsim.sites.output_tables import DeliveryTable, MqttOutput
 from trecsim.sources.streams.camera_login import Login, find_login
 from trecsim.toml_models.toml_reading import Fault
+
+VERSION: Final = 5
+"""Of MQTT: in this one a client tells the broker how long messages may be."""
 
 
 @dataclass(frozen=True, slots=True)
