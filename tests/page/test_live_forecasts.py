@@ -1,6 +1,7 @@
 """The live page gets forecasts five times a second."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,6 +53,20 @@ def test_the_forecast_of_a_walk_stops_at_a_wall() -> None:
     made = [live.of(part_of(i / RATE_HZ)) for i in range(81)]
     (last,) = made[-1].values()
     assert max(one["xy_m"][0] for one in last) < 5.0
+
+
+@pytest.mark.parametrize(
+    "damaged",
+    [None, [], {"a": None}, {"a": {}}, {"a": {"points_m": [[1.0], [2.0]]}},
+     {"a": {"points_m": [["x", 0.0], [1.0, 1.0]]}}, {"a": {"points_m": 3}},
+     {"a": {"points_m": [[5.0, float(n % 2)] for n in range(5000)]}}],
+)  # fmt: skip
+def test_walls_of_a_damaged_recording_are_none_and_stop_no_page(damaged: Any) -> None:
+    live = LiveForecasts()
+    live.take_walls(damaged)
+    made = [live.of(part_of(i / RATE_HZ)) for i in range(81)]
+    (last,) = made[-1].values()
+    assert last[-1]["xy_m"][0] > 5.0
 
 
 def test_provisional_people_have_none() -> None:

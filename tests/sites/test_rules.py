@@ -139,3 +139,15 @@ def test_rules_on_a_recording_need_neither_cameras_nor_outputs(tmp_path: Path) -
 
 def test_all_that_a_site_file_may_say_may_stand_beside_the_rules_of_a_recording() -> None:
     assert set(Site.model_fields) <= set(RecordedSite.model_fields)
+
+
+def test_more_walls_than_forecasts_bear_are_refused(tmp_path: Path) -> None:
+    def walls(pieces: int) -> str:
+        return f"[walls.a]\npoints_m = {[[0.01 * n, 0.0] for n in range(pieces + 1)]}\n"
+
+    many = walls(600) + walls(400).replace("walls.a", "walls.b")
+    assert len(read_site(make_site(tmp_path, moments=1, more=many)).site.walls_m) == 1000
+    more = many + walls(1).replace("walls.a", "walls.c")
+    assert "walls: expected at most 1000 straight pieces in all, found 1001" in refusal(
+        tmp_path, more
+    )

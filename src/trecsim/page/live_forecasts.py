@@ -9,7 +9,7 @@ import numpy as np
 from trecsim.floor_points import path_xy
 from trecsim.forecasting import Forecaster
 from trecsim.forecasting.forecasts import Forecasts
-from trecsim.forecasting.walls import NO_WALLS, Walls
+from trecsim.forecasting.walls import MOST_WALLS, NO_WALLS, Walls
 from trecsim.page.link import SnapshotPart
 from trecsim.skeleton import COCO17
 from trecsim.values import PROVISIONAL
@@ -30,8 +30,12 @@ class LiveForecasts:
         self._forecaster = Forecaster(every_s=EVERY_S)
 
     def take_walls(self, tables: Mapping[str, Mapping[str, Any]]) -> None:
-        """Take the walls of a site, as its view has them."""
-        self._walls = Walls.along([wall["points_m"] for wall in tables.values()])
+        """Take the walls of a site, as its view has them; those of a damaged recording are none."""
+        try:
+            walls = Walls.along([wall["points_m"] for wall in tables.values()])
+        except (AttributeError, KeyError, TypeError, ValueError):
+            walls = NO_WALLS
+        self._walls = walls if len(walls) <= MOST_WALLS else NO_WALLS
         self._forecaster.walls = self._walls
 
     def of(self, part: SnapshotPart) -> People:

@@ -1,10 +1,11 @@
 """What rules need of a site file: its time zone, its places, and the rules themselves."""
 
+from collections.abc import Iterator
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from trecsim.forecasting.walls import Walls
+from trecsim.forecasting.walls import MOST_WALLS, Walls
 from trecsim.sites.feed_tables import FeedTable
 from trecsim.sites.mode_tables import ModeTable, mode_faults
 from trecsim.sites.places import (
@@ -19,6 +20,7 @@ from trecsim.sites.rule_tables import MOST_RULES, AnyRule
 from trecsim.sites.rules import Places, feed_faults, refuse, rule_faults
 from trecsim.sites.site_names import Name
 from trecsim.toml_models import Table
+from trecsim.toml_models.toml_reading import Fault
 
 RULED = (
     "format", "name", "timezone", "zones", "lines", "edges", "walls", "volumes", "exclusions",
@@ -73,7 +75,18 @@ class Ruled(Table):
             *rule_faults(self.rules, self.places, self.feeds),
             *feed_faults(self.volumes, self.feeds),
             *mode_faults(self.modes, self.rules),
+            *self._wall_faults(),
         ]
         if faults:
             refuse("Site", faults)
         return self
+
+    def _wall_faults(self) -> Iterator[Fault]:
+        """Yield that there are more walls than forecasts bear."""
+        found = len(self.walls_m)
+        if found > MOST_WALLS:
+            yield (
+                ("walls",),
+                f"expected at most {MOST_WALLS} straight pieces in all, found {found}; leave out "
+                "walls that nobody gets near, and draw round ones with fewer points",
+            )
