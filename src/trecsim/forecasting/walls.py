@@ -125,11 +125,18 @@ def sees(
     One way of each person is compared with all walls. What hides it hides most others as well, so
     these walls are then compared with all ways that are left. The cost hardly grows with the walls.
     """
-    people, points = from_m.shape[:2]
     ends_m = np.concatenate([from_m.reshape(-1, 2), place_m])
     walls = walls.near(ends_m.min(axis=0), ends_m.max(axis=0))
-    if not len(walls):
-        return np.ones(people, np.bool_)
+    seeing = np.ones(len(from_m), np.bool_)
+    if len(walls):
+        seeing = _see(from_m[:, :1], place_m, walls)  # of most people that decides
+        seeing[~seeing] = _see(from_m[~seeing, 1:], place_m, walls)
+    return seeing
+
+
+def _see(from_m: np.ndarray, place_m: np.ndarray, walls: Walls) -> np.ndarray:
+    """Do the work of `sees`."""
+    people, points = from_m.shape[:2]
     at_m = np.repeat(from_m.reshape(-1, 2).T, len(place_m), axis=1)
     by_m = np.tile(place_m.T, (1, people * points)) - at_m
     person = np.repeat(np.arange(people), points * len(place_m))

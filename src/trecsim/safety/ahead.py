@@ -113,8 +113,8 @@ class Ahead:
             Later times are computed only for people who may be there by then [s].
         """
         rows = np.flatnonzero(self._may_reach(polygon.corners_m))
-        rows = rows[self._see(rows, polygon.inner_m)]
-        return self._reached(polygon.sides, rows, z_m, _at(self.ahead_s, within_s))
+        found = self._reached(polygon.sides, rows, z_m, _at(self.ahead_s, within_s))
+        return self._seen(found, polygon.inner_m) if len(self.walls) else found
 
     def _reached(
         self,
@@ -184,14 +184,14 @@ class Ahead:
         ).all(axis=1)
         return may
 
-    def _see(
-        self, rows: Int64[np.ndarray, " row"], place_m: Float64[np.ndarray, "point 2"]
-    ) -> Bool[np.ndarray, " row"]:
-        """Tell who sees a place now or on the way: what walls hide for good, nobody gets into."""
-        if not (len(rows) and len(self.walls)):
-            return np.ones(len(rows), bool)
-        from_m = self.xy_m[rows, :, ::LOOK_STEPS]
-        return sees(from_m.reshape(len(rows), -1, 2), place_m, self.walls)
+    def _seen(self, found: "Arrivals", place_m: Float64[np.ndarray, "point 2"]) -> "Arrivals":
+        """Return arrivals but of people from whom, now and on the way, walls hide the place."""
+        likely = np.flatnonzero(found.by.max(axis=1, initial=0.0) > LEAST)
+        from_m = self.xy_m[likely, :, ::LOOK_STEPS]
+        points = from_m.shape[1] * from_m.shape[2]
+        see = sees(from_m.reshape(len(likely), points, 2), place_m, self.walls)
+        found.by[likely[~see]] = 0.0
+        return found
 
     @cached_property
     def _reached_m(
