@@ -108,8 +108,8 @@ def test_people_are_annotated_in_as_many_frames_as_the_note_of_the_recording_say
 
 def test_people_on_the_real_recording_are_found_and_keep_their_identities(real):
     score = score_shelf(follow(real.poses, real.rig), real.annotation)
-    assert score.average >= 97.1
-    assert score.mpjpe_m <= 0.0491
+    assert score.average >= 97.0
+    assert score.mpjpe_m <= 0.0490
     assert (score.missed, score.switches) == (0, 0)
 
 

@@ -24,7 +24,7 @@ from trecsim.fusion.tuning import (
 
 
 @inner
-def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info, M):
+def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info, good, M):
     """Write what the cameras that see a joint say about it, if only lasting errors count.
 
     Parameters
@@ -40,6 +40,8 @@ def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info,
     info
         Result, the upper triangle of (3, 3) [1/m^2]; singular where fewer than two cameras see the
         joint.
+    good
+        Result, the same if all key points were good ones.
     M
         Result, (3, 3): information of the calibration's errors in it, ``sum J' W B W J``.
     """
@@ -47,7 +49,7 @@ def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info,
     usual_m, share, least_px2 = noise.sigma_m[j], noise.bias_share, noise.floor_px * noise.floor_px
     for p in range(3):
         for q in range(3):
-            info[p, q] = M[p, q] = 0.0
+            info[p, q] = good[p, q] = M[p, q] = 0.0
     for c in range(last_s.shape[0]):
         if not last_s[c] > now_s - sights.look_back_s[c]:
             continue
@@ -55,13 +57,15 @@ def bias_information(cameras, noise, j, x, last_s, quality, sights, now_s, info,
         if not w > NEAR_M:
             continue
         certainty = min(quality[c], 1.0) if quality[c] > 0.0 else FADED_QUALITY
-        sigma_px = usual_m * focal_px[c] / (w * math.sqrt(certainty))
-        weight = 1.0 / (share * (sigma_px * sigma_px + least_px2))
+        good_px = usual_m * focal_px[c] / w
+        good_weight = 1.0 / (share * (good_px * good_px + least_px2))
+        weight = 1.0 / (share * (good_px * good_px / certainty + least_px2))
         of_camera = weight * weight * cameras.error_px2[c]
         for p in range(3):
             for q in range(3):
                 both = du[p] * du[q] + dv[p] * dv[q]
                 info[p, q] += weight * both
+                good[p, q] += good_weight * both
                 M[p, q] += of_camera * both
 
 
@@ -78,30 +82,35 @@ def unseen_sigma_m(last_s, now_s):
 
 
 @inner
-def widen(cov, info, scale, sigma, bounded, bias_m2):
-    """Add the covariance of a lasting error to `cov` (3, 3), in place.
+def lasting_error(info, scale, sigma, bounded, bias_m2):
+    """Write the covariance of the lasting error of a joint's position or velocity.
 
     Parameters
     ----------
-    cov
-        Of a joint's position or velocity.
     info
         See `bias_information`.
     scale
         Standard deviation of the error per metre of lasting error of the position.
     sigma
         Its standard deviation in directions that no camera tells of.
-    bounded, bias_m2
+    bounded
         Scratch, (3, 3).
+    bias_m2
+        Result, (3, 3).
     """
     for p in range(3):
         for q in range(p, 3):
             bounded[p, q] = info[p, q] / (scale * scale)
         bounded[p, p] += 1.0 / (sigma * sigma)
     invert3(bounded, bias_m2)
+
+
+@inner
+def add3(a, b):
+    """Add `b` to `a`, both (3, 3), in place."""
     for p in range(3):
         for q in range(3):
-            cov[p, q] += bias_m2[p, q]
+            a[p, q] += b[p, q]
 
 
 @inner
@@ -225,31 +234,33 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
     Most of a detector's error is a bias that lasts for seconds. Smoothing does not remove it, and
     no residual shows it, as the trajectory contains it, too; so its covariance is added to what is
     reported, not to the state. The bias also stretches limbs; the joints are adjusted to the limb
-    lengths here, where their covariance includes it.
+    lengths here, where their covariance includes it, as it is for key points of good score. What
+    low scores add comes after: that they are wrong does not tell that the other end is right.
     """
     x, cov_m2, velocity_cov_m2ps2 = joints
     joint_s, common_m2 = sights.joint_s, noise.common_m2
-    info, bounded, bias_m2 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
-    M, of_cameras_m2 = np.empty((3, 3)), np.empty((x.shape[1], 3, 3))
+    info, good, M = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    bounded, bias_m2, good_m2 = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    later_m2 = np.empty((x.shape[1], 3, 3))
     for k in range(x.shape[0]):
         for j in range(x.shape[1]):
             last_s, quality = joint_s[k, j], sights.quality[k, j]
-            bias_information(cameras, noise, j, x[k, j], last_s, quality, sights, now_s, info, M)
-            off_m = unseen_sigma_m(joint_s[k, j], now_s)
-            widen(cov_m2[k, j], info, 1.0, off_m, bounded, bias_m2)
-            sandwich3(bias_m2, M, of_cameras_m2[j])
-            widen(
-                velocity_cov_m2ps2[k, j],
-                info,
-                BIAS_WANDER_PER_S,
-                UNSEEN_SIGMA_MPS,
-                bounded,
-                bias_m2,
+            bias_information(
+                cameras, noise, j, x[k, j], last_s, quality, sights, now_s, info, good, M
             )
+            off_m = unseen_sigma_m(last_s, now_s)
+            lasting_error(good, 1.0, off_m, bounded, good_m2)
+            lasting_error(info, 1.0, off_m, bounded, bias_m2)
+            add3(cov_m2[k, j], good_m2)
+            sandwich3(bias_m2, M, later_m2[j])
             apart_m2, of_mean_m2 = disagreement_m2(noise, j, sights, k, now_s)
             for p in range(3):
                 cov_m2[k, j, p, p] += apart_m2
-                of_cameras_m2[j, p, p] += of_mean_m2
+                later_m2[j, p, p] += of_mean_m2
+                for q in range(3):
+                    later_m2[j, p, q] += bias_m2[p, q] - good_m2[p, q]
+            lasting_error(info, BIAS_WANDER_PER_S, UNSEEN_SIGMA_MPS, bounded, bias_m2)
+            add3(velocity_cov_m2ps2[k, j], bias_m2)
         body = Bodies(bodies.limb_m[k], bodies.limb_m2[k], bodies.level[k])
         tighten(x[k], cov_m2[k], limbs, body)
         # A length is linearised about the place that was chosen: it would rule the other one out.
@@ -257,10 +268,9 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
         # The error of a camera moves the whole body, and lengths are learnt with what all cameras
         # err in together: they tell nothing about either.
         for j in range(x.shape[1]):
+            add3(cov_m2[k, j], later_m2[j])
             for p in range(3):
                 cov_m2[k, j, p, p] += common_m2[j]
-                for q in range(3):
-                    cov_m2[k, j, p, q] += of_cameras_m2[j, p, q]
 
 
 @inner
