@@ -207,6 +207,15 @@ def test_after_a_flood_or_an_unreadable_message_nothing_is_concluded_for_ten_sec
         assert told(events, "t_start_s") == ([(14.5,)] if with_late else [])
 
 
+def test_a_feed_that_may_send_less_than_one_message_a_second_is_heard() -> None:
+    signals = Signals([Feed("f", most_per_s=0.2)])
+    signals.take([Signal("f", 1.0, "grant", "gate", 1.0), Signal("f", 6.0, "grant", "gate", 6.0)])
+    assert signals.fault("f", 6.0) is None
+    assert len(signals.grants("f", "gate")) == 2
+    signals.take([Signal("f", 6.5, "grant", "gate", 6.5)])
+    assert signals.fault("f", 6.5) == "feed f: more than 0.2 messages in a second"
+
+
 @pytest.mark.parametrize("kept_s", [math.nan, 0.0])
 def test_a_part_of_a_recording_begins_with_what_came_before_it_and_not_with_a_flood(
     kept_s: float,

@@ -154,7 +154,7 @@ class _FeedState:
         while self.recent and one.taken_s - self.recent[0] >= WITHIN_S:
             self.recent.popleft()
         self.recent.append(one.taken_s)
-        if len(self.recent) > self.feed.most_per_s * WITHIN_S:
+        if len(self.recent) > max(self.feed.most_per_s * WITHIN_S, 1.0):  # one alone is no flood
             self.recent.popleft()
             self._distrust(one, f"more than {self.feed.most_per_s:g} messages in a second")
             if one.what == "grant":  # a flood of grants must not open the gate to everybody
