@@ -153,6 +153,22 @@ def test_messages_are_kept_in_the_recording_as_the_rules_got_them(tmp_path: Path
     assert file.stat().st_mode & 0o777 == 0o600  # who passed when is nobody else's business
 
 
+def test_what_a_crash_left_of_a_message_harms_no_later_one(tmp_path: Path) -> None:
+    """A line in the middle of which another begins would make all of the recording unreadable."""
+    given = [Signal("f", 4.0, "grant", "a" * 60, taken_s=4.5)]
+    source = KeptSignals(lambda t_s: given)
+    source.keep_in(tmp_path)
+    for _ in range(300):
+        source(4.5)
+    (file,) = tmp_path.glob("signals-*.jsonl")
+    content = file.read_bytes()
+    for left in (b'{"feed": "f", "taken', content[:-1]):
+        file.write_bytes(content[: -len(content) // 300] + left)
+        source(4.5)
+        assert set(kept_signals(tmp_path)) == set(given)
+        assert file.read_bytes().endswith(b"\n")
+
+
 def test_a_recording_that_cannot_be_written_keeps_no_message_from_the_rules(
     tmp_path: Path,
 ) -> None:

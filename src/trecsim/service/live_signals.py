@@ -5,9 +5,10 @@ import math
 import os
 from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
+from typing import BinaryIO
 
 from trecsim.safety.signals import Signal, SignalSource
-from trecsim.sites.feed_files import line_of
+from trecsim.sites.feed_files import LONGEST_LINE, line_of
 from trecsim.sites.feed_remarks import name_remarks
 from trecsim.store.atomic import PRIVATE_FILE
 from trecsim.store.names import SIGNALS, SIGNALS_S
@@ -18,6 +19,7 @@ MOST_REMARKS = 100
 """Unknown names of places that are logged; a feed that floods must not fill the log."""
 PlaceNames = tuple[Collection[str], Collection[str]]
 """Names of lines, and of volumes."""
+_LAST_BYTES = 4 * LONGEST_LINE  # of a file; a line of it is a message, with its feed and a time
 
 
 class KeptSignals:
@@ -63,11 +65,11 @@ class KeptSignals:
     def _keep(self, folder: Path, t_s: float, signals: Sequence[Signal]) -> None:
         path = folder / SIGNALS.format(f"{math.floor(t_s / SIGNALS_S):010d}")
         try:
-            handle = os.open(
-                path, os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE
-            )
-            with os.fdopen(handle, "a", encoding="utf-8") as file:
-                file.writelines(f"{line_of(one)}\n" for one in signals)
+            handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, PRIVATE_FILE)
+            with os.fdopen(handle, "rb+") as file:
+                file.seek(_whole_bytes(file))
+                file.truncate()  # what a crash or a full disk has left of a line
+                file.writelines(f"{line_of(one)}\n".encode() for one in signals)
             self._failed = False
         except OSError as error:
             if not self._failed:
@@ -76,3 +78,12 @@ class KeptSignals:
                     path, error.strerror,
                 )  # fmt: skip
             self._failed = True
+
+
+def _whole_bytes(file: BinaryIO) -> int:
+    """Return up to where a file has whole lines [bytes]."""
+    size = file.seek(0, os.SEEK_END)
+    start = max(size - _LAST_BYTES, 0)
+    file.seek(start)
+    last = file.read()
+    return size if last.endswith(b"\n") else start + last.rfind(b"\n") + 1
