@@ -64,9 +64,11 @@ def _of_site(site: Path, cameras: Rig | None) -> FilmInput:
     from trecsim.sites.site_reading import read_site
 
     ruled = read_without_rig(site)
-    lines = {name: np.array(line.points_m, float) for name, line in ruled.lines.items()}
-    lines |= {name: np.array(edge.points_m, float) for name, edge in ruled.edges.items()}
-    lines |= {name: np.array(wall.points_m, float) for name, wall in ruled.walls.items()}
+    lines = {
+        f"{kind} {name}": np.array(one.points_m, float)
+        for kind, tables in (("line", ruled.lines), ("edge", ruled.edges), ("wall", ruled.walls))
+        for name, one in tables.items()
+    }
     zones = {name: np.array(zone.polygon_m, float) for name, zone in ruled.zones.items()}
     if cameras is None and ruled.rig is not None:
         cameras = ruled.rig.read(lambda remark: None)
