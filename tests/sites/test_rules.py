@@ -145,9 +145,9 @@ def test_more_walls_than_forecasts_bear_are_refused(tmp_path: Path) -> None:
     def walls(pieces: int) -> str:
         return f"[walls.a]\npoints_m = {[[0.01 * n, 0.0] for n in range(pieces + 1)]}\n"
 
-    many = walls(600) + walls(400).replace("walls.a", "walls.b")
-    assert len(read_site(make_site(tmp_path, moments=1, more=many)).site.walls_m) == 1000
+    many = walls(300) + walls(200).replace("walls.a", "walls.b")
+    assert len(read_site(make_site(tmp_path, moments=1, more=many)).site.walls_m) == 500
     more = many + walls(1).replace("walls.a", "walls.c")
-    assert "walls: expected at most 1000 straight pieces in all, found 1001" in refusal(
+    assert "walls: expected at most 500 straight pieces in all, found 501" in refusal(
         tmp_path, more
     )

@@ -146,7 +146,7 @@ def _beside(
     at_m: np.ndarray, cov_m2: np.ndarray, walls: Walls
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return which points have which walls beside them: points in order, ways there, an end."""
-    reach_m = NEAR_SIGMAS * np.sqrt(cov_m2[:, 0, 0] + cov_m2[:, 1, 1])[:, None]
+    reach_m = NEAR_SIGMAS * np.sqrt(_widest_m2(cov_m2))[:, None]
     point, wall = np.nonzero(walls.in_boxes(at_m - reach_m, at_m + reach_m))
     along, normal = _axes(walls.ends_m)
     ends_m, long_m = walls.ends_m[:, 0], _dot(walls.ends_m[:, 1] - walls.ends_m[:, 0], along)
@@ -157,6 +157,12 @@ def _beside(
     beside = (place_m >= 0.0) & (place_m <= long_m[wall])
     beside &= across_m**2 < NEAR_SIGMAS**2 * variance_m2
     return point[beside], away[beside], ends_m[wall[beside]]
+
+
+def _widest_m2(cov_m2: np.ndarray) -> np.ndarray:
+    """Return the largest variance in any direction."""
+    xx, yy = cov_m2[:, 0, 0], cov_m2[:, 1, 1]
+    return np.asarray(0.5 * (xx + yy + np.hypot(xx - yy, 2.0 * cov_m2[:, 0, 1])))
 
 
 def _cut(

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-MOST_WALLS = 1000
+MOST_WALLS = 500
 """Straight pieces of a site; more would hold up each forecast."""
 _ENDS_SHARE = 1e-9
 """Walls are longer by this share at both ends: nobody slips through a corner of two by rounding."""
