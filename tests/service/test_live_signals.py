@@ -13,7 +13,7 @@ from trecsim.safety.signals import Signal
 from trecsim.service.live_feeds import LiveFeeds
 from trecsim.service.live_signals import KeptSignals
 from trecsim.service.waiting_lines import LEAST_LINES, MOST_BYTES, WaitingLines
-from trecsim.sites.feed_files import LONGEST_LINE, kept_signals
+from trecsim.sites.feed_files import LONGEST_LINE, kept_signals, signals_of
 from trecsim.sites.feed_tables import FeedTable
 
 
@@ -151,6 +151,17 @@ def test_messages_are_kept_in_the_recording_as_the_rules_got_them(tmp_path: Path
     assert kept_signals(tmp_path) == given
     (file,) = tmp_path.glob("signals-*.jsonl")
     assert file.stat().st_mode & 0o777 == 0o600  # who passed when is nobody else's business
+
+
+def test_the_recording_of_a_site_with_feeds_tells_that_no_message_came(tmp_path: Path) -> None:
+    (tmp_path / "f.jsonl").write_text('{"t_s": 3}\n', encoding="utf-8")
+    feeds = {"f": FeedTable(file=tmp_path / "f.jsonl")}
+    source = KeptSignals(lambda t_s: [])
+    source.keep_in(tmp_path)  # a site without feeds: somebody may give it some afterwards
+    assert len(signals_of(feeds, tmp_path)) == 1
+    source.keep_in(tmp_path, 7300.0)
+    assert signals_of(feeds, tmp_path) == []
+    assert (tmp_path / "signals-0000000002.jsonl").exists()
 
 
 def test_what_a_crash_left_of_a_message_harms_no_later_one(tmp_path: Path) -> None:

@@ -144,12 +144,12 @@ def test_what_a_recording_has_kept_counts_in_place_of_the_file(tmp_path: Path) -
         kept_signals(folder)
 
 
-def test_the_recording_of_a_live_site_to_which_no_message_came_has_none(tmp_path: Path) -> None:
+def test_a_recording_that_has_kept_no_message_takes_none_of_the_file(tmp_path: Path) -> None:
     """The file is of another day; the rules of the live site never got what it says."""
     (tmp_path / "f.jsonl").write_text('{"t_s": 3}\n', encoding="utf-8")
     feeds = {"f": FeedTable(file=tmp_path / "f.jsonl")}
     assert len(signals_of(feeds, tmp_path)) == 1
-    (tmp_path / ".live").touch()
+    (tmp_path / "signals-0000000001.jsonl").touch()
     assert signals_of(feeds, tmp_path) == signals_of(feeds, tmp_path / "tracks.parquet") == []
 
 

@@ -41,9 +41,20 @@ class KeptSignals:
         self._folder: Path | None = None
         self._failed = False
 
-    def keep_in(self, folder: Path) -> None:
-        """Keep the messages in the folder of a recording from now on."""
+    def keep_in(self, folder: Path, begins_s: float | None = None) -> None:
+        """Keep the messages in the folder of a recording from now on.
+
+        Parameters
+        ----------
+        folder
+            The folder.
+        begins_s
+            The Unix time, for a site with feeds: the recording then tells that there were any, also
+            where no message comes, and that those of their files are none of it [s].
+        """
         self._folder = folder
+        if begins_s is not None:
+            self._keep(folder, begins_s, ())
 
     def __call__(self, t_s: float) -> Sequence[Signal]:
         """Return the messages that have come since; see `SignalSource`."""

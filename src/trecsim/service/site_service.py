@@ -158,7 +158,7 @@ class SiteService:
 
         def recording(recorder: Recorder) -> None:
             monitor.take_recorder(recorder)
-            signals.keep_in(recorder.folder)
+            signals.keep_in(recorder.folder, time.time() if site.feeds else None)
             self._record_in(recorder.folder, checked.rig)
 
         def drawn(summary: RunSummary) -> None:

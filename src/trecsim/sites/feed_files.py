@@ -18,7 +18,7 @@ from typing import Any, BinaryIO
 from trecsim.errors import InputError
 from trecsim.safety.signals import Signal
 from trecsim.sites.feed_tables import FeedTable
-from trecsim.store.names import LIVE, SIGNALS, SIGNALS_S
+from trecsim.store.names import SIGNALS, SIGNALS_S
 
 LONGEST_LINE = 4096
 """A longer line is no message [bytes]."""
@@ -239,8 +239,8 @@ def _hour_of(path: Path) -> int | None:
 def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> list[Signal]:
     """Return the messages of feeds for a recording: those that it has kept, else of the files.
 
-    What came by HTTP or MQTT is only known where the recording has kept it. That of a live site has
-    kept all that the rules got, even where that is nothing.
+    What came by HTTP or MQTT is only known where the recording has kept it. That of a live site
+    with feeds has kept all that the rules got, even where that is nothing.
 
     Parameters
     ----------
@@ -257,11 +257,10 @@ def signals_of(feeds: Mapping[str, FeedTable], tracks: Path | None = None) -> li
     if not feeds:
         return []
     folder = tracks if tracks is None or tracks.is_dir() else tracks.parent
-    kept = [] if folder is None else kept_signals(folder)
-    if folder is not None and (folder / LIVE).exists():
-        return kept
+    if folder is not None and any(folder.glob(SIGNALS.format("*"))):
+        return kept_signals(folder)
     files = ((name, feed.file) for name, feed in feeds.items() if feed.file is not None)
-    return kept or list(chain.from_iterable(read_feed(*one) for one in files))
+    return list(chain.from_iterable(read_feed(*one) for one in files))
 
 
 def _kept(path: Path) -> Iterator[Signal]:
