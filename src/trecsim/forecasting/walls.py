@@ -106,7 +106,7 @@ def _share(at_m: np.ndarray, by_m: np.ndarray, ends_m: np.ndarray) -> np.ndarray
 
 def sees(
     from_m: Float64[np.ndarray, "person point 2"],
-    place_m: Float64[np.ndarray, "point 2"],
+    place_m: Float64[np.ndarray, "spot 2"],
     walls: Walls,
 ) -> Bool[np.ndarray, " person"]:
     """Tell who sees a place: from any point, any point of it, with no wall between.
