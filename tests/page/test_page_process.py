@@ -5,8 +5,9 @@ import signal
 import socket
 import subprocess
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
+from threading import Thread
 from time import sleep, time
 
 import httpx
@@ -19,6 +20,7 @@ from page_processes import children, is_running, linux, process_of
 from trecsim.errors import InputError, SetupError
 from trecsim.page import page_process
 from trecsim.page.address import PageAddress
+from trecsim.page.link import LARGEST_BYTES
 from trecsim.page.page_process import PageProcess
 
 
@@ -88,6 +90,7 @@ PARENT = """
 import sys
 from made_page import SITE
 from trecsim.page.address import PageAddress
+from trecsim.page.link import LARGEST_BYTES
 from trecsim.page.page_process import PageProcess
 with PageProcess(PageAddress(port=0), SITE) as page:
     print(page.url, flush=True)
@@ -145,3 +148,30 @@ def test_the_page_process_gives_way_to_the_tracking() -> None:
     with running_page() as page:
         page.client.get("/api/health")  # it has begun
         assert os.getpriority(os.PRIO_PROCESS, process_of(page)) == min(19, own + 5)
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        b"\x81\xa4type\xa4none",
+        b"\x84\xa4type\xa7request\xa4kind\xa1k\xa2by\xa1b\xa4body\x81\xa1x"
+        + b"\x91" * 50_000
+        + b"\x01",
+        b"\x83\xa4type\xa4feed\xa4feed\xa2\xff\xfe\xa5lines\x90",
+        bytes(LARGEST_BYTES + 1),
+    ],
+)
+def test_a_page_process_that_sends_nonsense_is_replaced_and_harms_nobody(sent: bytes) -> None:
+    page = PageProcess(PageAddress(port=0), SITE)
+    ours, theirs = socket.socketpair()
+    with ours, theirs, page._listening:
+        sending = Thread(target=_send, args=(theirs, len(sent).to_bytes(4, "big") + sent))
+        sending.start()
+        assert (page._take_requests(ours) or "").startswith("sent what is no message: ")
+        ours.shutdown(socket.SHUT_RDWR)
+        sending.join()
+
+
+def _send(link: socket.socket, content: bytes) -> None:
+    with suppress(OSError):  # who does not want all of it hangs up
+        link.sendall(content)

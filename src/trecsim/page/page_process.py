@@ -222,7 +222,7 @@ class PageProcess:
                 message = FROM_PAGE.decode(body)
             except TimeoutError:
                 return f"said nothing for {within_s:g} s"
-            except (Error, msgspec.MsgspecError) as error:
+            except (Error, msgspec.MsgspecError, RecursionError) as error:
                 return f"sent what is no message: {error}"
             within_s = HUNG_S
             if isinstance(message, PageRequest):
