@@ -7,7 +7,7 @@ import subprocess
 import sys
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from threading import Thread
+from threading import Thread, Timer
 from time import sleep, time
 
 import httpx
@@ -170,6 +170,21 @@ def test_a_page_process_that_sends_nonsense_is_replaced_and_harms_nobody(sent: b
         assert (page._take_requests(ours) or "").startswith("sent what is no message: ")
         ours.shutdown(socket.SHUT_RDWR)
         sending.join()
+
+
+@pytest.mark.parametrize("sent", [b"", b"\x00\x00", b"\x00\x00\x00\x09half"])
+def test_a_page_process_that_hangs_in_the_middle_of_a_message_is_replaced(
+    sent: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(page_process, "START_S", 0.2)
+    page = PageProcess(PageAddress(port=0), SITE)
+    ours, theirs = socket.socketpair()
+    with ours, theirs, page._listening:
+        theirs.sendall(sent)
+        ending = Timer(10.0, ours.shutdown, (socket.SHUT_RDWR,))
+        ending.start()
+        assert page._take_requests(ours) == "said nothing for 0.2 s"
+        ending.cancel()
 
 
 def _send(link: socket.socket, content: bytes) -> None:

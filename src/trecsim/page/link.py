@@ -6,6 +6,7 @@ process in wrong hands cannot make the tracking process run anything.
 
 import math
 import socket
+from collections.abc import Callable
 from typing import Any
 
 import msgspec
@@ -159,26 +160,34 @@ def framed(message: ToPage | FromPage) -> bytes:
     return len(body).to_bytes(_HEAD_BYTES, "big") + body
 
 
-def receive_body(link: socket.socket) -> bytes | None:
+def receive_body(link: socket.socket, wait: Callable[[], None] = lambda: None) -> bytes | None:
     """Return the next message, not decoded; None when the other end has gone.
+
+    Parameters
+    ----------
+    link
+        The link.
+    wait
+        Is called before each look for the next piece; what it raises ends the waiting.
 
     Raises
     ------
     Error
         What comes is no message.
     """
-    head = _exactly(link, _HEAD_BYTES)
+    head = _exactly(link, _HEAD_BYTES, wait)
     if head is None:
         return None
     size = int.from_bytes(head, "big")
     if size > LARGEST_BYTES:
         raise Error(f"the link to the page: expected at most {LARGEST_BYTES} bytes, found {size}")
-    return _exactly(link, size)
+    return _exactly(link, size, wait)
 
 
-def _exactly(link: socket.socket, size: int) -> bytes | None:
+def _exactly(link: socket.socket, size: int, wait: Callable[[], None]) -> bytes | None:
     parts = bytearray()
     while len(parts) < size:
+        wait()
         try:
             part = link.recv(size - len(parts))
         except ConnectionError:

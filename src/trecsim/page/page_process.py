@@ -232,12 +232,16 @@ class PageProcess:
 
 
 def _received_within(link: socket.socket, seconds: float) -> bytes | None:
+    """Return the next message; the other end may also hang in the middle of one."""
     # A timeout of the socket itself would also hold for the thread that sends.
     with DefaultSelector() as selector:
         selector.register(link, EVENT_READ)
-        if not selector.select(seconds):
-            raise TimeoutError
-    return receive_body(link)
+
+        def wait() -> None:
+            if not selector.select(seconds):
+                raise TimeoutError
+
+        return receive_body(link, wait)
 
 
 def _start(listening: socket.socket, link: socket.socket) -> subprocess.Popen[bytes]:
