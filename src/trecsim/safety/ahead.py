@@ -15,7 +15,7 @@ joints, borders are nearer by as much as the joints stick out in that direction 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -185,13 +185,14 @@ class Ahead:
         return may
 
     def _seen(self, found: "Arrivals", place_m: Float64[np.ndarray, "point 2"]) -> "Arrivals":
-        """Return arrivals but of people from whom, now and on the way, walls hide the place."""
+        """Return arrivals without those of people for whom walls hide the place all the way."""
         likely = np.flatnonzero(found.by.max(axis=1, initial=0.0) > LEAST)
         from_m = self.xy_m[likely, :, ::LOOK_STEPS]
         points = from_m.shape[1] * from_m.shape[2]
         see = sees(from_m.reshape(len(likely), points, 2), place_m, self.walls)
-        found.by[likely[~see]] = 0.0
-        return found
+        by = found.by.copy()
+        by[likely[~see]] = 0.0
+        return replace(found, by=by)
 
     @cached_property
     def _reached_m(

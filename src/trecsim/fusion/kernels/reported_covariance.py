@@ -235,7 +235,7 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
     no residual shows it, as the trajectory contains it, too; so its covariance is added to what is
     reported, not to the state. The bias also stretches limbs; the joints are adjusted to the limb
     lengths here, where their covariance includes it, as it is for key points of good score. What
-    low scores add comes after: that they are wrong does not tell that the other end is right.
+    low scores add comes after: it says nothing about the other end of the limb.
     """
     x, cov_m2, velocity_cov_m2ps2 = joints
     joint_s, common_m2 = sights.joint_s, noise.common_m2
