@@ -28,7 +28,7 @@ class Walls:
     ends_m: Float64[np.ndarray, "wall 2 2"]
 
     @classmethod
-    def along(cls, lines_m: Sequence[Sequence[tuple[float, float]]]) -> "Walls":
+    def along(cls, lines_m: Sequence[Sequence[Sequence[float]]]) -> "Walls":
         """Return the walls along some lines of points [m].
 
         Examples
