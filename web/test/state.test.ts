@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { backOff, read } from "../src/net/connection.ts";
-import { open, initial, reduce, statusOf, type Action, type State } from "../src/state/state.ts";
+import { ageOf, dataTime, open, initial, reduce, statusOf, type Action, type State } from "../src/state/state.ts";
 import { parse, write } from "../src/state/address.ts";
 import { readSite } from "../src/state/site.ts";
 import { event, health, person, snapshot, T } from "./made.ts";
@@ -104,4 +104,29 @@ test("a site that is malformed is drawn as far as it goes", () => {
   assert.deepEqual(site.edges[0]?.points, [[0, 0], [4, 0]]);
   assert.ok(site.floor.high[0] > site.floor.low[0]);
   assert.equal(readSite(null).name, "site");
+});
+
+test("a recording of a live site is played on its own clock, up to its end", () => {
+  const site = readSite({ version: "", site: { name: "s", kind: "recording" } });
+  const playing = after(
+    { type: "site", site },
+    message({ ...HEALTH, sent_s: T + 86400 }, T),
+    message({ ...snapshot(T, [person(1)]), sent_s: T + 86400 }, T),
+    { type: "tick", local: T + 1 },
+  );
+  assert.ok(Number.isNaN(ageOf(playing)));
+  assert.ok(Math.abs(dataTime(playing) - (T + 1)) < 0.01);
+  assert.equal(statusOf(playing).title, "Nothing is armed");
+  const ended = reduce(playing, message(
+    { ...HEALTH, sent_s: T + 86500, fusion: { state: "ended" } }, T + 100,
+  ));
+  assert.equal(dataTime(ended), T);
+  assert.equal(statusOf(ended).title, "The recording has ended");
+});
+
+test("people of a live site who are a day old are not watched", () => {
+  const late = after(
+    message(HEALTH, T), message({ ...snapshot(T - 86400, [person(1)]), sent_s: T }, T),
+  );
+  assert.equal(statusOf(late).title, "Watching has stopped");
 });

@@ -23,9 +23,13 @@ export interface TileInput {
 
 const NEAR = 0.1;
 
-/** Return the lens' picture scaled to fill a tile, and cut to its shape. */
+/** Tell whether a picture is higher than wide: cut to the shape of a tile, people would lose heads. */
+export const isUpright = ({ lens }: Camera): boolean => lens.height > lens.width;
+
+/** Return the lens' picture scaled to fill a tile and cut to its shape, an upright one whole. */
 function fill(lens: Lens, width: number, height: number): (p: Point3) => Point {
-  const scale = Math.max(width / lens.width, height / lens.height);
+  const [wide, high] = [width / lens.width, height / lens.height];
+  const scale = lens.height > lens.width ? Math.min(wide, high) : Math.max(wide, high);
   const [left, top] = [(width - lens.width * scale) / 2, (height - lens.height * scale) / 2];
   return (p) => {
     const [u, v] = toPixel(lens, p);
@@ -86,6 +90,15 @@ export function drawTile(
   if (!input.picture) drawSite(pen, c, width, height, input.site, trace);
   if (input.prism) drawPrism(pen, c, input.prism, trace);
   drawPeople(pen, c, input, put, lens);
+  if (!input.picture && isUpright(input.camera)) drawMargins(pen, c, width, height, lens);
+}
+
+/** Cover what lies beside an upright picture: the camera does not see it. */
+function drawMargins(pen: Pen, c: Palette, width: number, height: number, lens: Lens): void {
+  const margin = (width - (lens.width * height) / lens.height) / 2;
+  pen.fillStyle = c.panel;
+  pen.fillRect(0, 0, margin, height);
+  pen.fillRect(width - margin, 0, margin, height);
 }
 
 type Trace = (points: readonly Point3[], closed: boolean) => void;

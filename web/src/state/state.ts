@@ -73,12 +73,16 @@ export const initial = (local: number): State => ({
 export const serverTime = (state: State): number =>
   state.local + (Number.isFinite(state.ahead) ? state.ahead : 0);
 
-/** Return now on the clock of the snapshots: the server's, or that of a recording. */
+/** Tell whether a recording is played: its people are of another day, or count from its start. */
+export const isRecording = (state: State): boolean =>
+  state.site?.recording === true || (state.snapshot?.t ?? UNIX_FROM_S) < UNIX_FROM_S;
+
+/** Return now on the clock of the snapshots: the server's, or that of a recording up to its end. */
 export function dataTime(state: State): number {
   const snapshot = state.snapshot;
-  return snapshot && snapshot.t < 1e9
-    ? snapshot.t + Math.max(0, serverTime(state) - snapshot.sent)
-    : serverTime(state);
+  if (!snapshot || !isRecording(state)) return serverTime(state);
+  if (state.health?.fusion.state === "ended") return snapshot.t;
+  return snapshot.t + Math.max(0, serverTime(state) - snapshot.sent);
 }
 
 export function reduce(state: State, action: Action): State {
@@ -161,7 +165,7 @@ export const open = (state: State): Alert[] =>
 
 /** Return how old the newest people are [s]; NaN before the first, and for a recording. */
 export const ageOf = (state: State): number =>
-  state.snapshot && state.snapshot.t >= UNIX_FROM_S ? serverTime(state) - state.snapshot.t : NaN;
+  state.snapshot && !isRecording(state) ? serverTime(state) - state.snapshot.t : NaN;
 
 /** Whether what is known of people is too old to be shown as what is there now. */
 export const isOld = (state: State): boolean => state.link === "lost" || ageOf(state) > STALLED_S;

@@ -6,8 +6,9 @@ import { home, write } from "../state/address.ts";
 import {
   cards, closedAlerts, handling, REASONS, title, type Alert,
 } from "../state/alerts.ts";
+import { cardKey, idsOf, inOrder } from "../state/held.ts";
 import { dataTime, open, type State } from "../state/state.ts";
-import { clock, day, duration, hourMinute } from "../state/words.ts";
+import { clock, count, day, duration, hourMinute } from "../state/words.ts";
 import { store } from "../store.ts";
 
 const HOLD_MS = 500;
@@ -16,21 +17,17 @@ const HOLD_MS = 500;
 function useHeld(groups: Alert[][]): {
   shown: Alert[][]; waiting: number; hold: (on: boolean) => void; release: () => void;
 } {
-  const [held, setHeld] = useState<string[] | null>(null);
+  const [held, setHeld] = useState<string[][] | null>(null);
   const timer = useRef(0);
-  const ids = groups.map((group) => (group[0] as Alert).id);
+  const ids = idsOf(groups);
   const order = useRef(ids);
   if (!held) {
-    if (order.current.join() !== ids.join()) ordered = performance.now();
+    if (first(order.current) !== first(ids)) ordered = performance.now();
     order.current = ids;
   }
   useEffect(() => () => clearTimeout(timer.current), []);
-  const shown = held
-    ? held.flatMap((id) => groups.filter((group) => group[0]?.id === id))
-    : groups;
   return {
-    shown,
-    waiting: groups.length - shown.length,
+    ...(held ? inOrder(held, groups) : { shown: groups, waiting: 0 }),
     hold: (on) => {
       clearTimeout(timer.current);
       if (on) setHeld((before) => before ?? order.current);
@@ -39,6 +36,8 @@ function useHeld(groups: Alert[][]): {
     release: () => setHeld(null),
   };
 }
+
+const first = (ids: readonly string[][]): string => ids.map((card) => card[0]).join();
 
 let ordered = -Infinity;
 
@@ -78,12 +77,12 @@ export function Alerts() {
         )}
         {held.waiting > 0 && (
           <button type="button" class="held" onClick={held.release}>
-            {held.waiting === 1 ? "1 new alarm above" : `${held.waiting} new alarms above`}
+            Show {count(held.waiting, "new alert")}
           </button>
         )}
         <ul class={lost ? "dimmed" : ""}>
           {held.shown.map((group) => (
-            <Card key={group[0]?.id} group={group} now={now} keyed={group[0]?.id === key?.id} />
+            <Card key={cardKey(group)} group={group} now={now} keyed={group[0]?.id === key?.id} />
           ))}
         </ul>
         {!lost && all.length === 0 && <None state={state} />}

@@ -142,7 +142,7 @@ function Acts({ group, now, keyed }: Props) {
   const done = () => setForm(null);
   const box = useAway<HTMLDivElement>(form === "menu", done);
   if (form === "shelve") return <Shelve group={group} done={done} now={now} />;
-  if (form === "close") return <Close alert={alert} done={done} />;
+  if (form === "close") return <Close group={group} done={done} />;
   const canAct = store.mayAct && store.state.link !== "lost";
   const isOpen = how === "new" || how === "ended";
   const ack = canAct && isOpen && !alert.predicted;
@@ -220,7 +220,7 @@ export function Shelve({ group, done, now }: { group: readonly Alert[]; done: ()
   );
 }
 
-export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
+export function Close({ group, done }: { group: readonly Alert[]; done?: () => void }) {
   const [reason, setReason] = useState<Reason>("true");
   const [note, setNote] = useState("");
   const first = useRef<HTMLButtonElement>(null);
@@ -230,7 +230,9 @@ export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
   const missing = reason === "false" && note.trim() === "";
   const close = () => {
     const what = { phase: "close" as const, reason, note: note.trim() || undefined };
-    void store.act(alert.id, what, `Closed as ${REASONS[reason].toLowerCase()}.`, { phase: "reopen" });
+    for (const alert of group) {
+      void store.act(alert.id, what, `Closed as ${REASONS[reason].toLowerCase()}.`, { phase: "reopen" });
+    }
     done?.();
   };
   return (
@@ -250,7 +252,9 @@ export function Close({ alert, done }: { alert: Alert; done?: () => void }) {
         onInput={(event) => setNote(event.currentTarget.value)} />
       <div class="row">
         <button type="submit" class="button primary" disabled={missing}
-          title={missing ? "A false alarm needs a note" : ""}>Close alert</button>
+          title={missing ? "A false alarm needs a note" : ""}>
+          {group.length > 1 ? `Close all ${group.length}` : "Close alert"}
+        </button>
         {done && <button type="button" class="button quiet" onClick={done}>Cancel</button>}
       </div>
     </form>

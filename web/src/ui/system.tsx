@@ -96,7 +96,7 @@ function Why({ name, camera, state }: { name: string; camera: CameraHealth; stat
     <tr class="fault">
       <td class="why" colSpan={7}>
         <div>
-          <p>{named(name)}: {since}{camera.fault ? `; ${camera.fault}` : ""}.{done}</p>
+          <p>{named(name)}: {since}{camera.fault ? `; ${camera.fault}` : ""}{camera.fault?.endsWith("?") ? "" : "."}{done}</p>
           {alert && how === "new" && store.mayAct && (
             <>
               <button type="button" class="button" onClick={() => acknowledge([alert])}>Acknowledge</button>
@@ -111,12 +111,16 @@ function Why({ name, camera, state }: { name: string; camera: CameraHealth; stat
   );
 }
 
+const REASONS_OUT: Record<string, string> = {
+  queue: "no time for the poses", late: "too late", decode: "damaged", size: "of another size",
+};
+
 /** Return why images were left out, the most frequent reason first. */
 function dropsInWords(camera: CameraHealth): string {
   return Object.entries(camera.dropped_by ?? {})
     .filter(([, n]) => n > 0)
     .sort((a, b) => b[1] - a[1])
-    .map(([reason, n]) => `${reason.replaceAll("_", " ")} ${n}`)
+    .map(([reason, n]) => `${n} ${REASONS_OUT[reason] ?? reason.replaceAll("_", " ")}`)
     .join(", ");
 }
 

@@ -6,7 +6,7 @@ import { usePicture } from "../net/picture.ts";
 import { isFault } from "../state/alerts.ts";
 import { fit } from "../draw/mark.ts";
 import { palette } from "../draw/palette.ts";
-import { drawTile } from "../draw/tile.ts";
+import { drawTile, isUpright } from "../draw/tile.ts";
 import { toCamera, toPixel } from "../draw/lens.ts";
 import type { CameraHealth, Severity } from "../state/messages.ts";
 import type { Camera } from "../state/site.ts";
@@ -91,7 +91,7 @@ export function Tile(
   const picture = usePicture(camera.name, asks);
   const view = () => store.go({ view: `camera:${camera.name}` });
   return (
-    <button type="button" class={`tile ${how}`} data-camera={camera.name} onClick={view}
+    <button type="button" class={`tile ${how} ${isUpright(camera) ? "upright" : ""}`} data-camera={camera.name} onClick={view}
       aria-label={`Camera ${named(camera.name)}, ${how}`}>
       <div class="picture">
         {how !== "down" && <Picture camera={camera} picture={picture} />}

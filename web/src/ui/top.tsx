@@ -4,7 +4,7 @@ import { useStore } from "./use.ts";
 import { Glyph, Icon } from "./icons.tsx";
 import { isFault } from "../state/alerts.ts";
 import { counted } from "../state/people.ts";
-import { dataTime, isOld, serverTime, statusOf, type State } from "../state/state.ts";
+import { dataTime, isOld, isRecording, serverTime, statusOf, type State } from "../state/state.ts";
 import type { Status } from "../state/status.ts";
 import { clock, count, day, duration, whole } from "../state/words.ts";
 import { store, type Store } from "../store.ts";
@@ -49,7 +49,7 @@ const live = (state: State): [number, number] => {
 export function behind(state: State): string {
   const snapshot = state.snapshot;
   if (!snapshot) return "";
-  if (snapshot.t < 1e9) return "recording";
+  if (isRecording(state)) return "recording";
   const late = serverTime(state) - snapshot.t;
   return late < 0 ? "0.0 s behind" : `${duration(late)} behind`;
 }

@@ -261,7 +261,7 @@ export function Why({ alert, recording }: { alert: Alert | null; recording: Reco
             </div>
           )}
           {shelving && <Shelve group={[alert]} now={now} done={() => setShelving(false)} />}
-          {!alert.closed && alert.end !== null && <Close key={alert.id} alert={alert} />}
+          {!alert.closed && alert.end !== null && <Close key={alert.id} group={[alert]} />}
           {alert.closed && (
             <button type="button" class="button"
               onClick={() => void store.act(alert.id, { phase: "reopen" }, "Open again.")}>Reopen</button>
