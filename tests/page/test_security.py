@@ -3,12 +3,13 @@
 import asyncio
 import os
 import shutil
+import socket
 import ssl
 import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from time import time
@@ -21,12 +22,14 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 import trecsim
 from made_page import SITE, RunningPage, event, next_of, run_apart, running_page, until
 from made_tracks import snapshot
+from page_processes import linux, process_of
 from trecsim.errors import InputError
 from trecsim.page import passwords
 from trecsim.page.address import PageAddress
 from trecsim.page.page_data import PageData
 from trecsim.page.page_process import PageProcess
 from trecsim.page.passwords import PasswordCheck, TooManyLoginsError, fits, hashed
+from trecsim.page.tls_door import HANDSHAKES
 from trecsim.page.users_file import ROLES, User, read_users, write_users
 from trecsim.store.ledger import Ledger
 
@@ -475,9 +478,9 @@ def test_a_page_whose_protection_is_missing_does_not_begin(
             address.check()
 
 
-def test_a_page_with_a_certificate_speaks_tls_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def certified(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PageAddress:
+    """Return the address of a page that speaks TLS, with a certificate that vouches for itself."""
     if shutil.which("openssl") is None:
         pytest.skip("openssl, which makes the certificate, is not installed")
     cert, key = tmp_path / "cert.pem", tmp_path / "key.pem"
@@ -488,10 +491,17 @@ def test_a_page_with_a_certificate_speaks_tls_and_nothing_else(
         check=True, capture_output=True,
     )  # fmt: skip
     monkeypatch.setenv("PAGE_TOKEN", TOKEN)
-    trust = ssl.create_default_context(cafile=cert)
-    address = PageAddress(port=0, token_env="PAGE_TOKEN", tls_cert=cert, tls_key=key)
+    return PageAddress(port=0, token_env="PAGE_TOKEN", tls_cert=cert, tls_key=key)
+
+
+def trusting(address: PageAddress) -> ssl.SSLContext:
+    return ssl.create_default_context(cafile=str(address.tls_cert))
+
+
+def test_a_page_with_a_certificate_speaks_tls_and_nothing_else(certified: PageAddress) -> None:
+    trust = trusting(certified)
     with (
-        PageProcess(address, SITE) as page,
+        PageProcess(certified, SITE) as page,
         httpx.Client(base_url=page.url, verify=trust) as client,
     ):
         assert page.url.startswith("https://127.0.0.1:")
@@ -502,3 +512,52 @@ def test_a_page_with_a_certificate_speaks_tls_and_nothing_else(
         assert next(live).id.tolist() == [3]
         with pytest.raises(httpx.TransportError):
             httpx.get(page.url.replace("https", "http"), timeout=20)
+
+
+def test_a_request_that_comes_with_the_end_of_the_handshake_is_answered(
+    certified: PageAddress,
+) -> None:
+    with PageProcess(certified, SITE) as page:
+        port = httpx.URL(page.url).port or 0
+        trust = trusting(certified)
+        incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+        tls = trust.wrap_bio(incoming, outgoing, server_hostname="localhost")
+        with socket.create_connection(("127.0.0.1", port), timeout=20) as connection:
+            while True:
+                try:
+                    tls.do_handshake()
+                    break
+                except ssl.SSLWantReadError:
+                    connection.sendall(outgoing.read())
+                    incoming.write(connection.recv(65536))
+            tls.write(b"GET /api/health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+            connection.sendall(outgoing.read())  # the last of the handshake, and the request
+            answer = b""
+            while b'{"status":' not in answer:
+                part = connection.recv(65536)
+                assert part, "the page ended the connection without an answer"
+                incoming.write(part)
+                with suppress(ssl.SSLWantReadError):
+                    answer += tls.read(65536)
+
+
+@linux
+def test_connections_that_never_finish_their_handshake_keep_nobody_out(
+    certified: PageAddress,
+) -> None:
+    with PageProcess(certified, SITE) as process, ExitStack() as idle:
+        port = httpx.URL(process.url).port or 0
+        with httpx.Client(base_url=process.url, verify=trusting(certified), timeout=20) as client:
+            assert client.get("/").status_code == 200
+            page = process_of(RunningPage(process, client))
+            for _ in range(HANDSHAKES + 50):
+                idle.enter_context(socket.create_connection(("127.0.0.1", port), timeout=20))
+            until(lambda: handles(page) < HANDSHAKES + 40)  # and its own ones
+            assert client.get("/api/health").status_code == 503
+            assert httpx.get(process.url, verify=trusting(certified)).status_code == 200
+        until(lambda: handles(page) < 40)  # all were cut
+
+
+def handles(process: int) -> int:
+    """Return how many files and connections a process holds."""
+    return len(list(Path(f"/proc/{process}/fd").iterdir()))

@@ -13,7 +13,7 @@ import uvicorn
 from starlette.applications import Starlette
 
 from trecsim.page.access import Access
-from trecsim.page.address import PageAddress
+from trecsim.page.address import BACKLOG, PageAddress
 from trecsim.page.app import Parts, page_app
 from trecsim.page.asking import asking_over, handing_on_over
 from trecsim.page.bundle import STATIC, Bundle
@@ -22,6 +22,7 @@ from trecsim.page.link import TO_PAGE, EventPart, PulsePart, Setup, framed
 from trecsim.page.live_state import LiveState
 from trecsim.page.page_data import PageData
 from trecsim.page.protocols import ImpatientHttp, ImpatientWebSocket
+from trecsim.page.tls_door import TlsDoors
 from trecsim.page.users_audit import UsersAudit
 
 CONNECTIONS = 512  # at most, all together
@@ -58,14 +59,21 @@ def serve(setup: Setup, listening: socket.socket, link: socket.socket) -> None:
 
 def _server(app: Starlette, address: PageAddress) -> "_Server":
     config = uvicorn.Config(
-        app, http=ImpatientHttp, ws=ImpatientWebSocket, loop="asyncio", lifespan="off",
+        app, http=_http_of(address), ws=ImpatientWebSocket, loop="asyncio", lifespan="off",
         interface="asgi3", log_level="error", access_log=False, server_header=False,
         proxy_headers=False, ws_max_size=MESSAGE_BYTES, ws_per_message_deflate=False,
         ws_ping_interval=PING_S, ws_ping_timeout=PING_S, limit_concurrency=CONNECTIONS,
         h11_max_incomplete_event_size=HEADER_BYTES, timeout_graceful_shutdown=1,
-        ssl_certfile=address.tls_cert, ssl_keyfile=address.tls_key,
+        backlog=BACKLOG,
     )  # fmt: skip
     return _Server(config)
+
+
+def _http_of(address: PageAddress) -> Any:
+    """Return what makes the protocol of a connection."""
+    if address.tls_cert is None or address.tls_key is None:
+        return ImpatientHttp
+    return TlsDoors(address.tls_cert, address.tls_key)
 
 
 def _parts(setup: Setup, address: PageAddress, port: int, writer: asyncio.StreamWriter) -> Parts:
