@@ -21,10 +21,14 @@ from made_tracks import recordings, snapshot
 from often import often
 from page_processes import linux, process_of
 from trecsim.page.client import snapshot_of
+from trecsim.page.event_log import EVENTS_KEPT
+from trecsim.page.hub import VIEWERS
 from trecsim.page.last_seen import LastSeen, snapshot_part
 from trecsim.page.messages import message, snapshot_body
+from trecsim.page.page_data import PageData
 from trecsim.page.schema import stream_schema
 from trecsim.safety.vehicle import PlacedVehicle
+from trecsim.store.ledger import Ledger
 from trecsim.values import Snapshot
 
 VALIDATOR = Draft202012Validator(stream_schema())
@@ -175,6 +179,26 @@ def test_a_viewer_that_reads_nothing_gets_the_newest_snapshot_and_every_event_la
         assert events == ["e0", "e100", "e200"]
 
 
+def test_viewers_that_catch_up_count_as_viewers_and_fill_no_log(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    with Ledger(tmp_path) as ledger:
+        for number in range(EVENTS_KEPT + 1000):  # the first 1000 are in the ledger only
+            ledger.append_event({**event(f"e{number}"), "pad": "x" * 5000})
+    with running_page(data=PageData(ledger=tmp_path)) as page, ExitStack() as others:
+        for _ in range(VIEWERS):  # none reads more than fits into its buffers
+            others.enter_context(page.stream("?last_event_id=e5", max_queue=1))
+        until(lambda: f"trecsim_page_viewers {VIEWERS}.0" in page.client.get("/metrics").text)
+        with page.stream() as extra, pytest.raises(ConnectionClosed, match="too many viewers"):
+            extra.recv(20)
+        others.close()
+        until(lambda: "trecsim_page_viewers 0.0" in page.client.get("/metrics").text)
+        with page.stream("?last_event_id=e5") as stream:
+            got = [next_of(stream, "event")["event"]["id"] for _ in range(EVENTS_KEPT + 994)]
+        assert got == [f"e{number}" for number in range(6, EVENTS_KEPT + 1000)]
+    assert capfd.readouterr().err == ""
+
+
 def test_a_viewer_that_sends_something_is_disconnected(page: RunningPage) -> None:
     with page.stream() as stream:
         stream.send("hello")
@@ -193,6 +217,10 @@ def test_what_viewers_do_wrong_and_who_is_refused_fills_no_log(
                 pass
             with page.stream() as stream:
                 stream.send("hello")
+                with pytest.raises(ConnectionClosed):
+                    next_of(stream, "none of this kind")
+            with page.stream() as stream:
+                stream.send(b"\xff\xff", text=True)  # no UTF-8
                 with pytest.raises(ConnectionClosed):
                     next_of(stream, "none of this kind")
             with page.stream() as stream:

@@ -13,6 +13,8 @@ from trecsim.store.ledger import Ledger
 class Disk:
     """A ledger whose disk can be full."""
 
+    fault = None
+
     def __init__(self, folder: Path) -> None:
         self.ledger, self.is_full = Ledger(folder), False
 
@@ -99,6 +101,21 @@ def test_events_outlive_a_disk_that_fills_up_while_they_come(tmp_path: Path) -> 
         assert [one.event for one in ledger.events()] == [event for event, _ in told]
 
 
+def test_a_ledger_that_was_removed_is_told_before_the_next_event_comes(tmp_path: Path) -> None:
+    told, aside = Told(), tmp_path / "aside"
+    with Ledger(tmp_path / "site") as ledger, EventKeeper(ledger, told, retry_s=0.02) as keeper:
+        assert keeper.fault is None
+        (tmp_path / "site").rename(aside)
+        assert keeper.fault is not None
+        assert "it is not there any more" in keeper.fault
+        keeper.put(phase("new"))
+        until(lambda: len(told) == 1)
+        assert [kept for _, kept in told] == [False]
+        aside.rename(tmp_path / "site")
+        until(lambda: keeper.fault is None)
+        assert [one.event for one in ledger.events()] == [told[0][0]]
+
+
 def test_the_end_of_an_episode_from_before_follows_what_was_there_even_on_a_full_disk(
     tmp_path: Path,
 ) -> None:
@@ -118,6 +135,8 @@ def test_who_puts_an_event_never_waits_for_the_disk() -> None:
     hangs, told = Event(), Told()
 
     class Hanging:
+        fault = None
+
         def append_event(self, event: Any) -> int:
             raise NotImplementedError
 

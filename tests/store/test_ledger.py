@@ -360,6 +360,18 @@ def test_a_database_of_another_program_is_refused_and_stays(tmp_path: Path) -> N
     assert not list(tmp_path.glob("*damaged*"))
 
 
+def test_nothing_is_written_into_a_file_that_was_removed_or_replaced(tmp_path: Path) -> None:
+    with Ledger(tmp_path) as ledger:
+        ledger.append_event(event())
+        (tmp_path / NAME).unlink()
+        with pytest.raises(SetupError, match=r"it is not there any more .* start the site again"):
+            ledger.act("e0", "ack", "kim")
+        assert [one.event["data"]["phase"] for one in ledger.events()] == ["new"]
+        (tmp_path / NAME).touch()
+        with pytest.raises(SetupError, match="another file took its place"):
+            ledger.append_event(event(1))
+
+
 def test_old_episodes_are_forgotten_as_a_whole(tmp_path: Path) -> None:
     with Ledger(tmp_path) as ledger:
         for number, (episode, t_s) in enumerate([("old", 10), ("long", 10), ("long", 90)]):

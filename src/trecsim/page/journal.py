@@ -26,6 +26,7 @@ from trecsim.store.names import OVERRIDES
 logger = logging.getLogger(__name__)
 
 RETRY_S = 10.0  # so often it is tried again to open a ledger that cannot be used yet
+MISSED_AT_ONCE = 100  # events that wait for a viewer who catches up slowly
 
 Result = TypeVar("Result")
 Event = Mapping[str, Any]
@@ -131,7 +132,7 @@ class Journal:
             or await _apart(partial(self._ledger.number_of, last_event_id)) is None
         ):
             return []
-        return await self.events(after=last_event_id)
+        return await self.events(after=last_event_id, limit=MISSED_AT_ONCE)
 
     async def mark_reviewed(self, who: str, episodes: Sequence[str], reviewed: bool) -> None:
         """Keep which events a user has reviewed, or has not after all."""

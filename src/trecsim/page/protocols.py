@@ -12,6 +12,7 @@ from uvicorn._types import ASGISendEvent
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.utils import ClientDisconnected
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+from websockets.frames import Frame
 
 REQUEST_S = 5.0  # a request must be complete within this time
 ANSWER_S = 30.0  # so long an answer may wait for its reader at a time
@@ -40,6 +41,10 @@ class ImpatientWebSocket(WebSocketsSansIOProtocol):
         refused = message["type"] == "websocket.http.response.body"
         if refused and not message.get("more_body", False):
             self.handshake_complete = True  # else each refusal would be logged as an error
+
+    def handle_text(self, event: Frame) -> None:
+        """Take text as bytes: it is not read, and text that is no UTF-8 would be logged."""
+        self.handle_bytes(event)
 
     def keepalive_timeout(self) -> None:
         """Close a connection whose other end does not answer."""

@@ -43,13 +43,11 @@ async def stream(socket: WebSocket, hub: Hub, missed: Missed, may_see: Callable[
     if last_event_id is not None and len(last_event_id) > EVENT_ID_LENGTH:
         await socket.close(_POLICY, f"last_event_id has more than {EVENT_ID_LENGTH} characters")
         return
-    if last_event_id is not None and not hub.events.knows(last_event_id):
-        last_event_id = await _catch_up(socket, last_event_id, hub, missed)
     viewer = hub.join(last_event_id)
     tasks = [
         asyncio.create_task(_until_it_speaks(socket)),
         asyncio.create_task(_while_it_may_see(may_see)),
-        asyncio.create_task(_send(socket, viewer, hub)),
+        asyncio.create_task(_send(socket, viewer, hub, last_event_id, missed)),
     ]
     try:
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -100,7 +98,12 @@ async def _until_it_speaks(socket: WebSocket) -> _Ending | None:
     return _POLICY, "this stream takes no messages"
 
 
-async def _send(socket: WebSocket, viewer: Viewer, hub: Hub) -> None:
+async def _send(
+    socket: WebSocket, viewer: Viewer, hub: Hub, last_event_id: str | None, missed: Missed
+) -> None:
+    if last_event_id is not None and not hub.events.knows(last_event_id):
+        last_event_id = await _catch_up(socket, last_event_id, hub, missed)
+        viewer.next_event = hub.events.after(last_event_id)
     while True:
         await viewer.woken.wait()
         viewer.woken.clear()

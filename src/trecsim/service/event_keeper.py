@@ -22,6 +22,11 @@ Event = Mapping[str, Any]
 class EventLedger(Protocol):
     """What keeps events; see `trecsim.store.ledger.Ledger`."""
 
+    @property
+    def fault(self) -> str | None:
+        """Why it cannot keep any; None where that is not known before it is tried."""
+        ...
+
     def append_event(self, event: Event) -> int:
         """Keep an event as it is, once."""
         ...
@@ -63,7 +68,7 @@ class EventKeeper:
         self._late: deque[Event] = deque()
         self._seq = {one["data"]["event"]: int(one["data"]["seq"]) for one in open_events}
         self._ending = False
-        self.fault: str | None = None
+        self._fault: str | None = None
         self._thread = Thread(target=self._run, name="events", daemon=True)
 
     def __enter__(self) -> Self:
@@ -76,7 +81,12 @@ class EventKeeper:
             self._changed.notify()
         self._thread.join()
         if self._late:
-            logger.error("%d events could not be kept: %s", len(self._late), self.fault)
+            logger.error("%d events could not be kept: %s", len(self._late), self._fault)
+
+    @property
+    def fault(self) -> str | None:
+        """Why events are not kept, or would not be; None where they are."""
+        return self._fault or self._ledger.fault
 
     def put(self, event: Event) -> None:
         """Take the next event of an episode, without `id` and `seq`."""
@@ -143,16 +153,16 @@ class EventKeeper:
         except Exception as error:  # the boundary: it is tried again
             self._failed(error)
             return
-        self.fault = None
+        self._fault = None
         logger.warning("all events are kept again")
 
     def _failed(self, error: Exception) -> None:
-        if self.fault is None:
+        if self._fault is None:
             logger.error(
                 "events cannot be kept: %s; they are shown, and it is tried again", error,
                 exc_info=not isinstance(error, Error),
             )  # fmt: skip
-        self.fault = str(error) or type(error).__name__
+        self._fault = str(error) or type(error).__name__
 
     def _count(self, event: Event) -> None:
         data = event["data"]

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from trecsim.cloud_events import event_text, numbered
-from trecsim.errors import InputError
+from trecsim.errors import InputError, SetupError
 from trecsim.store.audit import FIRST_HASH, next_hash
 from trecsim.store.ledger_events import (
     act_event,
@@ -267,6 +267,8 @@ class Ledger(LedgerReading):
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
+        if self.fault is not None:
+            raise SetupError(self.fault)
         with self._lock, sqlite_faults(self.path), transaction(self._connection) as connection:
             yield connection
 

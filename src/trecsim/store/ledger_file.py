@@ -178,6 +178,36 @@ def sqlite_faults(path: Path) -> Iterator[None]:
         raise SetupError(f"cannot use {path}: {error}") from error
 
 
+class InPlace:
+    """Tells whether the file of a ledger that is open is still the one at its place.
+
+    SQLite goes on with a file that was removed, and all it then takes is lost with the program.
+
+    Parameters
+    ----------
+    path
+        The file; it is there.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._opened = path.stat()
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong with the place; None where nothing is."""
+        try:
+            if os.path.samestat(self._path.stat(), self._opened):
+                return None
+            found = "another file took its place"
+        except OSError as error:
+            found = f"it is not there any more ({error.strerror})"
+        return (
+            f"cannot use {self._path}: {found} while it was in use; put the file back, or start "
+            "the site again"
+        )
+
+
 def _moved_aside(path: Path) -> Path:
     stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
     aside = path.with_name(f"{path.name}.damaged-{stamp}")

@@ -12,7 +12,7 @@ from typing import Any
 
 from trecsim.store.audit import AuditEntry, AuditVerdict, details_in, verified
 from trecsim.store.ledger_events import event_in
-from trecsim.store.ledger_file import sqlite_faults
+from trecsim.store.ledger_file import InPlace, sqlite_faults
 
 logger = logging.getLogger(__name__)
 
@@ -50,6 +50,12 @@ class LedgerReading:
         self.path = path
         self._lock = threading.RLock()
         self._connection = connection
+        self._place = InPlace(path)
+
+    @property
+    def fault(self) -> str | None:
+        """Why nothing can be kept any more, as the file was removed; None where it is there."""
+        return self._place.fault
 
     def events(
         self,
