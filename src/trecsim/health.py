@@ -111,9 +111,11 @@ class CameraHealth:
         --------
         >>> CameraHealth("down", fault="connection refused").said("north")
         'camera north is down: connection refused'
+        >>> CameraHealth("live", fault="it has shown the same image for 10 s").said("north")
+        'camera north: it has shown the same image for 10 s'
         """
         if self.state not in ("stale", "down"):
-            return None
+            return f"camera {name}: {self.fault}" if self.fault and self.state == "live" else None
         return f"camera {name} is {self.state}" + (f": {self.fault}" if self.fault else "")
 
     def said_of_view(self, name: str) -> str | None:

@@ -45,9 +45,7 @@ class Recent:
         values = list(self._values)
         if not values or now_s <= values[0][0]:
             return 0.0
-        over_s = WINDOW_S
-        if len(values) == _MOST or now_s - values[0][0] < WINDOW_S:
-            over_s = now_s - values[0][0]
+        over_s = min(WINDOW_S, now_s - values[0][0])
         return sum(now_s - over_s < at_s for at_s, *_ in values) / over_s
 
     def stage(self, now_s: float) -> Stage | None:

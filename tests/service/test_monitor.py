@@ -171,6 +171,14 @@ def test_a_rate_is_right_when_more_values_come_than_are_kept():
     assert fast.rate_hz(10.0) == pytest.approx(1000.0, rel=0.01)
 
 
+def test_a_rate_is_of_the_last_seconds_after_many_values_too():
+    camera = Recent()
+    for n in range(3000):
+        camera.add(0.04 * n)
+    assert camera.rate_hz(120.0) == pytest.approx(25.0, rel=0.01)
+    assert camera.rate_hz(126.0) == 0.0  # it has stopped
+
+
 def test_how_late_a_clock_is_comes_from_the_tracking_as_soon_as_that_knows(hand):
     watch = monitor(hand)
     watch.take_step(StepTiming(0.0, 2, 1, 2.0))

@@ -32,6 +32,21 @@ test("before the first message the page is connecting, never all clear", () => {
   }
 });
 
+test("not all clear while rules fail, or a camera that sends pictures has a fault", () => {
+  const rules = { armed: 9, total: 9, fault: "strip: it cannot judge" };
+  const failing = status({ ...well, health: health({ rules }) });
+  assert.equal(failing.row, 5);
+  assert.equal(failing.title, "Rules fail");
+  assert.equal(failing.line, "Alerts for people may be missing: strip: it cannot judge.");
+  const frozen = health();
+  const [name, camera] = Object.entries(frozen.cameras)[0]!;
+  frozen.cameras[name] = { ...camera, fault: "it has shown the same image for 10 s" };
+  const said = status({ ...well, health: frozen });
+  assert.equal(said.row, 5);
+  assert.match(said.title, /^Camera .* is in doubt$/);
+  assert.equal(said.line, "It has shown the same image for 10 s.");
+});
+
 test("row 1: without messages nothing is known, whatever was known before", () => {
   const said = status({ ...well, link: "lost", waitFor: 3.2, open: fold(ALARM) });
   assert.equal(said.row, 1);

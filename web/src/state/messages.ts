@@ -64,7 +64,7 @@ export interface Health {
   store: { state: "off" | "writing" | "failing"; fault?: string | null };
   stages?: Record<string, { median_ms: number; p95_ms: number }>;
   restarts?: Record<string, number>;
-  rules?: { armed: number; total: number; mode?: string | null } | null;
+  rules?: { armed: number; total: number; mode?: string | null; fault?: string | null } | null;
   counts?: Counts | null;
 }
 

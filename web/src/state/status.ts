@@ -137,6 +137,8 @@ type Words = Pick<Status, "title" | "line">;
 
 /** Return what fails now, or worked again a moment ago and is not acknowledged. */
 function faultWords(s: Situation): Words | null {
+  const rules = s.health?.rules?.fault;
+  if (rules) return { title: "Rules fail", line: `Alerts for people may be missing: ${rules}.` };
   const cameras = faulty(s.health);
   const store = s.health?.store;
   if (cameras.length > 0) return cameraWords(s, cameras, store?.state === "failing");
@@ -146,7 +148,16 @@ function faultWords(s: Situation): Words | null {
     return { title: "Nothing is recorded", line: line + handledBy(s, (a) => a.part === "store") };
   }
   const back = s.open.find((a) => a.back && handling(a, s.now) === "new");
-  return back ? { title: title(back), line: where(back, s.now) } : null;
+  return back ? { title: title(back), line: where(back, s.now) } : doubtful(s.health);
+}
+
+/** Return which camera sends pictures and has a fault all the same, as one that is frozen. */
+function doubtful(health: Health | null): Words | null {
+  const [first, ...others] = Object.entries(health?.cameras ?? {})
+    .filter(([, camera]) => camera.state === "live" && camera.fault);
+  if (!first) return null;
+  const more = others.length ? ` And ${count(others.length, "other camera")}.` : "";
+  return { title: `Camera ${named(first[0])} is in doubt`, line: sentenceOf(first[1].fault ?? "") + more };
 }
 
 function faulty(health: Health | null): [string, string][] {
@@ -207,5 +218,8 @@ function sentence(alert: Alert, now: number): string {
   const place = alert.place ? `${named(alert.place)}. ` : "";
   return `${place}For ${whole(now - alert.start)}, still there.`;
 }
+
+const sentenceOf = (text: string): string =>
+  text.charAt(0).toUpperCase() + text.slice(1) + (/[.?]$/.test(text) ? "" : ".");
 
 const lower = (text: string): string => text.charAt(0).toLowerCase() + text.slice(1);

@@ -78,7 +78,20 @@ function Row(
       <td class="soft wide">{dropsInWords(camera)}</td>
     </tr>
   );
-  return fault && !lost ? <>{row}<Why name={name} camera={camera} state={state} /></> : row;
+  if (lost || !(fault || camera.fault)) return row;
+  return (
+    <>
+      {row}
+      {fault ? <Why name={name} camera={camera} state={state} /> : <Doubt name={name} fault={camera.fault} />}
+    </>
+  );
+}
+
+/** What is wrong with a camera that sends pictures all the same. */
+function Doubt({ name, fault }: { name: string; fault: string | null | undefined }) {
+  return (
+    <tr class="fault"><td class="why" colSpan={7}><div><p>{named(name)}: {fault}</p></div></td></tr>
+  );
 }
 
 /** What is wrong with a camera, and what can be done about its alert. */
