@@ -19,6 +19,7 @@ def test_values_are_shown_in_one_short_line():
     assert repr(FrameSet(0.5, ())) == "<FrameSet t_s=0.5, cameras: none; 0 detections>"
     assert repr(snapshot(0.5, [3, 8])) == "<Snapshot t_s=0.5, 2 people: 3, 8>"
     assert repr(snapshot(0.5, [])) == "<Snapshot t_s=0.5, 0 people>"
+    assert repr(snapshot(1796099322.472, [])) == "<Snapshot t_s=1796099322.472, 0 people>"
     assert repr(rig) == f"<Rig of 2 cameras: {', '.join(rig.names)}>"
     frame = Frame("north", 7, 0.28, np.zeros((480, 640, 3), np.uint8))
     assert repr(frame) == "<Frame 7 of 'north', t_s=0.28, 640 x 480 px>"

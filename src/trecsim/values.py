@@ -48,7 +48,9 @@ class Frame:
 
     def __repr__(self) -> str:
         height, width = self.image.shape[:2]
-        return f"<Frame {self.index} of {self.camera!r}, t_s={self.t_s:g}, {width} x {height} px>"
+        return (
+            f"<Frame {self.index} of {self.camera!r}, t_s={self.t_s:.13g}, {width} x {height} px>"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,9 +87,8 @@ class Poses2D:
             object.__setattr__(self, "pixel_px", np.full(len(self.person_score), np.nan))
 
     def __repr__(self) -> str:
-        return (
-            f"<Poses2D of {self.camera!r}, t_s={self.t_s:g}, {_count(len(self.xy_px), 'person')}>"
-        )
+        found = _count(len(self.xy_px), "person")
+        return f"<Poses2D of {self.camera!r}, t_s={self.t_s:.13g}, {found}>"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,7 +109,7 @@ class FrameSet:
     def __repr__(self) -> str:
         cameras = ", ".join(view.camera for view in self.views) or "none"
         found = _count(sum(len(view.xy_px) for view in self.views), "detection")
-        return f"<FrameSet t_s={self.t_s:g}, cameras: {cameras}; {found}>"
+        return f"<FrameSet t_s={self.t_s:.13g}, cameras: {cameras}; {found}>"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -169,7 +170,7 @@ class Snapshot:
         people = ", ".join(map(str, self.id[:_LISTED].tolist()))
         more = ", ..." if len(self.id) > _LISTED else ""
         listed = f": {people}{more}" if people else ""
-        return f"<Snapshot t_s={self.t_s:g}, {_count(len(self.id), 'person')}{listed}>"
+        return f"<Snapshot t_s={self.t_s:.13g}, {_count(len(self.id), 'person')}{listed}>"
 
     @property
     def sigma_m(self) -> Float64[np.ndarray, "person joint"]:

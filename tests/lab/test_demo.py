@@ -12,9 +12,12 @@ from made_tracks import walk
 from trecsim.calibration import read_rig
 from trecsim.errors import InputError, SetupError
 from trecsim.films.bodies_drawn import person_colour
-from trecsim.lab.demo import DemoScene, DemoSummary, _compared, demo
+from trecsim.lab.demo import DemoScene, DemoSummary, _compared, demo, people_until
 from trecsim.lab.demo_poses import demo_scene, without_end
+from trecsim.lab.evaluation.evaluating import evaluate
 from trecsim.lab.evaluation.moments import Recorded, gather
+from trecsim.lab.report.recording import read_recording
+from trecsim.lab.report.recording_files import find
 from trecsim.lab.simulation.scene import simulate
 from trecsim.sources import read_poses
 from trecsim.store.truth import Truth
@@ -60,6 +63,31 @@ def test_the_demo_leaves_all_that_a_site_needs_and_a_picture(
     with np.load(folder / "truth.npz") as truth:
         assert set(truth.files) == {"t_s", "xyz_m"}
         assert truth["xyz_m"].shape == (2, len(truth["t_s"]), 17, 3)
+
+
+def test_a_report_of_a_demo_holds_its_tracks_against_truth_and_poses_of_their_time(
+    room: tuple[DemoSummary, list[tuple]],
+) -> None:
+    folder = room[0].folder
+    places = find(folder)
+    assert places.truth == folder / "run" / "truth.npz"
+    assert places.poses == folder / "run" / "poses.jsonl"
+    result = evaluate(places.tracks, places.truth, rig=places.rig, poses=places.poses)
+    assert result.scores is not None
+    assert room[0].comparison is not None
+    assert result.scores.error.median_m == pytest.approx(room[0].comparison.median_m, rel=0.05)
+    assert result.reprojection is not None
+    assert read_recording(places).truth is not None
+
+
+def test_people_are_counted_up_to_the_end_of_the_truth() -> None:
+    moments = gather(list(walk(100)))
+    both = set(moments.id)
+    late = replace(moments, id=np.where(np.arange(len(moments.id)) < 20, 7, moments.id))
+    assert people_until(moments, moments.t_s[-1]) == len(both) == 2
+    assert people_until(late, moments.t_s[9]) == 1
+    assert people_until(late, moments.t_s[10]) == 3
+    assert people_until(late, -1.0) == 0
 
 
 def test_the_picture_of_a_moment_shows_everybody_in_both_views(

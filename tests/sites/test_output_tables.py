@@ -52,6 +52,9 @@ def test_what_an_output_lacks_is_remarked(tmp_path: Path, monkeypatch: pytest.Mo
     remarks = " ".join(check_site(site_with_output(tmp_path, text)).remarks)
     assert "output webhook: without credentials its requests are not signed" in remarks
     assert "events of recordings are not sent" in remarks
+    live = " ".join(check_site(site_with_output(tmp_path, text), as_live=True).remarks)
+    assert "are not signed" in live
+    assert "not sent" not in live
     monkeypatch.delenv("TRECSIM_CREDENTIALS_DESK", raising=False)
     site = site_with_output(tmp_path, f'{text}credentials = "desk"\n')
     assert "TRECSIM_CREDENTIALS_DESK" in " ".join(check_site(site).remarks)

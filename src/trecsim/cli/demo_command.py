@@ -132,7 +132,7 @@ def _facts(result: "DemoSummary") -> dict[str, Any]:
 def _told(result: "DemoSummary") -> str:
     run, truth = result.run, result.comparison
     rows = [
-        ("people", f"{run.people} tracked, {result.people} simulated"),
+        ("people", f"{result.tracked} tracked, {result.people} simulated"),
         ("frame sets", f"{run.frame_sets}, from {run.images} images of {result.cameras} cameras"),
         *(_against_truth(truth) if truth is not None else ()),
         ("fusion time", fusion_time(run.fusion_ms).removeprefix("; fusion: ") or "no frame set"),

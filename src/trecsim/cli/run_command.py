@@ -88,7 +88,7 @@ def run(
     if is_project(site):
         site = site_of_project(site, note)
     with stopping_in_order() as stop, site_page(site, out, json=json) as page:
-        checked = check_site(site)
+        checked = check_site(site, as_live=as_live)
         for remark in checked.remarks:
             note(remark)
         if checked.file.site.sources:

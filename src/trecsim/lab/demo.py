@@ -4,13 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from trecsim.callbacks import Progress
 from trecsim.errors import SetupError
 from trecsim.lab.demo_feeds import PlayedSignals
 from trecsim.lab.demo_folder import RUN, make_room
 from trecsim.lab.demo_poses import CHAPTER_S, PAUSE_S, demo_scene, with_outage, without_end
 from trecsim.lab.evaluation.ground_truth import Comparison, compare_moments
-from trecsim.lab.evaluation.moments import Recorded, read_moments, with_empty_moments
+from trecsim.lab.evaluation.moments import Moments, Recorded, read_moments, with_empty_moments
 from trecsim.lab.packs.pack_files import PACKS, pack_scene
 from trecsim.lab.simulation.scene import Scene, Simulation, simulate
 from trecsim.lab.simulation.scene_file import read_scene
@@ -63,8 +65,12 @@ class DemoSummary:
         The picture of people and paths; None without Matplotlib.
     moment
         The picture of a moment, as films show it; None without OpenCV.
-    people, cameras
-        Number of simulated people and cameras.
+    people
+        Number of simulated people, up to the end of the ground truth.
+    tracked
+        Number of people tracked in that time.
+    cameras
+        Number of cameras.
     run
         Summary of the run.
     comparison
@@ -76,6 +82,7 @@ class DemoSummary:
     picture: Path | None
     moment: Path | None
     people: int
+    tracked: int
     cameras: int
     run: RunSummary
     comparison: Comparison | None
@@ -114,7 +121,8 @@ def demo(
     folder
         Directory of all files: ``rig.toml``, ``poses.jsonl``, ``truth.npz``, ``site.toml``,
         ``paths.png``, ``moment.png``, and those of the run, in ``run/``. Files of an earlier demo
-        are replaced.
+        are replaced. Those of the run have their own ``poses.jsonl`` and ``truth.npz``, dated from
+        now on as its tracks are.
     seconds
         Length [s]; None goes on until `stop` says so.
     shown
@@ -156,13 +164,33 @@ def demo(
         progress=lambda done, _: progress(done, total) if progress is not None else None,
     )
     comparison = None
+    tracked = summary.people
     if summary.frame_sets:
+        _write_dated(made, folder / RUN, pace.live_s(0.0), summary.last_s)
         recorded = read_moments(folder / RUN).shifted(-pace.live_s(0.0))
+        tracked = people_until(recorded.moments, float(made.truth_t_s[-1]))
         comparison = _compared(recorded, Truth(made.truth_t_s, made.truth_xyz_m), remark)
     picture = _draw(folder, made, comparison)
     moment = _draw_moment(folder) if summary.people else None
     people, cameras = len(made.truth_xyz_m), len(made.rig)
-    return DemoSummary(folder, picture, moment, people, cameras, summary, comparison)
+    return DemoSummary(folder, picture, moment, people, tracked, cameras, summary, comparison)
+
+
+def _write_dated(made: Simulation, run: Path, begins_s: float, last_s: float | None) -> None:
+    """Write beside the tracks of a run what it was made of, dated as they are."""
+    poses = tuple(replace(one, t_s=one.t_s + begins_s) for one in made.poses)
+    t_s = made.truth_t_s + begins_s
+    if last_s is not None:
+        poses = tuple(one for one in poses if one.t_s <= last_s)
+        t_s = t_s[t_s <= last_s]
+    xyz_m = made.truth_xyz_m[:, : len(t_s)]
+    write_simulation(replace(made, poses=poses, truth_t_s=t_s, truth_xyz_m=xyz_m), run)
+
+
+def people_until(moments: Moments, last_s: float) -> int:
+    """Return how many people were tracked up to a time [s]."""
+    frames = int(np.searchsorted(moments.t_s, last_s, side="right"))
+    return len(np.unique(moments.id[: moments.first[frames]]))
 
 
 def _compared(recorded: Recorded, truth: Truth, remark: Callable[[str], None]) -> Comparison | None:

@@ -7,7 +7,7 @@ from trecsim.extras import has_extra
 from trecsim.lab.packs.pack_files import pack_feeds, pack_site
 from trecsim.store.atomic import atomic_write, disk_faults
 from trecsim.store.ledger_file import discard_ledger
-from trecsim.store.names import POSES, RIG
+from trecsim.store.names import POSES, RIG, TRUTH
 from trecsim.store.recordings import discard_recording
 
 MARK = "# Made by trecsim demo."
@@ -46,7 +46,7 @@ PAGE = """
 port = 0      # takes a free port
 """
 RUN = "run"
-RUN_FILES = ("tracks.parquet", RIG, "timing.csv", "summary.json", "paths.png")
+RUN_FILES = ("tracks.parquet", RIG, TRUTH, "timing.csv", "summary.json", "paths.png")
 
 
 def make_room(folder: Path, pack: str | None = None) -> None:

@@ -47,13 +47,15 @@ class CheckedSite:
     remarks: tuple[str, ...]
 
 
-def check_site(path: Path | str) -> CheckedSite:
+def check_site(path: Path | str, *, as_live: bool = False) -> CheckedSite:
     """Read a site file and look at everything that it names; all faults are found at once.
 
     Parameters
     ----------
     path
         The site file.
+    as_live
+        Whether its recordings will be played as if they were live, and events sent.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def check_site(path: Path | str) -> CheckedSite:
     remarks += clock_remarks(site, rig, time.time())
     remarks += rule_remarks(site.rules)
     remarks += feed_remarks(site)
-    remarks += output_remarks(site.outputs, site.secrets, site.is_live)
+    remarks += output_remarks(site.outputs, site.secrets, site.is_live or as_live)
     remarks += earlier_names(draft.data.get("fusion"))
     remarks += [f"fusion: {text}" for text in fusion_settings(site.fusion).remarks()]
     return CheckedSite(SiteFile(draft.path, draft.text, site), rig, videos, tuple(remarks))

@@ -125,7 +125,9 @@ def _moments(rows: list[Row], path: Path) -> list[Moment]:
     by_time: defaultdict[float, dict[int, tuple[float, float]]] = defaultdict(dict)
     for t_s, person, x_m, y_m in rows:
         if person in by_time[round(t_s, 6)]:
-            raise InputError(f"{path}: person {person} is there twice at {t_s:g} s; keep one row")
+            raise InputError(
+                f"{path}: person {person} is there twice at {t_s:.13g} s; keep one row"
+            )
         by_time[round(t_s, 6)][person] = (x_m, y_m)
     return list(_sorted(by_time))
 

@@ -235,7 +235,7 @@ def _scores(
     from_s, until_s = max(from_s, float(truth.t_s[0])), min(until_s, float(truth.t_s[-1]))
     if from_s > until_s:
         raise InputError(
-            f"the ground truth goes from {truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, "
+            f"the ground truth goes from {truth.t_s[0]:.13g} s to {truth.t_s[-1]:.13g} s, "
             "outside the time to evaluate"
         )
     moments = with_empty_moments(recorded, from_s, until_s, truth.t_s)
@@ -269,8 +269,8 @@ def _check_overlap(recorded: Recorded, truth: Truth) -> None:
     if len(t_s) and (t_s[-1] < truth.t_s[0] or t_s[0] > truth.t_s[-1]):
         raise InputError(
             f"{recorded.path}: tracks and ground truth have no time in common: the tracks go from "
-            f"{t_s[0]:.9g} s to {t_s[-1]:.9g} s, the ground truth from {truth.t_s[0]:.9g} s to "
-            f"{truth.t_s[-1]:.9g} s; are they of the same recording, with the same clock?"
+            f"{t_s[0]:.13g} s to {t_s[-1]:.13g} s, the ground truth from {truth.t_s[0]:.13g} s to "
+            f"{truth.t_s[-1]:.13g} s; are they of the same recording, with the same clock?"
         )
 
 
@@ -289,7 +289,7 @@ def _remarks(recorded: Recorded, moments: Moments, from_s: float, until_s: float
     if not counted.all():
         remarks.append(
             f"{(~counted).sum()} of {len(found)} frames lie outside the evaluated time, "
-            f"{from_s:g} s to {until_s:g} s"
+            f"{from_s:.13g} s to {until_s:.13g} s"
         )
     if recorded.frame_set_t_s is None and until_s - found[-1] > 1.5 * step_s:
         remarks.append(

@@ -111,7 +111,7 @@ def in_common(found: Moments, truth: Truth) -> Moments:
     if not len(moments.t_s):
         raise InputError(
             "tracks and ground truth have no time in common: the ground truth goes from "
-            f"{truth.t_s[0]:g} s to {truth.t_s[-1]:g} s, the tracks {_extent(found)}"
+            f"{truth.t_s[0]:.13g} s to {truth.t_s[-1]:.13g} s, the tracks {_extent(found)}"
         )
     if moments.xyz_m.shape[1] != truth.xyz_m.shape[2] and len(moments.id):
         raise InputError(
@@ -124,7 +124,7 @@ def in_common(found: Moments, truth: Truth) -> Moments:
 def _extent(found: Moments) -> str:
     if not len(found.t_s):
         return "are empty"
-    return f"from {found.t_s[0]:g} s to {found.t_s[-1]:g} s"
+    return f"from {found.t_s[0]:.13g} s to {found.t_s[-1]:.13g} s"
 
 
 def comparison(moments: Moments, matches: Matches) -> Comparison:

@@ -129,8 +129,8 @@ def _nearness(moments: Moments, truth: Truth, begin: int, end: int) -> Nearness:
     column = np.arange(people.max(initial=0))
     if truth_m[0, ..., 0].size * len(column) > _MOST_DISTANCES:
         raise InputError(
-            f"near {moments.t_s[begin]:g} s the tracks have {len(column)} people in one frame and "
-            f"the ground truth {len(person)}: too many to compare; check both files"
+            f"near {moments.t_s[begin]:.13g} s the tracks have {len(column)} people in one frame "
+            f"and the ground truth {len(person)}: too many to compare; check both files"
         )
     row = np.where(column < people[:, None], moments.first[begin:end, None] + column, NOBODY)
     found_m = np.full((*row.shape, *moments.xyz_m.shape[1:]), np.nan)

@@ -51,7 +51,10 @@ def find(
                 "file of tracks"
             )
         return Places(path, rig, poses, truth)
-    folders = (path, path / RUN)  # a demo keeps its run in a folder of its own
+    folders = (
+        path / RUN,
+        path,
+    )  # a demo keeps its run, dated from its start on, in a folder of its own
     present = {name: place for name, file in PIECES.items() if (place := _first_of(folders, file))}
     given = {"rig": rig, "poses": poses, "truth": truth}
     present |= {name: place for name, place in given.items() if place is not None}
