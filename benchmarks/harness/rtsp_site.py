@@ -110,7 +110,12 @@ def encode(video: Path, out: Path) -> None:
         stream = file.add_stream("libx264", rate=FPS)
         stream.width, stream.height = SIZE_PX
         stream.pix_fmt, stream.bit_rate = "yuv420p", 3_000_000
-        stream.options = {"tune": "zerolatency", "preset": "veryfast", "g": str(FPS)}
+        stream.options = {
+            "tune": "zerolatency",
+            "preset": "veryfast",
+            "g": str(FPS),
+            "x264-params": "sliced-threads=0",  # the server would tear key frames in slices apart
+        }
         for image in there_and_back * ROUNDS:
             file.mux(stream.encode(av.VideoFrame.from_ndarray(image, format="yuv420p")))
         file.mux(stream.encode())

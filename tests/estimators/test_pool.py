@@ -194,6 +194,25 @@ def test_an_estimator_that_breaks_is_told_at_its_image():
     assert len(poses) == 4
 
 
+@pytest.mark.parametrize(
+    ("returned", "told"),
+    [
+        (lambda frame: None, "returned NoneType; expected Poses2D"),
+        (
+            lambda frame: replace(somebody(frame, 1.0), camera="south"),
+            "2D poses of 'south' for an image of 'north'",
+        ),
+    ],
+)
+def test_what_no_estimator_may_return_is_told(returned, told):
+    class Wrong(Brightness):
+        def __call__(self, frame):
+            return returned(frame)
+
+    with pytest.raises(InputError, match=told):
+        list(estimate_frames(frames(3), Wrong()))
+
+
 def working():
     return [
         thread.name

@@ -174,7 +174,7 @@ def estimate_frames(
                 break
             if frame is None:
                 break
-            begun.append(pool.submit(estimator, frame))
+            begun.append(pool.submit(_estimated, estimator, frame))
             if len(begun) > _BEGUN_PER_WORKER * at_once:
                 yield begun.popleft().result()
         while begun:
@@ -183,3 +183,16 @@ def estimate_frames(
         pool.shutdown(wait=True, cancel_futures=True)
     if failure is not None:
         raise failure
+
+
+def _estimated(estimator: Estimator2D, frame: Frame) -> Poses2D:
+    """Return the poses in an image; what an estimator of others returns may be anything."""
+    poses: object = estimator(frame)
+    if not isinstance(poses, Poses2D):
+        raise InputError(f"the estimator returned {type(poses).__name__}; expected Poses2D")
+    if poses.camera != frame.camera:
+        raise InputError(
+            f"the estimator returned 2D poses of {poses.camera!r} for an image of "
+            f"{frame.camera!r}; pass on the camera and time of the frame"
+        )
+    return poses
