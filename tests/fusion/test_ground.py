@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fusion.made import frame_sets, made, outcome, path
 from fusion.somebody import MODEL
 from trecsim.fusion import FusionSettings, Tracker
 from trecsim.fusion.body import contact_height_m
-from trecsim.fusion.kernels.ground import ground_contact, learn_level, lowest
+from trecsim.fusion.kernels.ground import ground_contact, learn_level, lowest, raise_to_ground
 from trecsim.skeleton import COCO17
 from trecsim.values import FrameSet
 
@@ -83,3 +85,31 @@ def test_one_camera_keeps_the_distance_of_somebody_who_walks_for_four_seconds():
     assert result.ids == {0}
     assert np.nanmax(result.error_m[50:]) < 0.45
     assert not np.isnan(result.error_m[50:]).any()
+
+
+def raised(height_m, cov_m2, level=(0.1, 0.01**2)):
+    x = np.tile([0.3, -0.2, height_m], (17, 1))
+    raise_to_ground(np.array(level), x, np.tile(cov_m2, (17, 1, 1)))
+    return x[0]
+
+
+def test_a_joint_below_the_ground_comes_up_to_it_and_others_stay():
+    loose = np.diag([0.05, 0.05, 0.2]) ** 2
+    assert raised(-0.1, loose)[2] == pytest.approx(0.1, abs=0.01)
+    assert raised(0.101, loose).tolist() == [0.3, -0.2, 0.101]
+
+
+def test_a_joint_comes_up_along_the_ray_on_which_it_is_uncertain():
+    ray = np.array([0.6, 0.0, 0.8])
+    x = raised(-0.05, 0.5**2 * np.outer(ray, ray) + 1e-6 * np.eye(3))
+    np.testing.assert_allclose((x[:2] - [0.3, -0.2]) / (x[2] + 0.05), [0.75, 0.0], atol=1e-3)
+
+
+def test_a_joint_that_is_surely_lower_shows_that_there_are_stairs():
+    assert raised(-0.3, 0.02**2 * np.eye(3))[2] == -0.3
+
+
+@given(st.floats(-0.5, 0.5), st.floats(0.005, 1.0), st.floats(0.0, 0.3))
+def test_no_joint_passes_the_ground_on_its_way_up(height_m, sigma_m, ground_sigma_m):
+    z = raised(height_m, sigma_m**2 * np.eye(3), (0.1, ground_sigma_m**2))[2]
+    assert min(height_m, 0.1) <= z <= max(height_m, 0.1)

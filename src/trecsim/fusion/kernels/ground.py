@@ -1,6 +1,7 @@
 """The ground under a person: learnt where two cameras see what rests on it, used where they do not.
 
-A body rests on its lowest joint: an ankle of somebody who stands, a hip of somebody who lies.
+A body rests on its lowest joint: an ankle of somebody who stands, a hip of somebody who lies. No
+joint is below the ground.
 """
 
 import math
@@ -78,3 +79,29 @@ def ground_contact(x, cov_m2, contact_height_m, level):
     if rise_m * rise_m > GROUND_GATE * GROUND_GATE * (var + cov_m2[j, 2, 2]):
         return -1, 0.0, math.inf
     return j, rise_m, var
+
+
+@inner
+def raise_to_ground(level, x, cov_m2):
+    """Move joints that are below the ground up to it, in place.
+
+    Parameters
+    ----------
+    level
+        Height of the ground [m] and its variance [m^2], (2,).
+    x, cov_m2
+        Joints, (joint, 3), changed in place, and their covariances, (joint, 3, 3).
+
+    Notes
+    -----
+    The likeliest place if the ground is no higher than the joint: a step of the Kalman filter with
+    the ground's height as measurement, only for joints below it. It moves a joint along its ray
+    where that is what is uncertain. Joints too far below to lie on this ground stay: there may be
+    stairs. The covariance stays, as the ground does not tell how far above it a joint is.
+    """
+    ground_m2 = level[1] + GROUND_MEASURE_M2
+    for j in range(x.shape[0]):
+        depth_m, var_m2 = level[0] - x[j, 2], cov_m2[j, 2, 2] + ground_m2
+        if depth_m > 0.0 and depth_m * depth_m < GROUND_GATE * GROUND_GATE * var_m2:
+            for p in range(3):
+                x[j, p] += cov_m2[j, p, 2] / var_m2 * depth_m

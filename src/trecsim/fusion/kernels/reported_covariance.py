@@ -6,6 +6,7 @@ import numpy as np
 
 from trecsim.compiler import inner
 from trecsim.fusion.kernels.distance_filter import LOG, RATE
+from trecsim.fusion.kernels.ground import raise_to_ground
 from trecsim.fusion.kernels.lengths import tighten
 from trecsim.fusion.kernels.mixture import project
 from trecsim.fusion.kernels.small_matrices import invert3, sandwich3
@@ -217,7 +218,7 @@ def last_two(last_s):
 
 @inner(allocates=True)
 def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
-    """Hold everybody's joints by the limbs, and add lasting errors to their covariances, in place.
+    """Hold everybody's joints by limbs and ground, add lasting errors to covariances, in place.
 
     Parameters
     ----------
@@ -271,6 +272,7 @@ def report_all(cameras, noise, limbs, bodies, sights, now_s, joints):
             add3(cov_m2[k, j], later_m2[j])
             for p in range(3):
                 cov_m2[k, j, p, p] += common_m2[j]
+        raise_to_ground(bodies.level[k], x[k], cov_m2[k])
 
 
 @inner
