@@ -6,11 +6,14 @@ wander for 40 s. The detector has the errors of a real one, those that all camer
 nothing was tuned.
 
 Rotation: angle of a camera to its true orientation, after the best common turn of all. Upright:
-angle between the vertical found and the true one. Position: after the best common motion.
+angle between the vertical found and the true one. Position: after the best common motion. Tracking:
+the mean error of joints that are tracked with the cameras found, after the same motion, divided by
+that with the true ones.
 
 Run: ``python benchmarks/people_calibration.py``; some of it: ``--quick``
 """
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -67,13 +70,14 @@ class Case:
 
 CASES = {
     "three walkers": Case(quick=2),
-    "one walker": Case(people=1, seeds=6, quick=1),
-    "two cameras": Case(cameras=2, seeds=6, quick=1),
-    "eight cameras": Case(cameras=8, seeds=2),
-    "bias by view": Case(view_bias_m=0.015, seeds=3),
-    "two minutes": Case(seconds=120.0, drift_ppm=100.0, seeds=2),
-    "lenses off": Case(lens_off=True, seeds=3),
-    "a camera knocked": Case(knocked=True, seeds=5, quick=1),
+    "one walker": Case(people=1, quick=1),
+    "two cameras": Case(cameras=2, quick=1),
+    "eight cameras": Case(cameras=8),
+    "bias by view": Case(view_bias_m=0.015),
+    "two minutes": Case(seconds=120.0, drift_ppm=100.0),
+    "five minutes": Case(seconds=300.0, drift_ppm=100.0, seeds=5),
+    "lenses off": Case(lens_off=True),
+    "a camera knocked": Case(knocked=True, quick=1),
 }
 
 
@@ -113,7 +117,9 @@ def run(task: tuple[str, int]) -> Run:
     except Exception as error:
         return {"failed": 1.0, "why": str(error)}
     used_s = time.process_time() - began
-    return {"failed": 0.0, "cpu_s": used_s, **compared(done, made, clocks)}
+    found = compared(done, made, clocks)
+    tracking = math.nan if case.knocked else tracking_ratio(done.rig, made, clocks)
+    return {"failed": 0.0, "cpu_s": used_s, "tracking": tracking, **found}
 
 
 def calibrated(
@@ -208,6 +214,45 @@ def compared(done: "PeopleCalibration", made: "Simulation", clocks: Sequence[Any
         "precision": precision,
         "recall": recall,
     }
+
+
+def tracking_ratio(found: "Rig", made: "Simulation", clocks: Sequence[Any]) -> float:
+    """Return the error of joints tracked with these cameras, divided by that with the true ones."""
+    from trecsim.geometry import Rig
+
+    true = Rig(tuple(
+        replace(camera, time_offset_s=-clock.stamp_error_s, time_ref_s=clock.stamp_error_s,
+                time_drift_ppm=1e6 * (1.0 / (1.0 + 1e-6 * clock.drift_ppm) - 1.0))
+        for camera, clock in zip(made.rig, clocks, strict=True)
+    ))  # fmt: skip
+    return tracking_error_m(found, true, made) / tracking_error_m(true, true, made)
+
+
+def tracking_error_m(rig: "Rig", true: "Rig", made: "Simulation") -> float:
+    """Return the mean error of the joints of all confirmed people tracked with a rig [m]."""
+    from trecsim.tracking import follow
+
+    turn, at_m, true_at_m = common_motion(rig, true)
+    first = true[rig.names[0]]
+    poses = (one for one in made.poses if one.camera in rig.names)
+    errors = []
+    for snapshot in follow(poses, rig):
+        stamp_s = rig.cameras[0].stamp_s(snapshot.t_s)
+        moment = int(np.abs(made.truth_t_s - first.time_s(stamp_s)).argmin())
+        people = snapshot.confirmed()
+        placed_m = (people.xyz_m - at_m) @ turn + true_at_m
+        off_m = np.linalg.norm(placed_m[:, None] - made.truth_xyz_m[None, :, moment], axis=-1)
+        each_m = np.fmin.reduce(off_m.mean(axis=-1), axis=1, initial=np.inf)
+        errors.extend(each_m[each_m < 0.5])
+    return float(np.mean(errors))
+
+
+def common_motion(rig: "Rig", true: "Rig") -> tuple[Array, Array, Array]:
+    """Return turn and middles that bring the cameras of a rig nearest to the true ones."""
+    pairs = [(camera, true[camera.name]) for camera in rig]
+    R, Q = (np.array([pair[n].T_cam_world[:3, :3] for pair in pairs]) for n in (0, 1))
+    p, q = (np.array([pair[n].position_m for pair in pairs]) for n in (0, 1))
+    return common_turn(R, Q), p.mean(axis=0), q.mean(axis=0)
 
 
 def common_turn(R: Array, Q: Array) -> Array:
@@ -327,6 +372,7 @@ def figures_of(case: Case, runs: Mapping[int, Run]) -> dict[str, Figure | Figure
         "places in the 90 % region": over_seeds(
             {s: 100 * one["held_place"] for s, one in good.items()}, "%", "higher"
         ),
+        "tracking": over_seeds({s: one["tracking"] for s, one in good.items()}, "x"),
         "called good": summed({s: v == "good" for s, v in verdicts.items()}, "", "higher"),
         "called wrong": summed({s: v == "wrong" for s, v in verdicts.items()}, ""),
         "good though off by 1 degree": summed(
