@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from harness.command import alone
-from harness.figures import Figures, once, over_seeds, summed
+from harness.figures import Figures, leaves, once, over_seeds, summed
 from harness.options import Options
 
 if TYPE_CHECKING:
@@ -258,6 +258,11 @@ def measure(options: Options) -> Figures:
         figures[name] = figures_of(runs)
         if function is of_images:
             images[case] = runs
+    ours_deg, opencv_deg = (
+        dict(leaves(figures[name]))[("rotation, mean",)].value
+        for name in ("well moved", "well moved, OpenCV")
+    )
+    figures["well moved / OpenCV"] = {"rotation, mean": once(ours_deg / opencv_deg, "x")}
     figures["verdicts"] = verdicts_of(images)
     return figures
 

@@ -25,7 +25,7 @@ from harness.actor_tracks import LAST_FRAME, label
 from harness.beam import beam_px
 from harness.command import alone
 from harness.demo_video import CAMERAS, SCENES, Recorded, recorded
-from harness.figures import Figures, once
+from harness.figures import Figures, leaves, once
 from harness.options import Options, sample_folder
 from trecsim.geometry import triangulate
 
@@ -59,7 +59,22 @@ def measure(options: Options) -> Figures:
             "processor time": once(time.process_time() - began, "s", watched=False),
         }
         options.tell(name)
+    out["repaired / as delivered"] = ratios(out["repaired"], out["as delivered"])
+    out["from people / repaired"] = ratios(out["from people"], out["repaired"])
     return dict(out)
+
+
+def ratios(one: Figures, other: Figures) -> Figures:
+    """Return one's error at left-out cameras, the mean over the actors, by the other's."""
+
+    def left_out(figures: Figures, scene: str) -> float:
+        return float(np.mean([
+            figure.value
+            for path, figure in leaves(figures)
+            if path[0].startswith(scene) and path[-1] == "left-out"
+        ]))  # fmt: skip
+
+    return {scene: once(left_out(one, scene) / left_out(other, scene), "x") for scene in SCENES}
 
 
 def repaired(scene: Recorded) -> "Rig":

@@ -17,6 +17,7 @@ import rules_tables as ruling
 import settings_table
 import speed_tables as fast
 import truth
+from calibration_targets import CALIBRATION
 from harness import pages
 from harness.figures import Result, leaves
 from harness.machine import ROOT
@@ -41,6 +42,11 @@ def others(results: Results) -> str:
     """Return what is asked of all but the fusion, and what was reached; without what is missing."""
     some = tuple(t for t in OTHERS if math.isfinite(t.reached(dict(results))))
     return all_figures.table_of(some, dict(results))
+
+
+def calibration(results: Results) -> str:
+    """Return what is asked of calibrations, and what was reached."""
+    return all_figures.table_of(CALIBRATION, dict(results))
 
 
 def targets(results: Results) -> str:
@@ -97,6 +103,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "fusion-settings": (ANY, settings),
     "others": (ANY, others),
     "targets": (ANY, targets),
+    "calibration": (ANY, calibration),
     "truth": (ANY, truth_of_claims),
     "forecast": ("forecast", partial(ahead.forecast, short=False)),
     "forecast-poses": ("forecast", ahead.poses),

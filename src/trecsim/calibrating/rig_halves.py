@@ -8,18 +8,19 @@ import numpy as np
 from trecsim.calibrating.corner_sights import Sight
 from trecsim.calibrating.linking import Links
 from trecsim.calibrating.rig_fit import BoardProblem, RigFit, fit_rig
-from trecsim.calibrating.room_error import PoseCovariance
+from trecsim.calibrating.room_error import PoseCovariance, without_common_motion
 from trecsim.errors import CalibrationError
 from trecsim.geometry.rig import Rig
 from trecsim.geometry.rigid import rotation_vector
 
 LEAST_MOMENTS = 8
+LEAST_M2 = 1e-18  # a variance of exact corners
 
 
 def halves(
     problem: BoardProblem, links: Links, fit: RigFit, rig: Rig
 ) -> tuple[float, float, float]:
-    """Return by how much the halves differ in degrees and metres, and over what they state."""
+    """Return by how much the halves differ in degrees, metres, and beside what they state."""
     unknown = (float("nan"),) * 3
     moments = sorted({sight.moment for sight in fit.sights})
     if len(moments) < LEAST_MOMENTS or len(rig) < 2:
@@ -54,19 +55,25 @@ def _from_whole(links: Links, fit: RigFit) -> Links:
 def _difference(
     first: tuple[Rig, PoseCovariance], second: tuple[Rig, PoseCovariance]
 ) -> tuple[float, float, float]:
-    change = pose_changes(first[0], second[0])
-    scatter = PoseCovariance(np.outer(change, change)).without_common_motion(first[0]).matrix
-    left = np.sqrt(np.maximum(np.diag(scatter), 0.0)).reshape(-1, 6)
-    stated = first[1].matrix + second[1].matrix
-    sd = np.sqrt([
-        [np.trace(stated[n : n + 3, n : n + 3]) for n in (6 * camera, 6 * camera + 3)]
-        for camera in range(len(left))
-    ])  # fmt: skip
-    found = np.stack(
-        [np.linalg.norm(left[:, :3], axis=1), np.linalg.norm(left[:, 3:], axis=1)], axis=1
-    )
-    apart = float((found / np.maximum(sd, 1e-12)).max())
-    return float(np.rad2deg(found[:, 0].max())), float(found[:, 1].max()), apart * np.sqrt(2)
+    """Return the largest turn and shift between two rigs, and how much that is for all numbers.
+
+    Notes
+    -----
+    The last is ``sqrt(d' C^-1 d / n)`` of the changes d of all poses, with the covariance C that
+    both rigs state for it and the n numbers that a common motion of all cameras leaves: about 1 if
+    no camera moved. Errors of neighbouring cameras are not independent; a difference that is small
+    for each number may be impossible for all of them together.
+    """
+    rig, free = first[0], 6 * (len(first[0]) - 1)
+    keep = without_common_motion(rig)
+    change = keep @ pose_changes(rig, second[0])
+    stated = keep @ (first[1].matrix + second[1].matrix) @ keep.T
+    values, axes = np.linalg.eigh(stated)
+    along = axes[:, -free:].T @ change
+    apart = np.sqrt(np.mean(along**2 / np.maximum(values[-free:], LEAST_M2)))
+    turns, shifts = np.moveaxis(change.reshape(-1, 2, 3), 1, 0)
+    most_rad, most_m = (float(np.linalg.norm(part, axis=1).max()) for part in (turns, shifts))
+    return float(np.rad2deg(most_rad)), most_m, float(apart)
 
 
 def pose_changes(first: Rig, second: Rig) -> np.ndarray:
@@ -85,10 +92,8 @@ def pose_changes(first: Rig, second: Rig) -> np.ndarray:
 
 def turns_deg(first: Rig, second: Rig) -> np.ndarray:
     """Return how far each camera is turned, without the common motion [degrees]."""
-    change = pose_changes(first, second)
-    scatter = PoseCovariance(np.outer(change, change)).without_common_motion(first).matrix
-    left = np.sqrt(np.maximum(np.diag(scatter), 0.0)).reshape(-1, 6)[:, :3]
-    degrees: np.ndarray = np.rad2deg(np.linalg.norm(left, axis=1))
+    change = without_common_motion(first) @ pose_changes(first, second)
+    degrees: np.ndarray = np.rad2deg(np.linalg.norm(change.reshape(-1, 6)[:, :3], axis=1))
     return degrees
 
 

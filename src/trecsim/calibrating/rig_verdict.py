@@ -27,7 +27,7 @@ from trecsim.calibrating.room_error import PoseCovariance, expected_error_m
 from trecsim.geometry.rig import Rig
 
 GOOD_PX, USABLE_PX = 1.0, 3.0  # noise of corners, at 1920 px
-APART_GOOD, APART_USABLE = 5.0, 12.0  # normalised difference of halves: about chi for one number
+APART_GOOD, APART_USABLE = 3.0, 8.0  # difference of the halves beside what they state: about 1
 LEAST_APART_DEG, LEAST_APART_SHARE = 0.05, 1e-3  # smaller differences of halves do not matter
 HELD_OUT_GOOD, HELD_OUT_USABLE = 4.0, 12.0  # times what noise explains, in a camera left out
 FEW_COMMON = 5

@@ -39,20 +39,37 @@ class PoseCovariance:
     def without_common_motion(self, rig: Rig) -> "PoseCovariance":
         """Return the covariance after the best rigid alignment of the whole rig.
 
-        Notes
-        -----
-        A calibration says nothing of where the rig as a whole stands. What counts is left when
-        the estimated rig is moved as one onto the true one, rotations [rad] being weighed with the
-        typical distance of the cameras from their middle [m].
+        See Also
+        --------
+        without_common_motion : the matrix that is applied from both sides.
         """
-        motions = np.concatenate([_common_motion(camera) for camera in rig])
-        positions = np.array([camera.position_m for camera in rig])
-        reach_m = float(np.linalg.norm(positions - positions.mean(axis=0), axis=1).mean()) or 1.0
-        weight = np.tile([reach_m**2] * 3 + [1.0] * 3, len(rig))
-        weighted = motions.T * weight
-        onto = motions @ np.linalg.solve(weighted @ motions, weighted)
-        keep = np.eye(len(motions)) - onto
+        keep = without_common_motion(rig)
         return PoseCovariance(keep @ self.matrix @ keep.T)
+
+
+def without_common_motion(rig: Rig) -> Float64[np.ndarray, "six_cam six_cam"]:
+    """Return the matrix that takes the best rigid motion of the whole rig off changes of poses.
+
+    Parameters
+    ----------
+    rig
+        The cameras; changes of their poses are as `PoseCovariance` has them.
+
+    Notes
+    -----
+    A calibration says nothing of where the rig as a whole stands. What counts is left when the
+    estimated rig is moved as one onto the true one, rotations [rad] being weighed with the typical
+    distance of the cameras from their middle [m]. Six numbers less are free: the rank falls by 6.
+    """
+    motions = np.concatenate([_common_motion(camera) for camera in rig])
+    positions = np.array([camera.position_m for camera in rig])
+    reach_m = float(np.linalg.norm(positions - positions.mean(axis=0), axis=1).mean()) or 1.0
+    weight = np.tile([reach_m**2] * 3 + [1.0] * 3, len(rig))
+    weighted = motions.T * weight
+    keep: Float64[np.ndarray, "six_cam six_cam"] = np.eye(len(motions)) - motions @ np.linalg.solve(
+        weighted @ motions, weighted
+    )
+    return keep
 
 
 def expected_error_m(
