@@ -11,7 +11,7 @@ def _people() -> list[Target]:
     def of(case: str, what: str, asked: str, limit: float, unit: str = "", figure: str = "",
            peers: str = "") -> Target:  # fmt: skip
         relation: Relation = "<=" if asked == "at most" else ">="
-        text = f"{case}: {what}" if case != "*" else what
+        text = what if "*" in case else f"{case}: {what}"
         return Target(_PEOPLE, text, (_FILE, case, figure or what), relation, limit, unit, peers)
 
     three = "three walkers"

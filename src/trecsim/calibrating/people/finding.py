@@ -108,8 +108,7 @@ def find(
     again = observations(tracks, records, chain, rig.state)
     seen = with_own_variances(seen, rig, again, least=1.0)
     rig = adjusted(seen, rig.state, priors, annealing=(1.0,))
-    kept = Found(tracks, chain, levels, relations, seen, rig, priors)
-    return with_lenses(kept, records) or kept
+    return with_lenses(Found(tracks, chain, levels, relations, seen, rig, priors), records)
 
 
 def _root(state: RigState, relations: Relations) -> int:

@@ -35,6 +35,9 @@ class Found:
         The adjusted rig, in the frame of its root camera, its scale that of `priors`.
     priors
         What was taken as known.
+    doubts_lenses
+        Whether other intrinsics than the given ones are clearly likelier, but parts of the
+        recording do not agree on them.
     """
 
     tracks: list[Tracklet]
@@ -44,3 +47,4 @@ class Found:
     seen: Observations
     rig: Adjusted
     priors: Priors
+    doubts_lenses: bool = False

@@ -189,6 +189,13 @@ def _by_bodies(evidence: Evidence) -> Iterator[Finding]:
 
 def _lenses(evidence: Evidence) -> Iterator[Finding]:
     found = evidence.found
+    if found.doubts_lenses:
+        yield Finding(
+            "usable",
+            "other intrinsics would explain clearly better what people show, but the halves of the "
+            "recording do not agree on them, so the given ones were kept: measure them with "
+            "trecsim calibrate intrinsics, or record for longer",
+        )
     if found.priors.lens_sd is None:
         return
     lens = np.where(found.priors.found[:, None], found.rig.state.lens, 0.0)

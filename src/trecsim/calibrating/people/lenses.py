@@ -18,27 +18,28 @@ from trecsim.calibrating.people.variances import with_variances_of
 FEWEST = 3  # two cameras explain wrong intrinsics by their poses
 
 
-def with_lenses(found: Found, records: tuple[CameraRecord, ...]) -> Found | None:
-    """Return what was found with refined intrinsics; None where the given ones are to be kept.
+def with_lenses(found: Found, records: tuple[CameraRecord, ...]) -> Found:
+    """Return what was found with refined intrinsics; as it is where the given ones are to be kept.
 
     Notes
     -----
     The evidence for other intrinsics must be clear: twice the logarithm of how many times likelier
     the recording is with them than with the given ones, their prior counted (Kass and Raftery).
     A wrong model of the people, as of a camera that moved, gives evidence, too. So the intrinsics
-    found in each half of the recording must also explain the other half better than the given ones.
+    found in each half of the recording must also explain the other half better than the given ones;
+    else these are kept, and doubted.
     """
     n, known = len(found.priors.found), int(found.priors.found.sum())
     if known < FEWEST:
-        return None
+        return found
     priors = replace(found.priors, lens_sd=np.tile(LENS_SD, (n, 1)))
     start = found.rig.unknowns._replace(clock=np.zeros((n, 2)))
     rig = adjusted(found.seen, found.rig.state, priors, annealing=(1.0,), start=start)
     if evidence_for_lenses(rig, priors) < LENS_EVIDENCE:
-        return None
-    return (
-        replace(found, rig=rig, priors=priors) if _holds_elsewhere(found, records, priors) else None
-    )
+        return found
+    if not _holds_elsewhere(found, records, priors):
+        return replace(found, doubts_lenses=True)
+    return replace(found, rig=rig, priors=priors)
 
 
 def evidence_for_lenses(rig: Adjusted, priors: Priors) -> float:
