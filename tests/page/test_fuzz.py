@@ -171,6 +171,16 @@ def test_no_bytes_make_the_page_fail(fuzzed: tuple[RunningPage, Path], content: 
     check_alive(page, log, sent(page, content, patience_s=0.02))
 
 
+@linux
+def test_who_hangs_up_within_a_body_fills_no_log(fuzzed: tuple[RunningPage, Path]) -> None:
+    page, log = fuzzed
+    for route in (one for one in ROUTES if one[0] == "P"):
+        whole = request_of(route, {"Content-Type": "application/json"}, b'{"user": "anna"}')
+        check_alive(page, log, sent(page, whole[:-1], patience_s=0.05))
+    page.client.get("/api/health")  # by then all of it was taken in
+    assert log.read_text() == ""
+
+
 UPGRADE = {
     "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
     "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",

@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import msgspec
 from starlette.exceptions import HTTPException
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 
 Body = TypeVar("Body")
 JSON = "application/json"
@@ -18,15 +18,18 @@ async def content_of(request: Request, types: Sequence[str], largest: int) -> by
     Raises
     ------
     HTTPException
-        It has none of these types, or is too large.
+        It has none of these types, is too large, or its sender has left.
     """
     if type_of(request) not in types:
         raise HTTPException(415, f"expected a body of the type {' or '.join(types)}")
     parts = bytearray()
-    async for part in request.stream():
-        parts += part
-        if len(parts) > largest:
-            raise HTTPException(413, f"expected a body of at most {largest} bytes")
+    try:
+        async for part in request.stream():
+            parts += part
+            if len(parts) > largest:
+                raise HTTPException(413, f"expected a body of at most {largest} bytes")
+    except ClientDisconnect:  # whoever hangs up gets no answer, and must not fill the log
+        raise HTTPException(400, "the request ended within its body") from None
     return bytes(parts)
 
 
