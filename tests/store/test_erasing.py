@@ -251,6 +251,17 @@ def test_a_damaged_recording_is_told_and_the_period_is_gone_from_all_others(
         assert [one.details["recordings"] for one in ledger.audit()] == [["b"]]
 
 
+def test_where_the_ledger_is_damaged_nothing_is_deleted_and_it_stays(tmp_path: Path) -> None:
+    moments = list(live_moments(50))
+    run = record(tmp_path / "site" / "run", moments)
+    ledger = tmp_path / "site" / "ledger.sqlite"
+    ledger.write_bytes(b"no database, but perhaps people" * 100)
+    with pytest.raises(InputError, match=r"ledger\.sqlite is damaged.* nothing was deleted"):
+        erase(tmp_path / "site", moments[0].t_s, moments[-1].t_s)
+    assert_same_bits(list(snapshots(run)), moments)
+    assert [one.name for one in ledger.parent.glob("ledger*")] == ["ledger.sqlite"]
+
+
 def test_events_of_the_time_do_not_list_whom_was_erased_and_others_stay(tmp_path: Path) -> None:
     run = record(tmp_path / "run", list(walk(100, people=2)))
     here = [{"person": 0, "floor_m": [41.5, 2.0]}, {"person": 1, "floor_m": [3.0, 2.0]}]

@@ -105,6 +105,26 @@ def erase(
         kept: Bool[np.ndarray, " row"] = ~goes
         return kept
 
+    place = _place_of_ledger(folder, folders)
+    _check_ledger(place)
+    done, damaged = _erase_tracks(folders, from_s, to_s, person, stays)
+    with Ledger(place, repair=False) as ledger:
+        done = replace(done, events=ledger.erase_people(from_s, to_s, person))
+        times = {"from_s": _finite(from_s), "to_s": _finite(to_s)}  # JSON has no infinity
+        what = {**times, "person": person, "recordings": list(done.recordings), "rows": done.rows}
+        ledger.append_audit(who, "erase", {**what, "events": done.events})
+    if damaged:
+        raise InputError(
+            f"{damaged[0]}; {len(damaged)} of {len(folders)} recordings still hold this period, "
+            "or a part of it: remove the damaged files, then erase again"
+        )
+    return done
+
+
+def _erase_tracks(
+    folders: Sequence[Path], from_s: float, to_s: float, person: int | None, stays: Kept
+) -> tuple[Erased, list[InputError]]:
+    """Delete rows of all recordings; return what was done, and what is damaged."""
     done = Erased()
     damaged: list[InputError] = []
     for one in folders:
@@ -121,17 +141,21 @@ def erase(
             done.recordings + name,
             done.remarks + remarks,
         )
-    times = {"from_s": _finite(from_s), "to_s": _finite(to_s)}  # JSON has no infinity
-    with Ledger(_place_of_ledger(folder, folders)) as ledger:
-        done = replace(done, events=ledger.erase_people(from_s, to_s, person))
-        what = {**times, "person": person, "recordings": list(done.recordings), "rows": done.rows}
-        ledger.append_audit(who, "erase", {**what, "events": done.events})
-    if damaged:
+    return done, damaged
+
+
+def _check_ledger(place: Path) -> None:
+    """Refuse a ledger that cannot be read before anything is deleted: it holds people, too."""
+    if not (place / LEDGER).exists():
+        return
+    try:
+        with suppress(SetupError):  # a full disk has room again afterwards
+            Ledger(place, repair=False).close()
+    except InputError as error:
         raise InputError(
-            f"{damaged[0]}; {len(damaged)} of {len(folders)} recordings still hold this period, "
-            "or a part of it: remove the damaged files, then erase again"
-        )
-    return done
+            f"{error}; nothing was deleted: move the file away, as it may hold people of this "
+            "period, then erase again"
+        ) from None
 
 
 def _finite(t_s: float) -> float | None:
