@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { withEvent, type Alert, type Alerts } from "../src/state/alerts.ts";
-import { cardKey, idsOf, inOrder } from "../src/state/held.ts";
+import { cardKey, idsOf, inOrder, withForm } from "../src/state/held.ts";
 import { event, T } from "./made.ts";
 
 const alert = (id: string, start = T): Alert => {
@@ -38,4 +38,20 @@ test("a card keeps its name, and what is typed in it, when another alert joins",
   const [a, b] = [alert("a", T - 9), alert("b", T - 1)];
   assert.equal(cardKey([a]), cardKey([b, a]));
   assert.notEqual(cardKey([b]), cardKey([a]));
+});
+
+test("a card on which somebody writes stays when its alert is over, and goes when it is closed", () => {
+  const [a, b, c] = [alert("a"), alert("b"), alert("c")];
+  const alerts = new Map([a, b, c].map((one) => [one.id, one]));
+  assert.deepEqual(idsOf(withForm([[c]], ["b", "a"], alerts)), [["b", "a"], ["c"]]);
+  assert.deepEqual(idsOf(withForm([[c], [b], [a]], ["a"], alerts)), [["c"], ["b"], ["a"]]);
+  const closed = { reason: "true" as const, note: null, by: null, t: T };
+  alerts.set("a", { ...a, closed });
+  assert.deepEqual(idsOf(withForm([[c]], ["a"], alerts)), [["c"]]);
+});
+
+test("an alert that joins a card on which somebody writes gets a card of its own", () => {
+  const [a, b] = [alert("a"), alert("b")];
+  const alerts = new Map([a, b].map((one) => [one.id, one]));
+  assert.deepEqual(idsOf(withForm([[b, a]], ["a"], alerts)), [["a"], ["b"]]);
 });

@@ -1,6 +1,6 @@
 // Cards that hold still while the pointer is among them.
 
-import type { Alert } from "./alerts.ts";
+import type { Alert, Alerts } from "./alerts.ts";
 
 /** Return the alerts of each card: what is held. */
 export const idsOf = (groups: readonly Alert[][]): string[][] =>
@@ -22,3 +22,15 @@ export function inOrder(
 /** Return what a card is called: by its first alert, for others join it. */
 export const cardKey = (group: readonly Alert[]): string =>
   group.reduce((first, alert) => (alert.start < first.start ? alert : first), group[0] as Alert).id;
+
+/** Return the cards with the alerts that a form is open for on one of their own, until they are closed. */
+export function withForm(
+  groups: readonly Alert[][], ids: readonly string[], alerts: Alerts,
+): Alert[][] {
+  const kept = ids.flatMap((id) => alerts.get(id) ?? []).filter((alert) => !alert.closed);
+  if (kept.length === 0) return [...groups];
+  const at = groups.findIndex((group) => group.some((alert) => ids.includes(alert.id)));
+  const others = groups.map((group) => group.filter((alert) => !ids.includes(alert.id)));
+  others.splice(Math.max(0, at), 0, kept);
+  return others.filter((group) => group.length > 0);
+}

@@ -6,7 +6,7 @@ import { home, write } from "../state/address.ts";
 import {
   cards, closedAlerts, handling, REASONS, title, type Alert,
 } from "../state/alerts.ts";
-import { cardKey, idsOf, inOrder } from "../state/held.ts";
+import { cardKey, idsOf, inOrder, withForm } from "../state/held.ts";
 import { dataTime, open, type State } from "../state/state.ts";
 import { clock, count, day, duration, hourMinute } from "../state/words.ts";
 import { store } from "../store.ts";
@@ -61,7 +61,8 @@ export function Alerts() {
   const { state } = useStore();
   const now = dataTime(state);
   const all = open(state);
-  const held = useHeld(cards(all, now));
+  const [writing, setWriting] = useState<readonly string[]>([]);
+  const held = useHeld(withForm(cards(all, now), writing, state.alerts));
   const lost = state.link === "lost";
   const key = keyed(state);
   const number = lost ? "unknown" : all.length || (state.health ? "none" : "");
@@ -82,7 +83,8 @@ export function Alerts() {
         )}
         <ul class={lost ? "dimmed" : ""}>
           {held.shown.map((group) => (
-            <Card key={cardKey(group)} group={group} now={now} keyed={group[0]?.id === key?.id} />
+            <Card key={cardKey(group)} group={group} now={now} keyed={group[0]?.id === key?.id}
+              onForm={setWriting} />
           ))}
         </ul>
         {!lost && all.length === 0 && <None state={state} />}

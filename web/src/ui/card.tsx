@@ -16,6 +16,8 @@ interface Props {
   now: number;
   /** Whether keys act on this card, which then shows them. */
   keyed: boolean;
+  /** Told the alerts whose form is open; none when it is shut. */
+  onForm: (ids: readonly string[]) => void;
 }
 
 const isUrgent = (alert: Alert): boolean =>
@@ -31,7 +33,7 @@ function age(alert: Alert, now: number, zone: string): string {
   return alert.raisedFrom ? `${passed} ago` : `${clock(alert.start, zone)}, ${passed} ago`;
 }
 
-export function Card({ group, now, keyed }: Props) {
+export function Card({ group, now, keyed, onForm }: Props) {
   const alert = group[0] as Alert;
   const how = handling(alert, now);
   const zone = store.state.site?.timezone ?? "UTC";
@@ -62,7 +64,7 @@ export function Card({ group, now, keyed }: Props) {
           ))}
         </dl>
       )}
-      <Acts group={group} now={now} keyed={keyed} />
+      <Acts group={group} now={now} keyed={keyed} onForm={onForm} />
       {group.length > 1 && (
         <details class="all">
           <summary>Show all {group.length}</summary>
@@ -135,10 +137,14 @@ export function replay(alert: Alert): void {
 
 type Form = "shelve" | "close" | "menu" | null;
 
-function Acts({ group, now, keyed }: Props) {
+function Acts({ group, now, keyed, onForm }: Props) {
   const alert = group[0] as Alert;
   const how = handling(alert, now);
-  const [form, setForm] = useState<Form>(null);
+  const [form, show] = useState<Form>(null);
+  const setForm = (next: Form) => {
+    show(next);
+    onForm(next === "shelve" || next === "close" ? group.map((one) => one.id) : []);
+  };
   const done = () => setForm(null);
   const box = useAway<HTMLDivElement>(form === "menu", done);
   if (form === "shelve") return <Shelve group={group} done={done} now={now} />;
