@@ -31,6 +31,8 @@ class Tracking:
     def __init__(self, page: RunningPage) -> None:
         self.people = [3, 7]
         self.silent: str | None = None
+        self.faults: dict[str, str] = {}  # of cameras that send images all the same
+        self.rules_fault: str | None = None
         self.pictures: dict[str, bytes] = {}  # by camera, for who looks
         self._page = page
         self._ended = Event()
@@ -61,11 +63,14 @@ class Tracking:
             t_s = time()
             xyz_m = np.stack([BODY_M + at(person, t_s) for person in self.people])
             self._page.process.write(snapshot(t_s, self.people, xyz_m))
-            cameras = {name: CameraHealth("live", 25.0, 0.02) for name in SITE.cameras}
+            cameras = {
+                name: CameraHealth("live", 25.0, 0.02, fault=self.faults.get(name))
+                for name in SITE.cameras
+            }
             if self.silent is not None:
                 cameras[self.silent] = CameraHealth("stale", 0.0, 6.0)
             fusion = FusionHealth("running", 25.0, 1.0, 0.02, len(self.people))
-            rules = RulesHealth(armed=1, total=1)
+            rules = RulesHealth(armed=1, total=1, fault=self.rules_fault)
             self._page.process.health(Health(t_s, cameras, fusion, rules=rules))
             for request in self._page.process.requests():
                 camera = request.body.get("camera")

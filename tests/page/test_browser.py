@@ -72,6 +72,20 @@ def test_a_camera_that_goes_silent_is_said_at_once_and_acknowledged_until_it_is_
         expect(page.locator(".past .what")).to_have_text("Camera Cam1 sent no picture")
 
 
+def test_what_is_in_doubt_is_said_in_place_of_all_clear(chromium, tracking) -> None:
+    with opened(chromium, f"{tracking.url}system") as page:
+        page.wait_for_selector(".status[data-row='7']")
+        tracking.faults = {"cam1": "it has shown the same image for 10 s"}
+        page.wait_for_selector(".status[data-row='5']")
+        assert said(page) == "Camera Cam1 is in doubt"
+        expect(page.locator("td.why")).to_have_text("Cam1: it has shown the same image for 10 s")
+        tracking.faults, tracking.rules_fault = {}, "strip: division by zero"
+        expect(page.locator(".status h1")).to_have_text("Rules fail")
+        expect(page.locator("td.why")).to_have_count(0)
+        tracking.rules_fault = None
+        page.wait_for_selector(".status[data-row='7']")
+
+
 def test_tiles_show_pictures_where_the_site_allows_them_and_ask_for_no_others(chromium) -> None:
     jpeg = pytest.importorskip("trecsim.sources.jpeg", reason="PyAV is not installed")
     picture = jpeg.jpeg_of(np.full((48, 64, 3), 90, np.uint8), (640, 640))
