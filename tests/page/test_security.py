@@ -1,6 +1,7 @@
 """Who may do what at a page with users, and what an attacker finds."""
 
 import asyncio
+import itertools
 import os
 import shutil
 import socket
@@ -24,7 +25,7 @@ from made_page import SITE, RunningPage, event, next_of, run_apart, running_page
 from made_tracks import snapshot
 from page_processes import linux, process_of
 from trecsim.errors import InputError
-from trecsim.page import passwords
+from trecsim.page import access, passwords
 from trecsim.page.address import PageAddress
 from trecsim.page.page_data import PageData
 from trecsim.page.page_process import PageProcess
@@ -373,6 +374,23 @@ def test_a_user_who_is_removed_or_demoted_loses_it_at_once(tmp_path: Path) -> No
             roles = [entry.details.get("roles") for entry in ledger.audit()]
             assert {"operator": "viewer"} in roles
             assert ledger.verify_audit().is_whole
+
+
+def test_a_file_of_users_that_is_gone_is_told_once_and_lets_in_who_was(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    file = tmp_path / "users.toml"
+    write_users(file, USERS)
+    now_s = itertools.count(1000.0)
+    monkeypatch.setattr(access, "monotonic", lambda: next(now_s))
+    users = access.KnownUsers(file, lambda before, after: None)
+    assert users.get("admin") == USERS["admin"]
+    for told in (1, 2):  # again after it was well
+        file.rename(tmp_path / "aside")
+        assert all(users.get("admin") == USERS["admin"] for _ in range(5))
+        assert len(caplog.messages) == told
+        (tmp_path / "aside").rename(file)
+        assert users.get("nobody") is None
 
 
 def test_what_people_do_stands_in_the_audit_log_without_secrets(

@@ -86,6 +86,7 @@ class KnownUsers:
         self._users: dict[str, User] = {}
         self._stamp: tuple[int, int] | None = None
         self._looked_s = -USERS_READ_S
+        self._told: str | None = None  # what is wrong with the file, said once
 
     def get(self, name: str) -> User | None:
         """Return a user by name."""
@@ -100,11 +101,15 @@ class KnownUsers:
             facts = self._path.stat()
             stamp = facts.st_mtime_ns, facts.st_size
             if stamp == self._stamp:
+                self._told = None
                 return
             users = read_users(self._path)
         except (OSError, Error) as error:  # a file that is wrong lets nobody in who was not
-            logger.error("the users are as before: %s", error)  # noqa: TRY400
+            if str(error) != self._told:
+                logger.error("the users are as before: %s", error)  # noqa: TRY400
+            self._told = str(error)
             return
+        self._told = None
         before, self._users = self._users, users
         first, self._stamp = self._stamp is None, stamp
         if not first:
