@@ -161,6 +161,14 @@ def test_what_is_no_site_file_is_told(tmp_path: Path, content: bytes, message: s
     assert any(message in line for line in faults(tmp_path, content))
 
 
+def test_of_a_folder_the_files_in_it_are_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"is a folder: expected the site file itself$"):
+        read_site(tmp_path)
+    (tmp_path / "Config.toml").touch()
+    with pytest.raises(ConfigError, match=r"itself; there is .*Config\.toml$"):
+        read_site(tmp_path)
+
+
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"cannot read the site file .*gone\.toml: No such file"):
         read_site(tmp_path / "gone.toml")

@@ -50,6 +50,10 @@ def read_text(path: Path, kind: str) -> str:
     try:
         with path.open("rb") as file:
             data = file.read(_LARGEST_BYTES + 1)
+    except IsADirectoryError:
+        inside = ", ".join(str(one) for one in sorted(path.glob("*.toml"))[:3])
+        there = f"; there is {inside}" if inside else ""
+        raise ConfigError(f"{path} is a folder: expected the {kind} itself{there}") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         reason = error.strerror if isinstance(error, OSError) else error
         raise ConfigError(f"cannot read the {kind} {path}: {reason}") from None
