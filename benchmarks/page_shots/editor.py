@@ -7,6 +7,7 @@ from page_shots.fixture import EDGES, MODES, RULES, START_S, ZONES
 from trecsim.sites.rule_kinds import rule_kinds
 
 VERSION = "0" * 64
+NO_OTHERS: dict[str, Any] = {"exclusions": {}, "portals": {}}
 DRAWN = [[-8.0, 1.6], [-3.2, 1.6], [-2.0, 2.4], [-2.4, 3.6], [-8.0, 3.6]]
 
 
@@ -18,7 +19,7 @@ def editor(drafted: bool) -> dict[str, Any]:
     drafted
         Whether there is a draft beside the live version.
     """
-    parts = {"zones": ZONES, "lines": {}, "edges": EDGES, "rules": RULES}
+    parts = {"zones": ZONES, "lines": {}, "edges": EDGES, **NO_OTHERS, "rules": RULES}
     return {
         "/api/site/parts": {"version": VERSION, **parts, "remarks": [], "has_file": True},
         "/api/site/kinds": {"kinds": rule_kinds()},
@@ -42,7 +43,8 @@ def _draft() -> dict[str, Any]:
     )
     return {
         "based_on": VERSION, "revision": 3, "by": "k.meier", "zones": zones, "lines": {},
-        "edges": EDGES, "rules": [*rules, {"id": "bench", "kind": "zone.enter", "zone": "bench"}],
+        "edges": EDGES, **NO_OTHERS,
+        "rules": [*rules, {"id": "bench", "kind": "zone.enter", "zone": "bench"}],
         "remarks": [{"at": ["zones", "bench"], "text": text}],
     }  # fmt: skip
 
