@@ -84,7 +84,7 @@ def health(situation: Situation) -> dict[str, Any]:
         cameras[name] = {
             "state": state, "fps": 25.0 if state == "live" else 0.0, "age_s": age_s,
             "clock": "arrival" if name == "south" else "sender", "dropped": 3 * number,
-            "dropped_by": {"newer image": 3 * number},
+            "dropped_by": {"late": 3 * number},
             "fault": "no image arrives; the network answers" if state == "down" else None,
         }  # fmt: skip
     return {

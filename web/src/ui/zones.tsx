@@ -252,7 +252,7 @@ function Add() {
     <div class="add">
       {PLACE_KINDS.map((of) => (
         <button key={of} type="button" class="button" onClick={() => add(of)}>
-          <Icon name="add" size={16} />{named(ONE[of])}
+          <Icon name="add" size={16} />{of === "exclusions" ? "Bed" : named(ONE[of])}
         </button>
       ))}
     </div>
