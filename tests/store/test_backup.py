@@ -78,6 +78,16 @@ def test_earlier_versions_of_the_site_file_are_backed_up(tmp_path: Path) -> None
     assert SiteHistory(tmp_path / "again").text("0" * 64) == "zones as they were"
 
 
+def test_links_are_left_out_and_told(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    run = tmp_path / "site" / "run"
+    run.mkdir(parents=True)
+    (tmp_path / "elsewhere.parquet").write_bytes(b"tracks")
+    (run / "tracks.parquet").symlink_to(tmp_path / "elsewhere.parquet")
+    Ledger(tmp_path / "site").close()
+    backup(tmp_path / "site", tmp_path / "site.tar")
+    assert f"{run / 'tracks.parquet'} is a link and not part of the backup" in caplog.text
+
+
 def test_a_backup_and_what_is_restored_are_for_their_owner_alone(tmp_path: Path) -> None:
     site = tmp_path / "site"
     (site / "run").mkdir(parents=True)

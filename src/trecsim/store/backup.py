@@ -1,5 +1,6 @@
 """Back up the folder of a site to one file, while the site runs, and restore it."""
 
+import logging
 import os
 import shutil
 import tarfile
@@ -25,6 +26,8 @@ from trecsim.store.ledger_file import NAME as LEDGER
 from trecsim.store.ledger_file import copy_ledger
 from trecsim.store.names import REPAIRING, REPAIRS, SITE_HISTORY, TRACKS
 from trecsim.store.playback import recording_folders, recordings
+
+logger = logging.getLogger(__name__)
 
 _MARK = ".trecsim-backup"  # the first member, by which a backup is known
 _FORMAT = b"trecsim.backup/1\n"
@@ -137,10 +140,13 @@ def _add_ledger(target: _Target, scratch: Path) -> int:
 
 def _files(folder: Path, *, deep: bool = True) -> list[Path]:
     """Return what belongs into a backup: no locks, nothing incomplete, no ledger in use."""
-    paths = folder.rglob("*") if deep else folder.iterdir()
+    paths = sorted(folder.rglob("*") if deep else folder.iterdir())
+    for path in paths:
+        if path.is_symlink() and not path.is_dir():
+            logger.warning("%s is a link and not part of the backup; keep what it points to", path)
     return [
         path
-        for path in sorted(paths)
+        for path in paths
         if path.is_file()
         and not path.is_symlink()
         and path.name not in (LOCK, CHANGING)
