@@ -16,10 +16,13 @@ from harness.running import run_all
 from run import ALL
 from targets import ABOUT, FUSION, OTHERS, Target
 
+APART = ("ablation", "normal_days")
+"""Benchmarks whose results are stored, and that take too long for `make bench`."""
+
 
 def results() -> dict[str, Result]:
     """Return all stored results by name."""
-    found = {name: stored(name) for name in (*ALL, "ablation")}
+    found = {name: stored(name) for name in (*ALL, *APART)}
     return {name: result for name, result in found.items() if result is not None}
 
 

@@ -24,7 +24,8 @@ from harness.command import alone
 from harness.figures import Figures, Skipped, once
 from harness.options import Options, shared_data
 from ruled import busy_room, gate_room, judging, motions
-from ruled.warnings_told import Warned, brier, median_lead_s, warnings_of
+from ruled.alarm_figures import DAY_S, alarm_figures, warning_figures
+from ruled.warnings_told import Warned, warnings_of
 
 if TYPE_CHECKING:
     from trecsim.lab.evaluation.event_scores import EventScores
@@ -36,9 +37,6 @@ FALL_SEEDS, QUICK_FALL_SEEDS = 10, 1
 RIGS = ((4, 25.0), (4, 8.0), (2, 25.0), (2, 8.0))  # cameras, images per second
 PIECES, QUICK_PIECES, PIECE_S, TRAFFIC_FPS = 60, 2, 60.0, 8.0
 PEOPLE = 6
-BORDERS = ("zone.enter", "zone.exit", "line.cross", "zone.dwell")
-"""Rules that people who walk about fulfil twice a second, often by a centimetre."""
-DAY_S = 86400.0
 COST_PEOPLE, COST_S, COST_FPS = 20, 60.0, 20.0
 
 Told = tuple[dict[str, "EventScores"], list[Warned], float]
@@ -81,7 +79,8 @@ def episodes(options: Options) -> Figures:
         "episodes": once(sum(one.true for one in kinds.values()), "", watched=False),
         "macro F1": once(float(np.mean([one.f1 for one in kinds.values()])), "", "higher", 0.003),
     }
-    rows["early warnings"] = _warned(warned, sum(seconds for *_, seconds in found))
+    camera_days = 4 * sum(seconds for *_, seconds in found) / DAY_S
+    rows["early warnings"] = warning_figures(warned, camera_days)
     return rows
 
 
@@ -119,33 +118,12 @@ def traffic(options: Options) -> Figures:
     found = list(options.over(walkers, tasks, "normal traffic"))
     kinds, seconds = _by_kind(found), sum(one for *_, one in found)
     camera_days = 4 * seconds / DAY_S
-    alarms = [one for kind, one in kinds.items() if kind not in BORDERS]
-    borders = [one for kind, one in kinds.items() if kind in BORDERS]
-    false = sum(one.told - one.right for one in alarms)
+    warned = [one for _, some, _ in found for one in some]
     return {
         "length": once(seconds / 3600.0, "h", watched=False),
-        "borders: true episodes": once(sum(one.true for one in borders), "", watched=False),
-        "borders: invented": once(sum(one.told - one.right for one in borders), "", matters=0.0),
-        "borders: missed": once(sum(one.true - one.right for one in borders), "", matters=0.0),
-        "other rules: true episodes": once(sum(one.true for one in alarms), "", watched=False),
-        "false alarms": once(false, "", matters=0.0),
-        "missed": once(sum(one.true - one.right for one in alarms), "", matters=0.0),
-        "false alarms by rule": {
-            kind: once(one.told - one.right, "", matters=0.0)
-            for kind, one in kinds.items()
-            if one.told > one.right
-        },
-        "false alarms per camera-day": once(false / camera_days, "", watched=False),
-        # Of rare independent events: if none was seen, the rate is below 3 over the time, 19 of 20.
-        "surely below, per camera-day": once(
-            (false + 3.0 + 1.7 * false**0.5) / camera_days, "", watched=False
-        ),
-        "alarms of falls and people down": once(
-            sum(kinds[kind].told for kind in ("body.fall", "body.down") if kind in kinds),
-            "", matters=0.0,
-        ),
-        "early warnings": _warned([one for _, some, _ in found for one in some], seconds),
-    }  # fmt: skip
+        **alarm_figures(kinds, camera_days),
+        "early warnings": warning_figures(warned, camera_days),
+    }
 
 
 def walkers(task: tuple[int, Mapping[str, Any]]) -> Told:
@@ -205,17 +183,6 @@ def _row(scores: "EventScores") -> Figures:
 
 def _median(values: Sequence[float]) -> float:
     return float(np.median(values)) if values else float("nan")
-
-
-def _warned(warned: list[Warned], seconds: float) -> Figures:
-    false = sum(not one.came_true for one in warned)
-    return {
-        "given": once(len(warned), "", watched=False),
-        "came true": once(len(warned) - false, "", "higher", watched=False),
-        "median lead": once(median_lead_s(warned), "s", "higher", 0.1),
-        "Brier score of those given": once(brier(warned), "", matters=0.02),
-        "false ones per camera-day": once(4.0**-1 * false * DAY_S / seconds, "", watched=False),
-    }
 
 
 def falls(options: Options) -> Figures:

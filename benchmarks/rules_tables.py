@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 from harness.figures import Figure, Result
 from harness.markdown import fixed, table, value_of
+from ruled.alarm_figures import BORDERS
 
 Results = Mapping[str, Result]
 
@@ -68,4 +69,26 @@ def traffic(results: Results) -> str:
         rows += [
             [f"early warnings, {where}: {name}", fixed(value_of(group, name), 2)] for name in group
         ]
+    return table(["", ""], rows)
+
+
+def days(results: Results) -> str:
+    """Return false alarms and early warnings of normal days."""
+    figures = results["normal_days"].figures
+    by_rule, warned = figures["false alarms by rule"], figures["early warnings"]
+    rows = [
+        [name, fixed(value_of(figures, name), places)]
+        for name, places in (
+            ("camera-days", 2), ("hours of people", 1), ("borders: true episodes", 0),
+            ("borders: missed", 0), ("borders: invented", 0), ("other rules: true episodes", 0),
+            ("missed", 0), ("false alarms", 0), ("false alarms per camera-day", 2),
+            ("surely below, per camera-day", 2), ("alarms of falls and people down", 0),
+        )
+    ]  # fmt: skip
+    rows += [
+        [f"false alarms: `{kind}`", fixed(value_of(by_rule, kind), 0)]
+        for kind in by_rule
+        if kind not in BORDERS
+    ]
+    rows += [[f"early warnings: {name}", fixed(value_of(warned, name), 2)] for name in warned]
     return table(["", ""], rows)

@@ -111,6 +111,7 @@ NEEDS: dict[str, tuple[str, Callable[[Results], str]]] = {
     "rules": ("rules", ruling.rules),
     "rules-falls": ("rules", ruling.falls),
     "rules-traffic": ("rules", ruling.traffic),
+    "rules-days": ("normal_days", ruling.days),
     "machine": (ANY, machine),
     **{
         name.replace("_", "-") + "-all": (name, partial(everything, name=name))

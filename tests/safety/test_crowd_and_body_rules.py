@@ -149,7 +149,7 @@ def test_a_packed_crowd_that_pushes_is_told_and_one_that_stands_is_not() -> None
 def test_a_way_out_that_clogs_is_told_once_the_crowd_grows_before_it() -> None:
     t_s = times(70.0, 5.0)
     paths = []
-    for n in range(30):  # one a second walks through the room, until the way out is blocked at 35 s
+    for n in range(40):  # one a second walks through the room, until the way out is blocked at 35 s
         enters_s = 1.0 + 1.3 * n
         leaves_s = enters_s + 5.0
         if leaves_s < 35.0:
@@ -168,6 +168,20 @@ def test_a_way_out_that_clogs_is_told_once_the_crowd_grows_before_it() -> None:
                 for n in range(48)]  # fmt: skip
     flowing = walking(*open_way, t_s=t_s)
     assert events_of(rule("flow.bottleneck", f"{ROOM}\non_delay_s = 2.0"), flowing) == NEVER
+
+
+def test_a_few_who_come_in_while_nobody_leaves_are_no_bottleneck() -> None:
+    """One leaves a minute before three come in and wait: the flow falls, and nobody is in a way."""
+    t_s = times(70.0, 5.0)
+    left = there(through((1.0, 0.0, 0.0), (33.0, 1.0, 0.0), (37.0, 5.0, 0.0)), 1.0, 37.0)
+    waits = [
+        there(through((40.0 + 6.0 * n, 0.0, 0.0), (44.0 + 6.0 * n, 3.0 - n, 0.3 * n)), 40.0, 70.0)
+        for n in range(3)
+    ]
+    people = walking(left, *waits, t_s=t_s)
+    assert events_of(rule("flow.bottleneck", f"{ROOM}\non_delay_s = 2.0"), people) == NEVER
+    fewer = f"{ROOM}\non_delay_s = 2.0\ndensity_pm2 = 0.01"
+    assert told(events_of(rule("flow.bottleneck", fewer), people), "phase")
 
 
 def begins_to_run(y_m: float, at_s: float) -> Any:

@@ -118,7 +118,7 @@ def pressed(rule: Rule) -> Condition:
 
 def clogged(rule: Rule) -> Condition:
     """Return the condition that fewer people than usual leave the zone as it fills."""
-    return Bottleneck(_polygon(rule), rule.keys["share"])
+    return Bottleneck(_polygon(rule), rule.keys["share"], rule.keys["density_pm2"])
 
 
 def panicking(rule: Rule) -> Condition:

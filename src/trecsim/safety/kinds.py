@@ -205,11 +205,14 @@ _ALL = (
     ),
     Kind(
         "flow.bottleneck",
-        "While the density in the zone rises, fewer people leave it than `share` of the usual: "
-        "over the last 10 s, against the last 60 s.",
-        "ours",
+        "While the density in the zone rises and is `density_pm2` or more, fewer people leave it "
+        "than `share` of the usual: over the last 10 s, against the last 60 s.",
+        "ours; 0.72 people/m2: Fruin, walkways, level D",
         make.clogged, place="zone", on_delay_s=10.0, is_about_place=True,
-        keys=(Key("share", float, "The share of the usual flow.", 0.5, {"gt": 0.0, "lt": 1.0}),),
+        keys=(
+            Key("share", float, "The share of the usual flow.", 0.5, {"gt": 0.0, "lt": 1.0}),
+            Key("density_pm2", float, "The least density [people/m2].", 0.72, _DENSITY),
+        ),
     ),
     Kind(
         "crowd.panic",

@@ -1,7 +1,8 @@
 """Rules on crowds in a zone, read naively: how many people, how dense, how they push and pass."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -55,17 +56,33 @@ def occupancy(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
 
 def density_pm2(at: Place, people: Sequence[TruePerson]) -> dict[int, float]:
     """Return the density in the zone at each look [people/m^2]."""
-    found = {}
-    for n in np.unique(looks(people[0].t_s)).tolist():
-        xy_m = np.array([person.floor_m[n] for person in people if person.there[n]])
-        found[n] = voronoi_density_pm2(at.polygon_m, xy_m, CUT_M)
-    return found
+    looked = np.unique(looks(people[0].t_s)).tolist()
+    return {n: voronoi_density_pm2(at.polygon_m, _there_m(people, n), CUT_M) for n in looked}
+
+
+def _there_m(people: Sequence[TruePerson], n: int) -> Float64[np.ndarray, "person 2"]:
+    return np.array([one.floor_m[n] for one in people if one.there[n]]).reshape(-1, 2)
+
+
+def stays_below(at: Place, people: Sequence[TruePerson], limit_pm2: float) -> bool:
+    """Tell whether there are never enough people for a density, were all of them in the zone."""
+    corners_m = at.polygon_m
+    low_m, high_m = corners_m.min(axis=0) - CUT_M, corners_m.max(axis=0) + CUT_M
+    x_m, y_m = corners_m.T
+    area_m2 = 0.5 * abs(float(x_m @ np.roll(y_m, -1) - y_m @ np.roll(x_m, -1)))
+    near = np.array(
+        [((one.floor_m > low_m) & (one.floor_m < high_m)).all(axis=1) for one in people]
+    )
+    # The grid's area of the zone is a little off.
+    return float(near.sum(axis=0).max(initial=0)) < 0.9 * limit_pm2 * area_m2
 
 
 def density_level(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
     """Yield when the density is at a level of service or above; in F, if people move, at once."""
-    inside = np.array([at.holds(person) for person in people])
     t_s, level = people[0].t_s, at.rule.get("level", "E")
+    if stays_below(at, people, FRUIN_PM2[level]):
+        return
+    inside = np.array([at.holds(person) for person in people])
     dense, packed = {}, {}
     speeds_mps = [np.hypot(*person.velocity_mps[:, :2].T) for person in people]
     for n, density in density_pm2(at, people).items():
@@ -78,15 +95,18 @@ def density_level(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening
 
 def critical(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
     """Yield when the density is dangerous; at once when it is so in the mean over a while."""
+    limit_pm2, grave_pm2 = at.rule.get("density_pm2", 4.0), at.rule.get("grave_pm2", 5.0)
+    if stays_below(at, people, min(limit_pm2, grave_pm2)):
+        return
     inside = np.array([at.holds(person) for person in people])
     t_s, density = people[0].t_s, density_pm2(at, people)
-    dense = {n: one >= at.rule.get("density_pm2", 4.0) for n, one in density.items()}
+    dense = {n: one >= limit_pm2 for n, one in density.items()}
     grave = {}
     for n in density:
         lately = [m for m in density if t_s[n] - GRAVE_S - SAME_S <= t_s[m] <= t_s[n]]
         is_known = t_s[n] - t_s[lately[0]] > GRAVE_S - EVERY_S - SAME_S
         mean = float(np.mean([density[m] for m in lately]))
-        grave[n] = bool(is_known) and mean >= at.rule.get("grave_pm2", 5.0)
+        grave[n] = bool(is_known) and mean >= grave_pm2
     yield from of_place(at, t_s, inside, _at_all(t_s, dense), _at_all(t_s, grave))
 
 
@@ -130,26 +150,41 @@ def _around(
 
 def bottleneck(at: Place, people: Sequence[TruePerson]) -> Iterator[Happening]:
     """Yield when a zone fills while fewer people than usual leave it."""
+    least_pm2 = at.rule.get("density_pm2", FRUIN_PM2["D"])
+    if stays_below(at, people, least_pm2):
+        return
     inside = np.array([at.holds(person) for person in people])
-    t_s, density = people[0].t_s, density_pm2(at, people)
+    t_s = people[0].t_s
+    looked = np.unique(looks(t_s))
+    density = cache(lambda n: voronoi_density_pm2(at.polygon_m, _there_m(people, n), CUT_M))
     left_s = np.array(sorted(one for k, p in enumerate(people) for one in _leaves_s(p, inside[k])))
     clogs = {}
-    for n, now in ((n, float(t_s[n])) for n in density):
+    for n, now in ((n, float(t_s[n])) for n in looked.tolist()):
         known_s = min(now - float(t_s[0]), USUALLY_S)
         lately, usually = (
             int(((left_s > now - one_s - SAME_S) & (left_s <= now)).sum())
             for one_s in (LATELY_S, USUALLY_S)
         )
-        late = [one for m, one in density.items() if now - LATELY_S / 2 < t_s[m] <= now]
-        early = [
-            one
-            for m, one in density.items()
-            if now - LATELY_S - SAME_S <= t_s[m] <= now - LATELY_S / 2
-        ]
-        rises = bool(early) and np.mean(late) > np.mean(early) + 1e-9
         slow = lately / LATELY_S < at.rule.get("share", 0.5) * usually / max(known_s, SAME_S)
-        clogs[n] = known_s >= KNOWN_S - SAME_S and rises and slow
+        clogs[n] = (
+            slow
+            and known_s >= KNOWN_S - SAME_S
+            and _fills(now, t_s[looked], lambda k: density(int(looked[k])), least_pm2)
+        )
     yield from of_place(at, t_s, inside, _at_all(t_s, clogs))
+
+
+def _fills(
+    now: float, look_s: Times, density_pm2: Callable[[int], float], least_pm2: float
+) -> bool:
+    """Tell whether it is dense in the last half of `LATELY_S`, and denser than in the first."""
+    is_late = (look_s > now - LATELY_S / 2) & (look_s <= now)
+    is_early = (look_s >= now - LATELY_S - SAME_S) & (look_s <= now - LATELY_S / 2)
+    late, early = (
+        [density_pm2(k) for k in np.flatnonzero(one).tolist()] for one in (is_late, is_early)
+    )
+    dense = bool(late) and np.mean(late) >= least_pm2
+    return bool(dense and early) and bool(np.mean(late) > np.mean(early) + 1e-9)
 
 
 def _leaves_s(person: TruePerson, inside: Flags) -> Iterator[float]:

@@ -3,6 +3,7 @@
 All points are given as (..., 2) [m].
 """
 
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -81,20 +82,32 @@ def voronoi_density_pm2(
     Each cell of the grid belongs to the nearest person, if that is at most `cut_m` away. The
     density is the sum of the shares of everybody's cells in the polygon, over its area.
     """
+    low_m, high_m = corners_m.min(axis=0) - 2.0 * cut_m, corners_m.max(axis=0) + 2.0 * cut_m
+    # Who is farther away owns no cell of the grid.
+    xy_m = xy_m[((xy_m > low_m - cut_m) & (xy_m < high_m + cut_m)).all(axis=1)]
     if not len(xy_m):
         return 0.0
-    low_m, high_m = corners_m.min(axis=0) - 2.0 * cut_m, corners_m.max(axis=0) + 2.0 * cut_m
-    axes = [np.arange(low_m[k], high_m[k], cell_m) + cell_m / 2 for k in (0, 1)]
-    cells_m = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    cells_m, within = _grid(tuple(map(tuple, corners_m.tolist())), 2.0 * cut_m, cell_m)
     away_m = np.array([np.hypot(*(cells_m - one).T) for one in xy_m])
     owner = np.where(away_m.min(axis=0) <= cut_m, away_m.argmin(axis=0), -1)
-    within = is_inside(corners_m, cells_m)
     shares = 0.0
     for person in range(len(xy_m)):
         own = owner == person
         if own.any():
             shares += float((own & within).sum() / own.sum())
     return shares / (float(within.sum()) * cell_m**2)
+
+
+@lru_cache(maxsize=8)
+def _grid(
+    corners_m: tuple[tuple[float, float], ...], around_m: float, cell_m: float
+) -> tuple[Float64[np.ndarray, "cell 2"], Bool[np.ndarray, " cell"]]:
+    """Return the middles of the cells on and around a polygon [m], and which are in it."""
+    polygon_m = np.array(corners_m)
+    low_m, high_m = polygon_m.min(axis=0) - around_m, polygon_m.max(axis=0) + around_m
+    axes = [np.arange(low_m[k], high_m[k], cell_m) + cell_m / 2 for k in (0, 1)]
+    cells_m = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
+    return cells_m, is_inside(polygon_m, cells_m)
 
 
 def _from_side_m(

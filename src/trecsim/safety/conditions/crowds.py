@@ -201,10 +201,13 @@ class Bottleneck:
         Of the zone before the bottleneck.
     share
         Below this share of the usual flow it clogs.
+    density_pm2
+        From this density on people can be in each other's way [people/m^2].
     """
 
     polygon: Polygon
     share: float
+    density_pm2: float
 
     def judge(self, scene: Scene, memory: Any = None) -> Judged:
         """Judge one moment; see `Condition`."""
@@ -238,8 +241,9 @@ class Bottleneck:
             float(np.mean([d for _, d in some])) if some else math.inf
             for some in (densities[half:], densities[:half])
         )
-        rises = late > early + _SAME_PM2
-        clogs = known_s >= 3.0 * FLOW_S and rises and flow < self.share * usual
+        # Of few people, none leaves for a while and one comes: that is no queue.
+        fills = late > early + _SAME_PM2 and late >= self.density_pm2
+        clogs = known_s >= 3.0 * FLOW_S and fills and flow < self.share * usual
         people = tuple(scene.people.id[here].tolist())
         measures = {"flow_ps": flow, "usual_flow_ps": usual, "density_pm2": density}
         finding = Finding(float(clogs), measures, people=people, count=len(people))
