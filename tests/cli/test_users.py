@@ -3,7 +3,10 @@
 import io
 import json
 import sqlite3
+import subprocess
+import sys
 from collections.abc import Callable
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -89,6 +92,24 @@ def test_a_user_who_is_not_there_is_told_with_those_who_are(
         code, _, err = trecsim("users", *arguments, "--file", users)
         assert code == 2
         assert "has no user 'ben'; it has: anna" in err
+
+
+@pytest.mark.parametrize(
+    "arguments", [("list",), ("remove", "ben"), ("role", "ben", "viewer")], ids=lambda one: one[0]
+)
+def test_who_has_no_file_of_users_yet_is_told_how_to_make_one(
+    trecsim: Command, users: Path, arguments: tuple[str, ...]
+) -> None:
+    code, _, err = trecsim("users", *arguments, "--file", users)
+    assert code == 2
+    assert f"there is no {users}: expected a file of users; trecsim users add NAME" in err
+
+
+def test_the_package_is_run_as_the_command_is() -> None:
+    said = subprocess.run(
+        [sys.executable, "-m", "trecsim", "--version"], capture_output=True, text=True, check=True
+    )
+    assert said.stdout.strip() == f"trecsim {version('mc3d-trecsim')}"
 
 
 def test_passwords_typed_twice_must_agree(

@@ -4,10 +4,13 @@ import sys
 from collections.abc import Mapping
 from getpass import getpass
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from trecsim.cli.terminal import finish
 from trecsim.errors import InputError
+
+if TYPE_CHECKING:
+    from trecsim.page.users_file import User
 
 Role = Literal["viewer", "operator", "admin"]
 USERS = Path("users.toml")
@@ -57,9 +60,7 @@ def list_(*, file: Path = USERS, json: bool = False) -> None:
     json
         Print the summary as one JSON object.
     """
-    from trecsim.page.users_file import read_users
-
-    users = sorted(read_users(file).values(), key=lambda user: user.name)
+    users = sorted(_known(file).values(), key=lambda user: user.name)
     lines = "\n".join(f"{user.role:<9} {user.name}" for user in users)
     roles = {user.name: user.role for user in users}
     finish({"file": file, "users": roles}, json, lines or f"{file}: nobody")
@@ -81,9 +82,9 @@ def role(name: str, role: Role, /, *, file: Path = USERS, json: bool = False) ->
     """
     from dataclasses import replace
 
-    from trecsim.page.users_file import read_users, write_users
+    from trecsim.page.users_file import write_users
 
-    users = read_users(file)
+    users = _known(file)
     _check_known(name, users, file)
     users[name] = replace(users[name], role=role)
     write_users(file, users)
@@ -102,13 +103,24 @@ def remove(name: str, /, *, file: Path = USERS, json: bool = False) -> None:
     json
         Print the summary as one JSON object.
     """
-    from trecsim.page.users_file import read_users, write_users
+    from trecsim.page.users_file import write_users
 
-    users = read_users(file)
+    users = _known(file)
     _check_known(name, users, file)
     del users[name]
     write_users(file, users)
     finish({"file": file, "user": name}, json, f"{file}: {name} is removed")
+
+
+def _known(file: Path) -> "dict[str, User]":
+    from trecsim.page.users_file import read_users
+
+    if not file.exists():
+        raise InputError(
+            f"there is no {file}: expected a file of users; trecsim users add NAME --role admin "
+            "makes one, --file names another"
+        )
+    return read_users(file)
 
 
 def _check_known(name: str, users: Mapping[str, object], file: Path) -> None:

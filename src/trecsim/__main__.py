@@ -1,0 +1,5 @@
+"""``python -m trecsim`` is the command ``trecsim``."""
+
+from trecsim.cli import main
+
+main()
