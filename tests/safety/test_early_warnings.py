@@ -79,6 +79,29 @@ def test_who_comes_through_the_door_of_a_walled_zone_is_expected_there() -> None
     ]
 
 
+def test_nobody_is_expected_beyond_an_edge_behind_a_railing_unless_through_its_gap() -> None:
+    railing = "[walls.rail]\npoints_m = [[{end}, {y}], [11, {y}]]\n"
+    leaning = walking(through((0, 2.0, -4.0), (3.0, 2.0, -0.4), (8, 2.0, -0.4)))
+    assert told(events_of(EDGE, leaning), "predicted")[0] == (True,)
+    for y in (-0.2, 0.0):  # before the edge, and on it
+        whole = PLACES + railing.format(end=-11, y=y)
+        assert (True,) not in told(events_of(EDGE, leaning, places=whole), "predicted")
+    gap = PLACES + railing.format(end=2.7, y=0.0)
+    through_it = events_of(EDGE, walking(line((2.0, -4.0), (0.0, 1.3))), places=gap)
+    assert through_it[0]["data"]["predicted"]
+
+
+def test_nobody_is_expected_to_be_hit_by_a_vehicle_on_the_other_side_of_a_wall() -> None:
+    hit = '[[rules]]\nid = "r"\nkind = "ttc.vehicle"\nvolume = "cart"\n'
+    up_to = walking(through((0, -1.0, -5.0), (3.4, -1.0, -1.1), (8, -1.0, -1.1)))
+    assert told(events_of(hit, up_to), "predicted")[0] == (True,)
+    wall = "[walls.along]\npoints_m = [[{end}, -0.85], [11, -0.85]]\n"
+    behind = events_of(hit, up_to, places=PLACES + wall.format(end=-11))
+    assert (True,) not in told(behind, "predicted")
+    short = events_of(hit, up_to, places=PLACES + wall.format(end=4.0))
+    assert told(short, "predicted")[0] == (True,)
+
+
 def test_a_warning_says_how_probable_it_is_within_one_two_and_four_seconds() -> None:
     warned = events_of(RESTRICTED, walking(line((-4.0, 0.0), (1.2, 0.0))))[0]["data"]
     within = [warned["measures"][f"probability_{n}s"] for n in (1, 2, 4)]
@@ -116,6 +139,34 @@ def test_the_lead_at_an_edge_is_the_time_until_somebody_is_beyond_it() -> None:
     assert begun["t_start_s"] < begun["t_detect_s"]  # near the edge
     waits = [event["data"] for event in events_of(EDGE, walking(path))]
     assert [one["lead_s"] for one in waits if one["phase"] == "update"][:1] in ([], [None])
+
+
+def test_where_somebody_falls_to_is_not_where_a_walk_would_lead() -> None:
+    """The feet slip away towards the edge at 3 m/s while the hips come down, and then lie still."""
+    share = np.clip((T - 2.0) / 0.6, 0.0, 1.0)
+    down = moments([bodies_on(lambda t: np.stack([2.0 + 0.0 * t, -2.3 + 1.8 * share], 1), T)], T)
+    fallen = []
+    for one, part in zip(down, share.tolist(), strict=True):
+        xyz_m = one.xyz_m.copy()
+        xyz_m[..., 2] *= 1.0 - 0.85 * part
+        fallen.append(replace(one, xyz_m=xyz_m))
+    assert (True,) in told(events_of(EDGE, down), "predicted")  # who stays upright runs there
+    assert (True,) not in told(events_of(EDGE, fallen), "predicted")
+
+
+def test_a_warning_that_was_given_stays_while_somebody_sinks_and_is_taken_back_later() -> None:
+    walks = walking(through((0, 2.0, -4.0), (2.8, 2.0, -0.9), (8.0, 2.0, -0.9)))
+    sunk = []
+    for one in walks:
+        xyz_m = one.xyz_m.copy()
+        xyz_m[..., 2] *= 1.0 if one.t_s < 2.9 else 0.3
+        sunk.append(replace(one, xyz_m=xyz_m))
+    upright, down = (
+        [event["data"] for event in events_of(EDGE, one) if event["data"]["predicted"]]
+        for one in (walks, sunk)
+    )
+    assert [one["phase"] for one in down] == [one["phase"] for one in upright] == ["new", "end"]
+    assert down[1]["t_detect_s"] > upright[1]["t_detect_s"]
 
 
 def test_who_is_slow_to_step_is_foreseen_as_the_hips_move_not_as_the_feet_do() -> None:

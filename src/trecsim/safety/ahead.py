@@ -14,7 +14,7 @@ joints, borders are nearer by as much as the joints stick out in that direction 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -26,7 +26,7 @@ from trecsim.forecasting.forecasts import Forecasts
 from trecsim.forecasting.walls import NO_WALLS, Walls, sees
 from trecsim.safety.directed_lines import Edge
 from trecsim.safety.kernels import LEAST, MOST, reached_edge, reached_zone
-from trecsim.safety.polygons import Polygon, plain, sides_of
+from trecsim.safety.polygons import Polygon, all_over, plain, sides_of
 from trecsim.safety.signals import Signals
 from trecsim.values import Snapshot
 
@@ -40,6 +40,7 @@ _LIKELY = 0.5
 _SURE = 4.0  # standard deviations from a place: nobody gets there
 
 Within = Float64[np.ndarray, "person step"]
+Spots = Float64[np.ndarray, "point 2"]
 
 
 class Expected(NamedTuple):
@@ -114,7 +115,7 @@ class Ahead:
         """
         rows = np.flatnonzero(self._may_reach(polygon.corners_m))
         found = self._reached(polygon.sides, rows, z_m, _at(self.ahead_s, within_s))
-        return self._seen(found, polygon.inner_m) if len(self.walls) else found
+        return self._seen(found, lambda: polygon.inner_m)
 
     def _reached(
         self,
@@ -154,7 +155,8 @@ class Ahead:
             Joints between these heights count [m].
         """
         rows = np.arange(len(self.person))
-        return self._reached(sides_of(polygons), rows, z_m, len(self.ahead_s) - 1)
+        found = self._reached(sides_of(polygons), rows, z_m, len(self.ahead_s) - 1)
+        return self._seen(found, lambda: all_over(polygons[::LOOK_STEPS]))
 
     def beyond(self, edge: Edge, depth_m: float) -> "Arrivals":
         """Return how probable it is that a joint of each person will have been beyond an edge.
@@ -174,9 +176,9 @@ class Ahead:
             plain(edge.points_m), float(depth_m), rows, self.xy_m, self.cov_m2, self.joint_m,
             by_mode,
         )  # fmt: skip
-        return self._arrivals(by_mode)
+        return self._seen(self._arrivals(by_mode), edge.beyond_m)
 
-    def _may_reach(self, corners_m: Float64[np.ndarray, "corner 2"]) -> Bool[np.ndarray, " person"]:
+    def _may_reach(self, corners_m: Spots) -> Bool[np.ndarray, " person"]:
         """Tell who gets near the box around a place."""
         low_m, high_m = self._reached_m
         may: Bool[np.ndarray, " person"] = (
@@ -184,12 +186,14 @@ class Ahead:
         ).all(axis=1)
         return may
 
-    def _seen(self, found: "Arrivals", place_m: Float64[np.ndarray, "point 2"]) -> "Arrivals":
+    def _seen(self, found: "Arrivals", place_m: Callable[[], Spots]) -> "Arrivals":
         """Return arrivals without those of people for whom walls hide the place all the way."""
         likely = np.flatnonzero(found.by.max(axis=1, initial=0.0) > LEAST)
+        if not len(self.walls) or not len(likely):
+            return found
         from_m = self.xy_m[likely, :, ::LOOK_STEPS]
         points = from_m.shape[1] * from_m.shape[2]
-        see = sees(from_m.reshape(len(likely), points, 2), place_m, self.walls)
+        see = sees(from_m.reshape(len(likely), points, 2), place_m(), self.walls)
         by = found.by.copy()
         by[likely[~see]] = 0.0
         return replace(found, by=by)
@@ -279,8 +283,7 @@ def _mean_cov(
     """Return the mean covariance of joints that count: how surely a joint is where it is now."""
     known_m2 = np.where(counts[..., None, None], np.nan_to_num(cov_m2), 0.0).sum(axis=1)
     number = np.maximum(counts.sum(axis=1), 1)[:, None, None]
-    mean_m2: Float64[np.ndarray, "person 2 2"] = known_m2 / number
-    return mean_m2
+    return np.asarray(known_m2 / number)
 
 
 def _finer(

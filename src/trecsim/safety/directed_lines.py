@@ -9,6 +9,8 @@ from trecsim.safety.kernels import nearest_edges
 from trecsim.safety.polygons import plain
 
 Points = Float64[np.ndarray, "point 2"]
+_SAMPLE_M, _MOST_SAMPLES = 0.5, 32
+_BEYOND_M = 0.05
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,6 +61,18 @@ class Edge:
     """
 
     points_m: Float64[np.ndarray, "corner 2"]
+
+    def beyond_m(self) -> Points:
+        """Return points all along it, a little beyond: a wall that stands on it hides them."""
+        way_m = np.diff(self.points_m, axis=0)
+        long_m = np.hypot(*way_m.T)
+        ends_m = np.concatenate([[0.0], long_m.cumsum()])
+        step_m = max(_SAMPLE_M, float(ends_m[-1]) / _MOST_SAMPLES)
+        at_m = np.arange(0.5 * min(step_m, float(ends_m[-1])), float(ends_m[-1]), step_m)
+        side = np.minimum(np.searchsorted(ends_m, at_m, side="right") - 1, len(way_m) - 1)
+        along = way_m[side] / long_m[side, None]
+        on_m = self.points_m[side] + (at_m - ends_m[side])[:, None] * along
+        return np.asarray(on_m + _BEYOND_M * np.stack([-along[:, 1], along[:, 0]], axis=1))
 
     def nearest(
         self, xy_m: Points

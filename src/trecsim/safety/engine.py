@@ -201,7 +201,8 @@ class RuleEngine:
             return
         seen, there = scene.seen_ids, scene.ids
         expected = {} if scene.ahead is None else condition.expect(scene.ahead, rule.early_s)
-        for key in sorted({*kept.warned, *expected}):
+        likely = [one for one, it in expected.items() if it.probability >= rule.timing.p_on]
+        for key in sorted({*kept.warned, *likely}):
             episode, before = kept.episodes.get(key, IDLE), kept.warned.get(key)
             if episode.phase in ("active", "clearing") or t_s < episode.free_s:
                 kept.warned.pop(key, None)
@@ -210,9 +211,10 @@ class RuleEngine:
             if not is_given and kept.is_there(found.get(key, NOTHING)):
                 kept.warned.pop(key, None)
                 continue
-            if key not in seen and before is not None:
+            unclear = key not in seen or scene.sinks(key)
+            if unclear and before is not None:
                 after, change = unforeseen(before, rule.timing, t_s, lost=key not in there)
-            elif scene.ahead is not None:
+            elif scene.ahead is not None and not unclear:
                 after, change = foreseen(before, rule.timing, t_s, expected.get(key))
             else:
                 continue

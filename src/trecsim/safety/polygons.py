@@ -234,6 +234,11 @@ class Prism:
         return found
 
 
+def all_over(polygons: Sequence[Sequence[Polygon]]) -> Points:
+    """Return points all over the polygons of some times, see `Polygon.inner_m`."""
+    return np.concatenate([np.empty((0, 2)), *[one.inner_m for these in polygons for one in these]])
+
+
 def sides_of(polygons: Sequence[Sequence[Polygon]]) -> Float64[np.ndarray, "time part side 3"]:
     """Return the sides of polygons as kernels take them: inward normal, and how far along it.
 

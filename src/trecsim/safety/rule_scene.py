@@ -153,6 +153,11 @@ class Scene:
             for row, person in zip(self.traced.tolist(), ids, strict=True)
         ]
 
+    def sinks(self, person: int) -> bool:
+        """Tell whether somebody falls or sits down, see `Trace.sinks`; False of who is not seen."""
+        trace = self.traces.get(person)
+        return trace is not None and trace.sinks(self.t_s)
+
     def speed_mps(self, row: int) -> float:
         """Return the speed of a person over the floor [m/s]; NaN where it is not known."""
         velocity: Float64[np.ndarray, " 3"] = self.people.velocity_mps[row, HIPS].mean(axis=0)

@@ -26,6 +26,9 @@ FASTEST_S = 1.0
 down has stopped in between."""
 STOOD_RAD = math.radians(30.0)
 """The trunk of somebody who falls leaned less than this before."""
+SUNK_M, SUNK_S = 0.3, 1.2
+"""Hips that came down by so much within so long: nobody walks [m, s]. Walking, they rise and sink
+by some centimetres; after so long a forecast has forgotten the movement."""
 _FALL_BASE_S = 0.12
 _SETTLED_S = 0.5  # after lying began, all of the fall has been seen
 _UP_S = 1.0  # somebody who did not lie for so long has got up
@@ -331,6 +334,15 @@ class Trace:
             return math.nan
         way_m = moved.xyz_m[-1, :2] - moved.xyz_m[0, :2]
         return float(np.hypot(*way_m) / (moved.t_s[-1] - moved.t_s[0]))
+
+    def sinks(self, t_s: float) -> bool:
+        """Tell whether the hips came down a moment ago: such a movement does not go on.
+
+        Who falls, or sits down, moves as fast as somebody who walks, and then stops.
+        """
+        rows = self._rows
+        z_m = rows[np.searchsorted(rows[:, 0], t_s - SUNK_S) :, 3]
+        return len(z_m) > 0 and bool(z_m.max() - z_m[-1] > SUNK_M)
 
     def hip_m(self) -> Float64[np.ndarray, " 3"]:
         """Return where the hips were last [m]; needs a moment."""
