@@ -108,6 +108,9 @@ def test_all_wrong_videos_of_a_site_are_told_at_once(trecsim: Command, folder: P
     assert not (folder / "recordings").exists()
 
 
+INTRINSICS = [
+    "calibrate", "intrinsics", "cam0=gone", "--board", "4x7", "--square-m", "0.06",
+]  # fmt: skip
 ARGUMENTS = {
     "a rig that is not there": (["track", "gone.toml", "walk.poses.jsonl"], "gone.toml"),
     "poses that are not there": (["track", "rig.toml", "gone.jsonl"], "gone.jsonl"),
@@ -157,7 +160,23 @@ ARGUMENTS = {
             "--out",
             "./rig.toml",
         ],
-        "--out: rig.toml is the file of the intrinsics, whose poses would be lost",
+        "--out: rig.toml is the file of the intrinsics, whose poses, and cameras",
+    ),
+    "a report in place of the intrinsics": (
+        [*INTRINSICS, "--out", "t.toml", "--report", "t.toml"],
+        "--report: t.toml is the rig file to write; give another name",
+    ),
+    "intrinsics into a directory that is not there": (
+        [*INTRINSICS, "--out", "no/t.toml"],
+        "cannot write no/t.toml: the directory no does not exist",
+    ),
+    "too few views to choose": (
+        [*INTRINSICS, "--out", "t.toml", "--most-views", "0"],
+        "--most-views must be 3 or more, got 0\n",
+    ),
+    "a floor into a page": (
+        ["calibrate", "floor", "rig.toml", "--point", "cam0:1,2=0,0", "--out", "t.html"],
+        "--out: expected a rig file that ends in .toml, got t.html\n",
     ),
     "a file that is no tracks": (["export", "rig.toml", "t.csv"], "rig.toml"),
     "a broken recording": (["export", "broken.parquet", "t.csv"], "broken.parquet"),

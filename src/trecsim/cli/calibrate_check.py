@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from trecsim.cli.calibrate_people import told
+from trecsim.cli.calibration_files import report_of, write_report
 from trecsim.cli.terminal import finish, note
 from trecsim.errors import InputError
 
@@ -55,6 +56,7 @@ def repair(
     /,
     *,
     out: Path,
+    report: Path | None = None,
     fps: float | None = None,
     json: bool = False,
 ) -> None:
@@ -70,6 +72,8 @@ def repair(
         2D poses of people who walk.
     out
         The rig file to write.
+    report
+        The report to write: verdict and cameras (default: beside the rig file, `*.html`).
     fps
         Frames per second, for poses without time stamps.
     json
@@ -79,8 +83,7 @@ def repair(
     from trecsim.calibration import read_rig, write_rig
     from trecsim.sources import read_poses
 
-    if not out.name.lower().endswith(".toml"):
-        raise InputError(f"--out: expected a rig file that ends in .toml, got {out}")
+    page = report_of(out, report)
     if out.exists() and rig.exists() and out.resolve() == rig.resolve():
         raise InputError(
             f"--out: {out} is the rig to repair; give another name, so that the repair can be "
@@ -89,6 +92,9 @@ def repair(
     cameras = read_rig(rig, remark=note)
     made = repair_rig(read_poses(poses, rig_cameras=cameras.names, fps=fps, remark=note), cameras)
     write_rig(made.rig, out, format="trecsim", remark=note)
+    write_report(
+        page, "Repaired rig", made.result, asked=report is not None, source=poses.name
+    )  # fmt: skip
     if made.result.verdict == "wrong":
         note(f"{out} is written, but do not use it: {made.result.reasons[0]}")
     found = {one.name: one.row() for one in made.check.cameras}

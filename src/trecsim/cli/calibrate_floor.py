@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from trecsim.cli.board_options import BoardOptions
+from trecsim.cli.calibration_files import report_of
 from trecsim.cli.terminal import finish, note
 from trecsim.errors import ConfigError
 
@@ -65,6 +66,7 @@ def floor(
     from trecsim.calibration import read_rig, write_rig
     from trecsim.lab.report.calibration_page import write_calibration_report
 
+    page = report_of(out, report)
     found = read_rig(rig, remark=lambda _: None)
     if bool(images) == bool(point or points):
         raise ConfigError(
@@ -83,7 +85,6 @@ def floor(
     made = put_on_marks(found, marks, fix_scale=fix_scale)
     result = made.result
     write_rig(made.rig, out, format="trecsim")
-    page = report or out.with_suffix(".html")
     write_calibration_report(page, "Floor", result, source=str(rig))
     summary = {
         **result.summary(),

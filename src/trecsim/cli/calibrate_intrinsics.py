@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from trecsim.cli.board_options import BoardOptions
+from trecsim.cli.calibration_files import report_of
 from trecsim.cli.terminal import finish, note, progress_bar
-from trecsim.errors import CalibrationError
+from trecsim.errors import CalibrationError, ConfigError
 
 if TYPE_CHECKING:
     from trecsim.calibrating.board_images import BoardSource
@@ -51,18 +52,21 @@ def intrinsics(
         Print the summary as one JSON object.
     """
     from trecsim.calibrating.board_images import board_sources
+    from trecsim.calibrating.intrinsics import LEAST_VIEWS
     from trecsim.calibration import write_intrinsics
     from trecsim.geometry.rig import Rig
     from trecsim.lab.report.board_section import intrinsics_section
     from trecsim.lab.report.calibration_page import write_calibration_report
 
+    if most_views < LEAST_VIEWS:
+        raise ConfigError(f"--most-views must be {LEAST_VIEWS} or more, got {most_views}")
+    page = report_of(out, report)
     wanted = board.read()
     sources = board_sources(images)
     with progress_bar("images", quiet=json) as bar:
         made = [_calibrate(source, wanted, model, most_views, bar) for source in sources]
     result = _result(made)
     write_intrinsics(Rig(tuple(found.camera for _, found, _ in made)), out)
-    page = report or out.with_suffix(".html")
     sections = [
         intrinsics_section(found, check, source, number)
         for number, (source, found, check) in enumerate(made)

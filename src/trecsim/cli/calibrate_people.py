@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from trecsim.cli.calibration_files import refuse_over_intrinsics, report_of, write_report
 from trecsim.cli.terminal import finish, note
-from trecsim.errors import InputError
 
 if TYPE_CHECKING:
     from trecsim.calibrating.result import CalibrationResult
@@ -41,7 +41,8 @@ def people(
     stature_m
         Mean stature of the people [m], for the scale where no distance is given (default: 1.70).
     report
-        Also write a report to this HTML file: verdict, cameras, map of the expected error.
+        The report to write: verdict, cameras, map of the expected error (default: beside the rig
+        file, `*.html`).
     fps
         Frames per second, for poses without time stamps.
     json
@@ -51,38 +52,22 @@ def people(
     from trecsim.calibration import read_intrinsics, write_rig
     from trecsim.sources import read_poses
 
-    if not out.name.lower().endswith(".toml"):
-        raise InputError(f"--out: expected a rig file that ends in .toml, got {out}")
-    if out.exists() and intrinsics.exists() and out.samefile(intrinsics):
-        raise InputError(
-            f"--out: {out} is the file of the intrinsics, whose poses would be lost; give another "
-            "name"
-        )
-    if report is not None:
-        refuse_report_over_rig(report, out)
+    page = report_of(out, report)
+    refuse_over_intrinsics(out, intrinsics)
     cameras = read_intrinsics(intrinsics)
     images = read_poses(poses, rig_cameras=cameras.names, fps=fps, remark=note)
     made = calibrate_people(images, cameras, distance=distance, stature_m=stature_m)
     write_rig(made.rig, out, format="trecsim", remark=note)
-    if report is not None:
-        from trecsim.lab.report.calibration_page import write_calibration_report
-
-        write_calibration_report(
-            report, "Calibration from people", made.result, rig=made.rig,
-            covariance=made.covariance, source=poses.name,
-        )  # fmt: skip
+    write_report(
+        page, "Calibration from people", made.result, asked=report is not None,
+        rig=made.rig, covariance=made.covariance, source=poses.name,
+    )  # fmt: skip
     lost = [name for name in cameras.names if name not in made.rig]
     if lost:
         note(f"{out} lacks {', '.join(map(repr, lost))}: not found")
     if made.result.verdict == "wrong":
         note(f"{out} is written, but do not use it: {made.result.reasons[0]}")
     finish(made.result.summary(), json, told(out, made.result))
-
-
-def refuse_report_over_rig(report: Path, out: Path) -> None:
-    """Refuse a report that would take the place of the rig file, which is written before it."""
-    if report.resolve() == out.resolve():
-        raise InputError(f"--report: {report} is the rig file to write; give another name")
 
 
 def told(out: Path, result: "CalibrationResult") -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from trecsim.cli.board_options import BoardOptions
-from trecsim.cli.calibrate_people import refuse_report_over_rig
+from trecsim.cli.calibration_files import refuse_over_intrinsics, report_of
 from trecsim.cli.terminal import finish, note, progress_bar
 from trecsim.errors import CalibrationError, ConfigError
 
@@ -73,10 +73,10 @@ def rig(
     from trecsim.lab.report.calibration_page import write_calibration_report
     from trecsim.lab.report.rig_section import rig_sections
 
+    page = report_of(out, report)
+    refuse_over_intrinsics(out, intrinsics)
     wanted = _boards(board.read(), boards, double_sided)
     sources = board_sources(images)
-    page = report or out.with_suffix(".html")
-    refuse_report_over_rig(page, out)
     known = read_intrinsics(intrinsics)
     cameras = [_camera(known, source, intrinsics) for source in sources]
     if len(cameras) < 2:

@@ -88,6 +88,26 @@ def _atomic_write(path: Path, mode: str, private: bool) -> Iterator[IO[Any]]:
             temporary.unlink(missing_ok=True)
 
 
+def refuse_unwritable(path: Path) -> None:
+    """Refuse a place where no file can be written, before the work whose result it is.
+
+    Raises
+    ------
+    InputError
+        The directory does not exist or may not be written to, or a directory has this name.
+    """
+    with disk_faults(path):
+        target = path.resolve()
+        if target.is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if target.exists() and not target.is_file():
+            return
+        if not target.parent.is_dir():
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+        if not os.access(target.parent, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+
 def sync_directory(folder: Path) -> None:
     """Wait until the names in a folder are on the disk."""
     if hasattr(os, "O_DIRECTORY"):  # elsewhere directories cannot be opened
