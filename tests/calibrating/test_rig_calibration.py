@@ -20,10 +20,11 @@ from calibrating.made_boards import (
 from made_rigs import ring
 from trecsim.calibrating.assembly import fixed_together
 from trecsim.calibrating.boards import Board
+from trecsim.calibrating.held_out import HeldOut
 from trecsim.calibrating.linking import link_cameras
 from trecsim.calibrating.rig_calibration import calibrate_rig
 from trecsim.calibrating.rig_fit import fit_rig
-from trecsim.calibrating.rig_verdict import _of_error, _of_rotations
+from trecsim.calibrating.rig_verdict import _of_error, _of_halves, _of_held_out, _of_rotations
 from trecsim.calibrating.room_error import PoseCovariance
 from trecsim.calibration import read_rig, write_intrinsics
 from trecsim.cli import main
@@ -179,13 +180,17 @@ def _turned(T, degrees):
     return turn @ T
 
 
-def test_wrong_intrinsics_are_told():
+@pytest.mark.parametrize(
+    ("longer", "right_px"), [(1.0, 25.0), (1.0, 15.0), (1.02, 0.0)], ids=["centre", "less", "focal"]
+)
+def test_wrong_intrinsics_of_one_camera_of_four_are_told(longer, right_px):
     rig = ring(4)
     rng = np.random.default_rng(6)
     T = placements(rig, BIG, 80, rng, Walk())
     problem = problem_of(rig, [BIG], [T], rng)
     K = rig.cameras[1].K.copy()
-    K[:2, 2] += 25.0
+    K[[0, 1], [0, 1]] *= longer
+    K[0, 2] += right_px
     wrong = dataclasses.replace(rig.cameras[1], K=K)
     cameras = (rig.cameras[0], wrong, *rig.cameras[2:])
     from trecsim.calibrating.corner_sights import posed_anew
@@ -194,6 +199,19 @@ def test_wrong_intrinsics_are_told():
     made = calibrate_rig(dataclasses.replace(problem, cameras=cameras, sights=sights))
     assert made.result.verdict != "good"
     assert any("intrinsics of camera 'cam1' do not fit" in text for text in made.result.reasons)
+
+
+@pytest.mark.parametrize(("error_px", "verdict"), [(5.0, "usable"), (22.0, "wrong")])
+def test_boards_that_appear_a_degree_off_beyond_the_noise_are_wrong(error_px, verdict):
+    rig = ring(4)
+    good = HeldOut(0.5, 1.0)
+    assert _of_held_out(rig, [good, HeldOut(error_px, 6.0), good]).verdict == verdict
+
+
+@pytest.mark.parametrize(("degrees", "verdict"), [(0.5, "usable"), (4.3, "wrong")])
+def test_halves_that_differ_by_degrees_beyond_the_scatter_are_wrong(degrees, verdict):
+    (finding,) = _of_halves(degrees, 0.05, 3.4, 5.0)
+    assert finding.verdict == verdict
 
 
 def test_cameras_without_a_common_moment_are_told():

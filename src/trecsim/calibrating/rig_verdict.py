@@ -33,7 +33,7 @@ HELD_OUT_GOOD, HELD_OUT_USABLE = 4.0, 12.0  # times what noise explains, in a ca
 FEW_COMMON = 5
 LENS_DEG = 0.1  # change of a rotation with free lenses that matters
 LENS_SD = 4.0
-LENS_BETTER = 0.97  # of the noise that is left; a few numbers more always fit a little better
+LENS_GAIN = 5.0  # per freed number, twice the gain in log-likelihood: 1 where none is needed
 GOOD_OFFSET_S, USABLE_OFFSET_S = 0.004, 0.02
 
 
@@ -152,7 +152,8 @@ def _of_halves(degrees: float, metres: float, apart: float, size_m: float) -> li
         f", {apart:.0f} times what the scatter explains: a camera was moved, or its images are not "
         "of the same moments as the others'"
     )
-    return [Finding("usable" if apart <= APART_USABLE else "wrong", text + advice)]
+    usable = apart <= APART_USABLE and degrees <= USABLE_DEG
+    return [Finding("usable" if usable else "wrong", text + advice)]
 
 
 def _of_held_out(rig: Rig, left_out: Sequence[HeldOut]) -> Finding:
@@ -167,8 +168,12 @@ def _of_held_out(rig: Rig, left_out: Sequence[HeldOut]) -> Finding:
     )
     if found.times <= HELD_OUT_GOOD:
         return Finding("good", text)
-    advice = "; look at its pictures in the report"
-    return Finding("usable" if found.times <= HELD_OUT_USABLE else "wrong", text + advice)
+    advice = (
+        "; look at its pictures in the report: are they of the same moments as those of the others?"
+    )
+    off_deg = float(np.degrees(found.error_px / rig.cameras[worst].K[0, 0]))
+    usable = found.times <= HELD_OUT_USABLE and off_deg <= USABLE_DEG / NINETY
+    return Finding("usable" if usable else "wrong", text + advice)
 
 
 def _of_noise(rig: Rig, fit: RigFit) -> Finding:
@@ -238,7 +243,7 @@ def _of_lenses(problem: BoardProblem, links: Links, fit: RigFit, rig: Rig) -> li
     with np.errstate(divide="ignore", invalid="ignore"):
         surprise = np.abs(change) / stated
     worst = int(np.argmax(np.nan_to_num(surprise).max(axis=1)))
-    better = freed.adjusted.sigma_px < LENS_BETTER * fit.adjusted.sigma_px
+    better = _lens_gain(fit, freed) > LENS_GAIN
     if not better or turns.max() <= LENS_DEG or np.nan_to_num(surprise).max() <= LENS_SD:
         return [Finding("good", "the intrinsics fit: freed, they stay where they are")]
     fx, fy, cx, cy = change[worst]
@@ -250,6 +255,17 @@ def _of_lenses(problem: BoardProblem, links: Links, fit: RigFit, rig: Rig) -> li
             f"cameras turn by up to {turns.max():.2f} degrees; calibrate the intrinsics again",
         )
     ]
+
+
+def _lens_gain(fit: RigFit, freed: RigFit) -> float:
+    """Return twice the gain in log-likelihood by free lenses, per freed number.
+
+    One wrong lens of many lowers the noise of all corners together by a percent only, which is
+    much for as many corners.
+    """
+    ratio = freed.adjusted.sigma_px / max(fit.adjusted.sigma_px, 1e-12)
+    coordinates = 2 * len(fit.corners.camera)
+    return -2.0 * coordinates * float(np.log(max(ratio, 1e-12))) / (4 * len(fit.numbers))
 
 
 def _of_scale(problem: BoardProblem) -> Finding:
