@@ -1,7 +1,7 @@
 """False alarms of 25 kinds of rules on normal days of a small station with four cameras.
 
-People come and go by a profile over the 24 hours: nearly nobody at night, up to eight in the
-morning and evening; `ruled/station.py` says what they do. The detector has the errors of a real
+People come and go by a profile over the 24 hours: nearly nobody at night, four or five at a time in
+the morning and evening; `ruled/station.py` says what they do. The detector has the errors of a real
 one, all rules have their defaults. A false alarm is an episode that a naive reading of the
 definitions does not find on the exact joints (`trecsim.lab.true_events`); zones entered, left and
 dwelt in, and lines crossed, are counted apart, and so are early warnings.
