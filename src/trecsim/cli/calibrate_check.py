@@ -137,7 +137,7 @@ def revoke(site: Path, /, *, out: Path | None = None, json: bool = False) -> Non
 
 def _line(one: "CameraCheck") -> str:
     if one.ok is None:
-        return f"{one.name}: unknown, nobody was seen there"
+        return f"{one.name}: unknown, nobody was seen there and in another camera"
     text = (
         f"{one.rotation_deg:.2f} degrees, {100 * one.shift_m:.1f} cm, "
         f"{1e3 * one.time_offset_s:+.0f} ms"

@@ -65,6 +65,18 @@ def test_a_clock_that_is_late_is_named_alone_with_what_is_to_be_added():
     assert found.cameras[2].time_offset_s == pytest.approx(-0.08, abs=0.02)
 
 
+@pytest.mark.parametrize("begun_s", [1e3, 1e5, 1.7e9])
+def test_clocks_are_as_late_whenever_the_recording_began(begun_s):
+    scene = recording()
+    rig = in_time(scene.rig)
+    here, there = (
+        check_rig([dataclasses.replace(one, t_s=one.t_s + s) for one in scene.poses], rig)
+        for s in (0.0, begun_s)
+    )
+    late_s = [[camera.time_offset_s for camera in found.cameras] for found in (here, there)]
+    np.testing.assert_allclose(late_s[1], late_s[0], atol=0.002)
+
+
 def test_a_camera_that_sees_nobody_is_neither_right_nor_off():
     scene = recording()
     seen = [one for one in scene.poses if one.camera != "cam3"]

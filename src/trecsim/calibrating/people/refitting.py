@@ -102,7 +102,15 @@ def given(rig: Rig) -> RigState:
 
 
 def watched(recorded: tuple[CameraRecord, ...], state: RigState) -> Watched:
-    """Return who is who in a recording, by a rig that may be a little wrong."""
+    """Return who is who in a recording, by a rig that may be a little wrong.
+
+    Drifts count from the middle of the recording on: far from where they count from, an offset that
+    is found says nothing of the clock here, as a drift undoes it.
+    """
+    state = state.referred(np.array([
+        0.5 * (r.t_s[0] + r.t_s[-1]) if len(r.t_s) else ref_s
+        for r, ref_s in zip(recorded, state.ref_s, strict=True)
+    ]))  # fmt: skip
     tracks = [one for c, record in enumerate(recorded) for one in tracklets(record, c)]
     lagged = with_lags(recorded, tracks, state, FAR_LAG_S)
     chain = chains(tracks, recorded, lagged, by_rays=True, looser=LOOSER)
