@@ -178,6 +178,19 @@ ARGUMENTS = {
         ["calibrate", "floor", "rig.toml", "--point", "cam0:1,2=0,0", "--out", "t.html"],
         "--out: expected a rig file that ends in .toml, got t.html\n",
     ),
+    "a rig in place of the poses in step": (
+        [
+            "sync",
+            "walk.poses.jsonl",
+            "--rig",
+            "rig.toml",
+            "--out",
+            "t.jsonl",
+            "--out-rig",
+            "t.jsonl",
+        ],
+        "--out-rig: t.jsonl is the file of 2D poses to write; give another name\n",
+    ),
     "a file that is no tracks": (["export", "rig.toml", "t.csv"], "rig.toml"),
     "a broken recording": (["export", "broken.parquet", "t.csv"], "broken.parquet"),
 }

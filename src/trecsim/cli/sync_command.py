@@ -1,5 +1,6 @@
 """The command `trecsim sync`."""
 
+import math
 from pathlib import Path
 
 from trecsim.cli.terminal import finish, note
@@ -48,6 +49,10 @@ def sync(
         raise InputError(f"--longest-s: expected a time of up to 3600 s, got {longest_s:g}")
     if out.exists() and poses.exists() and out.resolve() == poses.resolve():
         raise InputError(f"--out: {out} is the file that is read; give another name")
+    if out_rig is not None and out_rig.resolve() == out.resolve():
+        raise InputError(
+            f"--out-rig: {out_rig} is the file of 2D poses to write; give another name"
+        )
     cameras = read_rig(rig, remark=note)
     images = list(read_poses(poses, rig_cameras=cameras.names, fps=fps, remark=note))
     found = sync_clocks(images, cameras, longest_s=longest_s)
@@ -78,6 +83,8 @@ def sync(
     lines += [f"  - {reason}" for reason in found.result.reasons]
     lines += [
         f"  {one.name}: {one.time_offset_s:+.4f} s, {one.time_drift_ppm:+.0f} ppm"
+        if math.isfinite(one.time_offset_s)
+        else f"  {one.name}: keeps its clock"
         for one in found.result.cameras
     ]
     finish(summary, json, "\n".join(lines))

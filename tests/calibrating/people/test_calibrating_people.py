@@ -86,6 +86,22 @@ def test_without_distance_and_stature_the_verdict_says_that_the_scale_is_a_guess
     assert any("--distance" in reason for reason in made.result.reasons)
 
 
+@pytest.mark.parametrize(("jump_s", "verdicts"), [(0.3, {"wrong"}), (0.0, {"good", "usable"})])
+def test_a_clock_that_jumps_while_recording_is_named(jump_s, verdicts):
+    scene = recording(seconds=40.0)
+    jumped = [
+        dataclasses.replace(one, t_s=one.t_s + jump_s)
+        if one.camera == "cam2" and one.t_s > LATE_S[1] + 20.0
+        else one
+        for one in scene.poses
+    ]
+    apart_m = float(np.linalg.norm(scene.rig["cam1"].position_m - scene.rig["cam3"].position_m))
+    made = calibrate_people(jumped, without_poses(scene.rig), distance=("cam1", "cam3", apart_m))
+    assert made.result.verdict in verdicts
+    told = [reason for reason in made.result.reasons if "the clock of 'cam2' differs" in reason]
+    assert len(told) == (jump_s > 0.0)
+
+
 def test_a_recording_without_people_is_refused_with_how_to_record():
     scene = recording()
     nobody = [

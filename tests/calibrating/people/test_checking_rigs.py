@@ -10,9 +10,12 @@ from trecsim.calibrating.people.agreeing import Dense, displaced_deg, most_that_
 from trecsim.calibrating.people.checking import check_rig
 from trecsim.calibrating.people.repairing import repair_rig
 from trecsim.calibrating.people.syncing import sync_clocks
+from trecsim.calibration import write_rig
+from trecsim.cli import main
 from trecsim.errors import CalibrationError
 from trecsim.geometry import Rig
 from trecsim.lab.simulation.failures import Knock
+from trecsim.store.poses_writer import PosesWriter
 
 KNOCK = Knock("cam2", 12.0, turn_deg=(1.0, 1.5, 0.0))
 
@@ -131,3 +134,19 @@ def test_the_camera_that_was_moved_is_not_among_those_that_agree():
     moved = [KNOCK.moved(one) if one.name == "cam2" else one for one in rig]
     points, T = seen_by(rig, moved)
     assert most_that_agree(points, T, 0.2) == (0, 2)
+
+
+def test_a_camera_that_keeps_its_clock_is_printed_as_such(tmp_path, capsys):
+    scene = recording()
+    write_rig(in_time(scene.rig), tmp_path / "rig.toml", format="trecsim")
+    poses = tmp_path / "walk.poses.jsonl"
+    with PosesWriter(poses) as writer:
+        for image in scene.poses:
+            if image.camera != "cam3":
+                writer.write(image)
+    rig, out = tmp_path / "rig.toml", tmp_path / "in-step.poses.jsonl"
+    with pytest.raises(SystemExit, match="0"):
+        main(["sync", str(poses), "--rig", str(rig), "--out", str(out)])
+    printed = capsys.readouterr().out
+    assert "cam3: keeps its clock" in printed
+    assert "nan" not in printed

@@ -1,7 +1,7 @@
 """Parts of a recording against each other: halves of the time, people, cameras left out."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float64, Int64
@@ -10,7 +10,12 @@ from trecsim.calibrating.people.adjusting import Adjusted, adjusted
 from trecsim.calibrating.people.camera_records import CameraRecord
 from trecsim.calibrating.people.found import Found
 from trecsim.calibrating.people.observations import Observations, observations
-from trecsim.calibrating.people.pose_uncertainty import pose_covariance, rig_of, turned_between
+from trecsim.calibrating.people.pose_uncertainty import (
+    clock_sd,
+    pose_covariance,
+    rig_of,
+    turned_between,
+)
 from trecsim.calibrating.people.priors import Distance
 from trecsim.geometry import Rig
 
@@ -32,6 +37,9 @@ class Part:
         How far each is turned between the two [degrees].
     expected_deg
         What the covariance lets expect, root mean square [degrees].
+    late_s, expected_late_s
+        Of halves, how far each clock differs between the two at the middle of the recording, most
+        clocks taken to be right, and the largest standard deviation of that [s].
     """
 
     kind: str
@@ -39,6 +47,8 @@ class Part:
     cameras: Int64[np.ndarray, " found"]
     turn_deg: Float64[np.ndarray, " found"]
     expected_deg: Float64[np.ndarray, " found"]
+    late_s: Float64[np.ndarray, " found"] = field(default_factory=lambda: np.zeros(0))
+    expected_late_s: float = np.inf
 
 
 def parts(found: Found, records: tuple[CameraRecord, ...], cameras: Rig) -> list[Part]:
@@ -76,7 +86,11 @@ def _halves(found: Found, records: tuple[CameraRecord, ...], cameras: Rig) -> It
         (_own_variance(half, own, which, cameras) for half in refitted), np.zeros(len(which))
     )
     turn = turned_between(refitted[0].state, refitted[1].state, which)
-    yield _part("time", "the halves", which, turn, variance)
+    late_s = np.subtract(*(half.state.clock[which, 0] for half in refitted))
+    late_s = late_s - (np.median(late_s) if len(which) > 2 else late_s[0])
+    sd_s = np.hypot(*(clock_sd(half, own)[0][which] for half in refitted))
+    part = _part("time", "the halves", which, turn, variance)
+    yield replace(part, late_s=late_s, expected_late_s=float(sd_s.max()))
 
 
 def _without_people(

@@ -19,6 +19,8 @@ APART = 3.5
 """Parts that differ by so many of their standard deviations contradict each other."""
 APART_DEG = 0.35
 """Unless they differ by less [degrees]."""
+CLOCK_APART, GOOD_CLOCK_S, USABLE_CLOCK_S = 6.0, 0.03, 0.1
+"""The halves' clocks contradict each other beyond so many standard deviations and seconds."""
 GOOD_RECALL, USABLE_RECALL = 0.6, 0.3
 CLEAR = 1.6
 """A relation of two cameras is clear when the next best has so many times less evidence."""
@@ -61,6 +63,7 @@ def findings(evidence: Evidence) -> Iterator[Finding]:
     yield from _missing(evidence)
     yield from _sure(evidence)
     yield from _parts(evidence)
+    yield from _clocks(evidence)
     yield from _steps(evidence)
     yield from _amount(evidence)
     yield from _by_bodies(evidence)
@@ -128,6 +131,20 @@ def _parts(evidence: Evidence) -> Iterator[Finding]:
         camera = names[int(part.cameras[int(np.argmax(part.turn_deg))])]
         verdict: Verdict = "wrong" if apart > 3.0 * APART_DEG or part.kind == "time" else "usable"
         yield Finding(verdict, _contradiction(part, camera, apart))
+
+
+def _clocks(evidence: Evidence) -> Iterator[Finding]:
+    for part in evidence.parts:
+        apart_s = float(np.abs(part.late_s).max(initial=0.0))
+        if apart_s < max(GOOD_CLOCK_S, CLOCK_APART * part.expected_late_s):
+            continue
+        named = evidence.names[int(part.cameras[int(np.argmax(np.abs(part.late_s)))])]
+        yield Finding(
+            "usable" if apart_s < USABLE_CLOCK_S else "wrong",
+            f"the clock of {named!r} differs by {1e3 * apart_s:.0f} ms between the two halves of "
+            "the recording: it jumped, or images are missing that were counted; record again, or "
+            "use the part before or after",
+        )
 
 
 def _contradiction(part: Part, camera: str, apart_deg: float) -> str:
