@@ -113,6 +113,8 @@ PARTS: dict[str, tuple[Part, ...]] = {
              {"window_s": 0.2}),
     ),
     "the body": (
+        Part("usual directions of limbs", "the end of a limb that no camera sees drifts",
+             ((TWO, "error"),), changes={"kernels.anatomy.add_directions": instead.nothing}),
         Part("other place of a limb", "its end stays before or behind the other end for good",
              (WRIST_ERROR, (TWO, "error")),
              model=instead.no_postures),

@@ -291,14 +291,42 @@ def body_normal_equations(x, d, before_m2, weak, limbs, body):
     return A, b
 
 
-def relaxed(person, body, n_seen, limbs, place, white_share, new_share):
+def usual_direction(x, postures, i):
+    """Return the mean direction of a limb in the world, times its concentration."""
+    _, near, before = postures.joints[i]
+    hips, shoulders = x[postures.trunk[:2]], x[postures.trunk[2:]]
+    up = shoulders.sum(axis=0) - hips.sum(axis=0)
+    up /= np.linalg.norm(up)
+    left, right = x[postures.trunk[postures.pair[i] : postures.pair[i] + 2]]
+    aside = (left - right) - (left - right) @ up * up
+    aside /= np.linalg.norm(aside)
+    axes = np.stack([np.cross(aside, up), aside * postures.side[i], up])
+    upper = x[near] - x[before]
+    upper = upper / max(np.linalg.norm(upper), 1e-6)
+    return axes.T @ (postures.mean[i] + postures.mean_by_upper[i] @ axes @ upper)
+
+
+def directed(A, b, x, d, postures, unseen_s):
+    """Add what is usual of limbs to normal equations, for ends that have not been seen for long."""
+    for i, (far, near, _) in enumerate(postures.joints):
+        share = np.clip((unseen_s[far] - 0.2) / 0.2, 0.0, 1.0)
+        mean = usual_direction(x, postures, i)
+        kappa, length_m = np.linalg.norm(mean), np.linalg.norm(x[far] - x[near])
+        wanted_m = x[near] + d[near] + length_m * mean / kappa
+        rows = slice(3 * far, 3 * far + 3)
+        A[rows, rows] += share * kappa / length_m**2 * np.eye(3)
+        b[rows] += share * kappa / length_m**2 * (wanted_m - x[far])
+
+
+def relaxed(person, body, sights, limbs, postures, place, white_share, new_share):
     """Hold one person's weak joints by limbs and ground, with dense matrices throughout.
 
-    `person` is trajectories and joints after the fit, `place` the rows (3, n) that pick the time of
-    the frame set out of a trajectory. Return information matrices, control points, joints and
+    `person` is trajectories and joints after the fit, `sights` how many cameras see each joint and
+    for how long none has, `place` the rows (3, n) that pick the time of the frame set out of a
+    trajectory. Return information matrices, control points, joints and
     covariances after that.
     """
-    R, _, c, x, cov_m2 = person
+    (R, _, c, x, cov_m2), (n_seen, unseen_s) = person, sights
     information = R.swapaxes(1, 2) @ R
     c, x, cov_m2 = c.copy(), x.copy(), cov_m2.copy()
     before_m2 = cov_m2 / white_share
@@ -309,6 +337,7 @@ def relaxed(person, body, n_seen, limbs, place, white_share, new_share):
     d, free = np.zeros_like(x), np.repeat(weak, 3)
     for _ in range(3):
         A, b = body_normal_equations(x, d, before_m2, weak, limbs, body)
+        directed(A, b, x, d, postures, unseen_s)
         if resting is not None and weak[resting[0]]:
             A[3 * resting[0] + 2, 3 * resting[0] + 2] += 1 / resting[2]
             b[3 * resting[0] + 2] += resting[1] / resting[2]
@@ -464,15 +493,6 @@ def stays_of_twins(offset, xy_px, factor):
 
 def log_posture(postures, x, i):
     """Return the log density, up to a constant, of the direction of limb `i` of joints `x`."""
-    far, near, before = postures.joints[i]
-    left_hip, right_hip, left_shoulder, right_shoulder = x[postures.trunk]
-    up = left_shoulder + right_shoulder - left_hip - right_hip
-    up = up / np.linalg.norm(up)
-    left = left_hip - right_hip if postures.pair[i] == 0 else left_shoulder - right_shoulder
-    left = left - (left @ up) * up
-    left = left / np.linalg.norm(left)
-    axes = np.stack([np.cross(left, up), postures.side[i] * left, up])
-    limb = axes @ (x[far] - x[near]) / np.linalg.norm(x[far] - x[near])
-    upper_m = np.linalg.norm(x[near] - x[before])
-    upper = axes @ (x[near] - x[before]) / upper_m if upper_m > 0.0 else np.zeros(3)
-    return (postures.mean[i] + postures.mean_by_upper[i] @ upper) @ limb
+    far, near, _ = postures.joints[i]
+    limb = x[far] - x[near]
+    return usual_direction(x, postures, i) @ limb / np.linalg.norm(limb)

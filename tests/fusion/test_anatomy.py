@@ -1,5 +1,7 @@
 """Limb lengths: learnt where two cameras look, used where they do not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import least_squares
@@ -10,11 +12,13 @@ from fusion.somebody import MODEL, limbs_of
 from trecsim.fusion import FusionSettings, Tracker, kernels, tuning
 from trecsim.fusion.body import stiffness, usual_body
 from trecsim.fusion.kernels import anatomy, body_equations, cholesky, lengths
+from trecsim.fusion.limb_directions import postures
 from trecsim.lab.simulation.detector_errors import PERFECT
-from trecsim.skeleton import COCO17
+from trecsim.skeleton import COCO17, Skeleton
 from trecsim.values import FrameSet, Poses2D
 
 KNOTS = 3.4
+NO_POSTURES = postures(Skeleton("arm", ("a", "b", "c"), ((0, 1), (1, 2)), (0, 1, 2)))
 
 
 def body_of(limb_m, limb_m2):
@@ -232,7 +236,9 @@ def people_after_a_fit(rng, n=2):
         np.stack([rng.normal(0, 0.05, n), rng.uniform(0.02, 0.3, n) ** 2], axis=1),
     )  # fmt: skip
     place = reference.spread_over(span, weights, 24)
-    return kernels.Trajectories(R, z, c, x, cov_m2), bodies, rng.integers(0, 4, (n, 17)), place
+    unseen_s = np.where(rng.random((n, 17)) < 0.5, 0.0, rng.uniform(0.1, 0.6, (n, 17)))
+    sights = rng.integers(0, 4, (n, 17)), unseen_s
+    return kernels.Trajectories(R, z, c, x, cov_m2), bodies, sights, place
 
 
 def part_of(group, k):
@@ -258,12 +264,16 @@ def assert_is_relaxed(person, expected, new_share):
 
 @pytest.mark.parametrize("seed", range(12))
 def test_a_body_is_held_together_as_by_the_reference(seed):
-    tracks, bodies, n_seen, place = people_after_a_fit(np.random.default_rng(seed), 1)
-    person, body = part_of(tracks, 0), part_of(bodies, 0)
-    expected = reference.relaxed(person, body, n_seen[0], MODEL.limbs, place, 0.3, 0.05)
+    tracks, bodies, (n_seen, unseen_s), place = people_after_a_fit(np.random.default_rng(seed), 1)
+    person, body, sights = part_of(tracks, 0), part_of(bodies, 0), (n_seen[0], unseen_s[0])
+    expected = reference.relaxed(
+        person, body, sights, MODEL.limbs, MODEL.postures, place, 0.3, 0.05
+    )
     weights = np.empty(4)
     moment = moment_of(kernels.locate(KNOTS, 8, weights), weights, 0.3, 0.05)
-    anatomy.relax_body(person, body, n_seen[0], MODEL.limbs, moment, anatomy.workspace(24))
+    anatomy.relax_body(
+        person, body, sights, MODEL.limbs, MODEL.postures, moment, anatomy.workspace(24)
+    )
     assert_is_relaxed(person, expected, 0.05)
     assert (np.abs(person.x_m - tracks.x_m[0]).max(axis=1) > 1e-4).sum() >= 4
 
@@ -271,8 +281,8 @@ def test_a_body_is_held_together_as_by_the_reference(seed):
 @pytest.mark.parametrize("seed", range(6))
 def test_lengths_ground_and_joints_of_all_people_change_as_by_the_reference(seed):
     elapsed_s = 0.04
-    tracks, bodies, n_seen, place = people_after_a_fit(np.random.default_rng(seed))
-    learnt, expected = [], []
+    tracks, bodies, sights, place = people_after_a_fit(np.random.default_rng(seed))
+    (n_seen, unseen_s), learnt, expected = sights, [], []
     for k in range(2):
         person, body = part_of(tracks, k), part_of(bodies, k)
         for i, (a, b) in enumerate(MODEL.limbs.joints):
@@ -292,10 +302,13 @@ def test_lengths_ground_and_joints_of_all_people_change_as_by_the_reference(seed
         learnt.append(body)
         expected.append(
             reference.relaxed(
-                person, body, n_seen[k], MODEL.limbs, place, 0.3, elapsed_s / tuning.BODY_S
+                person, body, (n_seen[k], unseen_s[k]), MODEL.limbs, MODEL.postures, place, 0.3,
+                elapsed_s / tuning.BODY_S,
             )
-        )
-    kernels.constrain_all(tracks, bodies, n_seen, MODEL.limbs, 0.3, KNOTS, elapsed_s)
+        )  # fmt: skip
+    kernels.constrain_all(
+        tracks, bodies, sights, MODEL.limbs, MODEL.postures, 0.3, KNOTS, elapsed_s
+    )
     for k in range(2):
         for values, those in zip(part_of(bodies, k), learnt[k], strict=True):
             np.testing.assert_allclose(values, those, rtol=1e-9, atol=1e-12)
@@ -329,10 +342,30 @@ def test_limbs_across_the_line_of_sight_do_not_throw_their_joint_away():
             kernels.Bodies(
                 np.array([[0.28, 0.25]]), np.array([[0.042, 0.0375]]) ** 2, np.array([[0.0, 1.0]])
             ),
-            np.array([[2, 1, 2]]), limbs, 0.3, KNOTS, 0.05,
+            (np.array([[2, 1, 2]]), np.zeros((1, 3))), limbs, NO_POSTURES, 0.3, KNOTS, 0.05,
         )  # fmt: skip
         assert np.linalg.norm(after[0, 1] - x[1]) < 0.2
         assert np.sqrt(ray @ cov_m2[0, 1] @ ray) > 0.1  # the depth is still said to be uncertain
+
+
+def test_feet_that_nobody_sees_stay_under_somebody_who_walks_on_and_move_no_knees():
+    scene = made([path((0, -2, 0), (4, 2, 0))], seconds=4.0)
+    ankles = [COCO17.index("left_ankle"), COCO17.index("right_ankle")]
+
+    def hidden(view):
+        xy_px = view.xy_px.copy()
+        xy_px[:, ankles] = np.nan
+        return replace(view, xy_px=xy_px)
+
+    tracker, off_m = Tracker(scene.rig), []
+    for one in frame_sets(scene):
+        views = tuple(map(hidden, one.views)) if one.t_s > 1.0 else one.views
+        said = tracker.step(FrameSet(one.t_s, views))
+        if one.t_s > 2.0:
+            off_m.append(np.linalg.norm(said.xyz_m[0] - truth_at(scene, said.t_s)[0], axis=-1))
+    knees = [COCO17.index("left_knee"), COCO17.index("right_knee")]
+    assert np.max(np.array(off_m)[:, ankles]) < 0.3
+    assert np.max(np.array(off_m)[:, knees]) < 0.1
 
 
 @pytest.mark.parametrize("worse", [0, 1])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels, tuning
-from trecsim.fusion.kernels import limb_places
+from trecsim.fusion.kernels import limb_directions, limb_places
 from trecsim.fusion.limb_directions import postures
 from trecsim.skeleton import COCO17, Skeleton
 
@@ -40,10 +40,14 @@ def shift_of(x, i, eye_m):
     return apart_m, shift_m
 
 
+def direction_of(x, i, known=MODEL.postures):
+    mean = np.empty(3)
+    limb_directions.usual_direction(x, known, i, np.empty((3, 3)), mean)
+    return mean
+
+
 def ratio_of(x, i, shift_m, known=MODEL.postures):
-    axes = np.empty((3, 3))
-    limb_places.body_axes(x, known, i, axes)
-    return limb_places.log_ratio(x, known, i, axes, shift_m)
+    return limb_places.log_ratio(x, known, i, direction_of(x, i, known), shift_m)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, LIMBS - 1), st.integers(0, 3))
@@ -69,6 +73,13 @@ def test_the_ratio_is_that_of_the_reference(seed, i):
         MODEL.postures, x, i
     )
     np.testing.assert_allclose(ratio_of(x, i, shift_m), expected, rtol=1e-6, atol=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, LIMBS - 1))
+def test_the_usual_direction_is_that_of_the_reference(seed, i):
+    x = drawn(seed)
+    expected = reference.usual_direction(x, MODEL.postures, i)
+    np.testing.assert_allclose(direction_of(x, i), expected, rtol=1e-6, atol=1e-9)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, LIMBS - 1), st.floats(-3, 3))

@@ -143,6 +143,8 @@ STAIRS_M2PS: Final = 0.15**2
 PLACE_S: Final = 0.1
 PLACE_SURE: Final = 1.0
 PLACES_APART_M: Final = 0.2
+# The end of a limb that no camera has seen for so long is drawn to where it usually is [s].
+UNSEEN_LIMB_S: Final = 0.2
 # A lowest joint that is off by more standard deviations does not rest: somebody jumps.
 GROUND_GATE: Final = 3.0
 

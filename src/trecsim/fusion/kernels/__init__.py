@@ -33,7 +33,8 @@ from trecsim.fusion.kernels.information import (
 )
 from trecsim.fusion.kernels.joining import join_all
 from trecsim.fusion.kernels.lengths import Limbs
-from trecsim.fusion.kernels.limb_places import Postures, choose_places
+from trecsim.fusion.kernels.limb_directions import Postures
+from trecsim.fusion.kernels.limb_places import choose_places
 from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.locating import Observed, located, scratch
 from trecsim.fusion.kernels.matching import (

@@ -17,6 +17,7 @@ from trecsim.fusion.kernels.information import (
     right_side,
 )
 from trecsim.fusion.kernels.lengths import learn
+from trecsim.fusion.kernels.limb_directions import add_directions
 from trecsim.fusion.kernels.small_matrices import invert3
 from trecsim.fusion.kernels.track_groups import Bodies, Trajectories
 from trecsim.fusion.tuning import BODY_S, BODY_STEPS, REACH_M2, WEAK_M2
@@ -164,7 +165,7 @@ def weak_joints(cov_m2, n_seen, white_share, unknown_of, before_m2, known):
 
 
 @inner(allocates=True)
-def relax_body(person, body, n_seen, limbs, moment, tmp):
+def relax_body(person, body, sights, limbs, postures, moment, tmp):
     """Hold by limbs and ground the joints that fewer than two cameras see well, in place.
 
     Parameters
@@ -173,10 +174,10 @@ def relax_body(person, body, n_seen, limbs, moment, tmp):
         `Trajectories` of one person, after the fit; changed in place.
     body
         `Bodies` of the same person.
-    n_seen
-        Number of cameras that support each joint now.
-    limbs
-        `Limbs`.
+    sights
+        Number of cameras that support each joint now, (joint,), and for how long none has [s].
+    limbs, postures
+        `Limbs` and `Postures`.
     moment, tmp
         `Moment` and `Workspace`.
 
@@ -191,7 +192,7 @@ def relax_body(person, body, n_seen, limbs, moment, tmp):
     the same information would be counted again in each frame set (data incest), and the estimate
     would become certain of a distance that no camera has observed.
     """
-    R, z, c, x, cov_m2 = person
+    (R, z, c, x, cov_m2), (n_seen, unseen_s) = person, sights
     n_joint = x.shape[0]
     unknown_of = np.empty(n_joint, np.int64)
     before_m2, known = np.empty((n_joint, 3, 3)), np.empty((n_joint, 3, 3))
@@ -202,7 +203,9 @@ def relax_body(person, body, n_seen, limbs, moment, tmp):
     j, rise_m, rise_m2 = ground_contact(x, before_m2, limbs.contact_height_m, body.level)
     height = unknown_of[j] + 2 if j >= 0 and unknown_of[j] >= 0 else -1
     for _ in range(BODY_STEPS):
-        gather(A, b, Shifts(x, d, before_m2, known, unknown_of), limbs, body)
+        shifts = Shifts(x, d, before_m2, known, unknown_of)
+        gather(A, b, shifts, limbs, body)
+        add_directions(A, b, shifts, postures, unseen_s)
         if height >= 0:
             A[height, height] += 1.0 / rise_m2
             b[height] += rise_m / rise_m2
@@ -221,17 +224,17 @@ def relax_body(person, body, n_seen, limbs, moment, tmp):
 
 
 @inner(allocates=True)
-def constrain_all(tracks, bodies, n_seen, limbs, white_share, now, elapsed_s):
+def constrain_all(tracks, bodies, sights, limbs, postures, white_share, now, elapsed_s):
     """Learn everybody's limb lengths and ground; hold by them what few cameras see, in place.
 
     Parameters
     ----------
     tracks, bodies
         `Trajectories` after the fit, and `Bodies`; changed in place.
-    n_seen
-        Cameras that support each joint now, (track, joint).
-    limbs
-        `Limbs`.
+    sights
+        Cameras that support each joint now, (track, joint), and for how long none has [s].
+    limbs, postures
+        `Limbs` and `Postures`.
     white_share
         See `Moment`.
     now
@@ -239,7 +242,7 @@ def constrain_all(tracks, bodies, n_seen, limbs, white_share, now, elapsed_s):
     elapsed_s
         Time since the last frame set [s].
     """
-    R, z, c, x, cov_m2 = tracks
+    (R, z, c, x, cov_m2), (n_seen, unseen_s) = tracks, sights
     n, weights = R.shape[2], np.empty(4)
     tmp, span = workspace(n), locate(now, n // 3, weights)
     moment = Moment(span, weights, white_share, min(1.0, elapsed_s / BODY_S))
@@ -248,4 +251,4 @@ def constrain_all(tracks, bodies, n_seen, limbs, white_share, now, elapsed_s):
         learn(x[k], cov_m2[k], n_seen[k], limbs, body, elapsed_s)
         learn_level(x[k], cov_m2[k], n_seen[k], limbs.contact_height_m, body.level, elapsed_s)
         person = Trajectories(R[k], z[k], c[k], x[k], cov_m2[k])
-        relax_body(person, body, n_seen[k], limbs, moment, tmp)
+        relax_body(person, body, (n_seen[k], unseen_s[k]), limbs, postures, moment, tmp)

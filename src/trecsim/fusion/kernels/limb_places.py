@@ -1,15 +1,14 @@
 """The two places of a limb's end that one camera alone sees: its ray meets the sphere twice."""
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float64, Int64
 
 from trecsim.compiler import inner
 from trecsim.fusion.kernels.anatomy import Moment, move_joint, workspace
 from trecsim.fusion.kernels.curve import knots, locate
 from trecsim.fusion.kernels.information import right_side
+from trecsim.fusion.kernels.limb_directions import usual_direction
 from trecsim.fusion.kernels.reported_covariance import last_two
 from trecsim.fusion.kernels.track_groups import Trajectories
 from trecsim.fusion.tuning import (
@@ -19,33 +18,6 @@ from trecsim.fusion.tuning import (
     PLACES_APART_M,
     SUPPORT_S,
 )
-
-
-class Postures(NamedTuple):
-    """Which directions the limbs of a body take.
-
-    Attributes
-    ----------
-    trunk
-        Left and right hip, left and right shoulder; empty where the skeleton lacks one.
-    joints
-        Of each limb, from the trunk on: its far joint, its near one, and the one before that.
-    pair
-        The joints of `trunk` whose line tells left from right for the limb: 0 hips, 2 shoulders.
-    side
-        1 on the left of the body, -1 on the right.
-    mean, mean_by_upper
-        Direction that is likeliest, times how much likelier it is, for a given direction of the
-        limb above: ``mean + mean_by_upper @ upper``. Axes are forwards, outwards and up, of the
-        trunk.
-    """
-
-    trunk: Int64[np.ndarray, " joint_of_trunk"]
-    joints: Int64[np.ndarray, "limb 3"]
-    pair: Int64[np.ndarray, " limb"]
-    side: Float64[np.ndarray, " limb"]
-    mean: Float64[np.ndarray, "limb 3"]
-    mean_by_upper: Float64[np.ndarray, "limb 3 3"]
 
 
 @inner(allocates=True)
@@ -82,7 +54,7 @@ def choose_places(cameras, postures, contact_height_m, tracks, level, sights, no
     n, weights = R.shape[2], np.empty(4)
     tmp, span = workspace(n), locate(knots(now.t_s, now), n // 3, weights)
     moment = Moment(span, weights, white_share, 0.0)
-    axes, shift_m = np.empty((3, 3)), np.empty(3)
+    axes, mean, shift_m = np.empty((3, 3)), np.empty(3), np.empty(3)
     memory = math.exp(-now.elapsed_s / PLACE_S)
     for k in range(x.shape[0]):
         for i in range(postures.joints.shape[0]):
@@ -97,8 +69,8 @@ def choose_places(cameras, postures, contact_height_m, tracks, level, sights, no
             apart_m = other_place_of(x[k], postures, i, cameras.position_m[camera], shift_m)
             if not apart_m > PLACES_APART_M:
                 continue
-            body_axes(x[k], postures, i, axes)
-            ratio = log_ratio(x[k], postures, i, axes, shift_m)
+            usual_direction(x[k], postures, i, axes, mean)
+            ratio = log_ratio(x[k], postures, i, mean, shift_m)
             height_m = x[k, far, 2] - level[k, 0] - contact_height_m[far]
             ratio += below_ground(height_m + shift_m[2], level[k, 1])
             ratio -= below_ground(height_m, level[k, 1])
@@ -131,52 +103,23 @@ def other_place_of(x, postures, i, origin_m, shift_m):
 
 
 @inner
-def body_axes(x, postures, i, axes):
-    """Write the axes of the trunk for limb `i` to `axes` (3, 3): forwards, outwards and up."""
-    trunk, pair = postures.trunk, postures.pair[i]
-    left, right = trunk[pair], trunk[pair + 1]
-    for p in range(3):
-        axes[2, p] = x[trunk[2], p] + x[trunk[3], p] - x[trunk[0], p] - x[trunk[1], p]
-        axes[1, p] = x[left, p] - x[right, p]
-    unit(axes[2])
-    across = dot(axes[1], axes[2])
-    for p in range(3):
-        axes[1, p] -= across * axes[2, p]
-    unit(axes[1])
-    for p in range(3):
-        q, r = (p + 1) % 3, (p + 2) % 3
-        axes[0, p] = axes[1, q] * axes[2, r] - axes[1, r] * axes[2, q]
-    for p in range(3):
-        axes[1, p] *= postures.side[i]
-
-
-@inner
-def log_ratio(x, postures, i, axes, shift_m):
+def log_ratio(x, postures, i, mean, shift_m):
     """Return the log likelihood ratio of the other place of limb `i`'s end to the present one.
 
-    `x` are a person's joints, (joint, 3) [m], `axes` those of `body_axes`, `shift_m` is the way to
-    the other place, (3,) [m].
+    `x` are a person's joints, (joint, 3) [m], `mean` is what `usual_direction` writes, `shift_m`
+    the way to the other place, (3,) [m].
     """
-    far, near, before = postures.joints[i]
-    upper_m = length_m = other_m = 0.0
+    far, near, _ = postures.joints[i]
+    length_m = other_m = 0.0
     for p in range(3):
-        upper_m += (x[near, p] - x[before, p]) ** 2
         length_m += (x[far, p] - x[near, p]) ** 2
         other_m += (x[far, p] + shift_m[p] - x[near, p]) ** 2
-    upper_m, length_m, other_m = math.sqrt(upper_m), math.sqrt(length_m), math.sqrt(other_m)
+    length_m, other_m = max(math.sqrt(length_m), 1e-6), max(math.sqrt(other_m), 1e-6)
     ratio = 0.0
-    for a in range(3):
-        mean = postures.mean[i, a]
-        for b in range(3):
-            for p in range(3):
-                along = axes[b, p] * (x[near, p] - x[before, p]) / max(upper_m, 1e-6)
-                mean += postures.mean_by_upper[i, a, b] * along
-        change = 0.0
-        for p in range(3):
-            now = (x[far, p] - x[near, p]) / max(length_m, 1e-6)
-            then = (x[far, p] + shift_m[p] - x[near, p]) / max(other_m, 1e-6)
-            change += axes[a, p] * (then - now)
-        ratio += mean * change
+    for p in range(3):
+        now = (x[far, p] - x[near, p]) / length_m
+        then = (x[far, p] + shift_m[p] - x[near, p]) / other_m
+        ratio += mean[p] * (then - now)
     return ratio
 
 
@@ -188,17 +131,3 @@ def below_ground(height_m, var):
     """
     depth_m = min(height_m, 0.0)
     return -0.5 * depth_m * depth_m / (var + GROUND_MEASURE_M2)
-
-
-@inner
-def unit(v):
-    """Scale a vector (3,) to length one, in place."""
-    length = max(math.sqrt(dot(v, v)), 1e-9)
-    for p in range(3):
-        v[p] /= length
-
-
-@inner
-def dot(v, w):
-    """Return the inner product of two vectors (3,)."""
-    return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]

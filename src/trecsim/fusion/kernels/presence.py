@@ -109,6 +109,17 @@ def count_supported(last_s, now_s, look_back_s, out):
             out[k, j] = supporting(last_s[k, j], now_s, look_back_s)
 
 
+@inner
+def count_unseen(last_s, now_s, out):
+    """Write for how long no camera has supported each joint to `out` (track, joint) [s].
+
+    `last_s` is when each camera last supported each joint, (track, joint, cam) [s].
+    """
+    for k in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[k, j] = now_s - largest(last_s[k, j])
+
+
 @inner(allocates=True)
 def second_newest(camera_s):
     """Return until when two cameras have seen each track: the second newest time (track,) [s]."""

@@ -17,7 +17,13 @@ from trecsim.fusion.kernels.limb_places import choose_places
 from trecsim.fusion.kernels.matching import associate_all, owners
 from trecsim.fusion.kernels.mixture import slack_after
 from trecsim.fusion.kernels.pair_checks import note_redundant, note_swaps
-from trecsim.fusion.kernels.presence import age, count_supported, note_support, second_newest
+from trecsim.fusion.kernels.presence import (
+    age,
+    count_supported,
+    count_unseen,
+    note_support,
+    second_newest,
+)
 from trecsim.fusion.kernels.small_matrices import largest
 from trecsim.fusion.tuning import GATE_M, LEAST_INDEPENDENCE, MIRROR_S, SUPPORT_S, SWAP_EVIDENCE
 
@@ -83,8 +89,13 @@ def update_all(
         )
         note_swaps(cameras, bones, noise, measured, matches.match, doubts.swap_evidence)
     n_seen = np.empty(tracks.x_m.shape[:2], np.int64)
+    unseen_s = np.empty(tracks.x_m.shape[:2])
     count_supported(sightings.joint_s, now.t_s, taken.look_back_s, n_seen)
-    constrain_all(tracks, bodies, n_seen, limbs, noise.white_share, prediction.now, now.elapsed_s)
+    count_unseen(sightings.joint_s, now.t_s, unseen_s)
+    constrain_all(
+        tracks, bodies, (n_seen, unseen_s), limbs, postures, noise.white_share, prediction.now,
+        now.elapsed_s,
+    )  # fmt: skip
     shown = Shown(cameras, noise.mirror, motion.torso, ruler, measured, taken)
     if not is_single:
         sights = sightings.joint_s, n_seen, doubts.other_place
