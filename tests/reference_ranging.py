@@ -118,8 +118,12 @@ def moved_along_rays(c, torso, origin_m, log_m, rate, knot_time, knot_s):
 
 
 def height_share(x, limb_m, ruler):
+    """Height of the limbs whose ends are known, over their lengths; NaN if less than half are."""
     first, second = ruler.joints.T
-    return np.abs(x[first, 2] - x[second, 2]).sum() / limb_m[ruler.limb].sum()
+    high_m, long_m = np.abs(x[first, 2] - x[second, 2]), limb_m[ruler.limb]
+    known = np.isfinite(high_m)
+    enough = long_m[known].sum() > 0.5 * long_m.sum()
+    return high_m[known].sum() / long_m[known].sum() if enough else np.nan
 
 
 def known(cameras, ruler, cam, torso, person, body, when, before_m2):

@@ -168,9 +168,8 @@ class Scene:
     def person(self, k):
         return self.tracks.c[k].copy(), self.tracks.x_m[k].copy(), self.tracks.cov_m2[k]
 
-    def looked(self, k, cam, found):
-        """Take in what the images of its camera tell of track `k`."""
-        above_m = CAMERAS.position_m[cam, 2] - RULER.ankle_height_m - self.bodies.level[k, 0]
+    def shown(self, k, cam):
+        """Yield images of a camera, the detections of track `k` there, and its joints at 1 m."""
         for v, d in enumerate(self.matches.match[k]):
             if d < 0 or self.measured.cam[v] != cam:
                 continue
@@ -178,7 +177,12 @@ class Scene:
             good = good[MIRROR] if self.matches.flip[k, v] else good
             xy = np.where(good[:, None], self.measured.xy_px[d], np.nan)
             with np.errstate(invalid="ignore"):
-                there = slow.at_one_m(CAMERAS.ray_of[cam], xy)
+                yield v, d, slow.at_one_m(CAMERAS.ray_of[cam], xy)
+
+    def looked(self, k, cam, found):
+        """Take in what the images of its camera tell of track `k`."""
+        above_m = CAMERAS.position_m[cam, 2] - RULER.ankle_height_m - self.bodies.level[k, 0]
+        for v, d, there in self.shown(k, cam):
             drop = slow.ankle_drop(RULER, there, self.measured.sigma_scale[d])
             size_m = slow.usual_size_m(RULER, there)
             *found, _ = slow.looked(*found, size_m, drop, above_m, self.taken.since_s[v])
@@ -223,8 +227,11 @@ def test_known_people_are_held_at_their_distances_as_by_the_reference(seed):
                 body = [values[k] for values in scene.bodies]
                 person = scene.person(k)
                 found = slow.known(CAMERAS, RULER, cam, TORSO, person, body, WHEN, before_m2)
-            share = slow.height_share(scene.tracks.x_m[k], scene.bodies.limb_m[k], RULER)
-            up = share >= (SAT_DOWN if up else UPRIGHT)
+            for _, _, there in scene.shown(k, cam):
+                share = np.exp(found[0][0]) * slow.height_share(
+                    there, scene.bodies.limb_m[k], RULER
+                )
+                up = up if np.isnan(share) else bool(share >= (SAT_DOWN if up else UPRIGHT))
             if up:
                 found = scene.looked(k, cam, found)
                 c = scene.put(k, cam, found)

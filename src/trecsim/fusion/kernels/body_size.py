@@ -129,14 +129,17 @@ def ankle_drop(ruler, at_one_m, sigma_scale):
 def height_share(x, limb_m, ruler):
     """Return how high the limbs from shoulders to ankles are, as a share of their lengths.
 
-    `x` are the joints of one person, (joint, 3), and `limb_m` the lengths of its limbs, (limb,).
+    `x` are the joints of one person, (joint, 3), NaN where unknown, and `limb_m` the lengths of its
+    limbs, (limb,). NaN where less than half of the limbs, by their lengths, are known.
     """
-    high_m = long_m = 0.0
+    high_m = long_m = all_m = 0.0
     for i in range(ruler.limb.shape[0]):
         a, b = ruler.joints[i]
-        high_m += abs(x[a, 2] - x[b, 2])
-        long_m += limb_m[ruler.limb[i]]
-    return high_m / long_m
+        all_m += limb_m[ruler.limb[i]]
+        if not math.isnan(x[a, 2] + x[b, 2]):
+            high_m += abs(x[a, 2] - x[b, 2])
+            long_m += limb_m[ruler.limb[i]]
+    return high_m / long_m if long_m > 0.5 * all_m else math.nan
 
 
 @inner

@@ -139,7 +139,7 @@ def hold_known(shown, k, c, joint_s, person, bodies, ranges, matches, when, now,
     """
     if ranges.cam[k] != c:
         begin_known(shown, k, c, person, bodies, ranges, when, sheet)
-    if stands(shown, k, person, bodies, ranges):
+    if stands(shown, k, joint_s, bodies, ranges, matches, sheet):
         look_at(shown, k, joint_s, bodies, ranges, matches, sheet)
         hold_at_distance(shown, k, person, ranges, when, sheet)
     else:
@@ -187,11 +187,31 @@ def begin_known(shown, k, c, person, bodies, ranges, when, sheet):
 
 
 @inner
-def stands(shown, k, person, bodies, ranges):
-    """Note and return whether person `k` stands or walks: once up, until lower than sitting."""
-    share = height_share(person.x_m, bodies.limb_m[k], shown.ruler)
-    ranges.is_upright[k] = share >= (SAT_DOWN if ranges.is_upright[k] else UPRIGHT)
+def stands(shown, k, joint_s, bodies, ranges, matches, sheet):
+    """Note and return whether person `k` stands or walks: once up, until lower than sitting.
+
+    What the newest image shows at the distance measured so far decides, not the joints: where one
+    camera looks, a foot that is misplaced along its ray may be above the head.
+    """
+    c, lengths_m = ranges.cam[k], bodies.limb_m[k]
+    for v in range(matches.match.shape[1]):
+        if matches.match[k, v] >= 0 and shown.measured.cam[v] == c:
+            place_upright(shown, k, joint_s, v, c, matches, sheet)
+            share = math.exp(ranges.mean[k, LOG]) * height_share(
+                sheet.at_one_m, lengths_m, shown.ruler
+            )
+            if not math.isnan(share):
+                ranges.is_upright[k] = share >= (SAT_DOWN if ranges.is_upright[k] else UPRIGHT)
     return ranges.is_upright[k]
+
+
+@inner
+def place_upright(shown, k, joint_s, v, c, matches, sheet):
+    """Write the joints of person `k` in image `v` on the upright plane at 1 m to `sheet`."""
+    measured, d = shown.measured, matches.match[k, v]
+    since_s = shown.taken.t_s[v] - SAME_S
+    believed(measured.xy_px[d], joint_s, c, since_s, shown.mirror, matches.flip[k, v], sheet)
+    upright_plane(shown.cameras.ray_of[c], sheet.xy_px, sheet.at_one_m)
 
 
 @inner
@@ -203,9 +223,7 @@ def look_at(shown, k, joint_s, bodies, ranges, matches, sheet):
         d = matches.match[k, v]
         if d < 0 or measured.cam[v] != c:
             continue
-        since_s = shown.taken.t_s[v] - SAME_S
-        believed(measured.xy_px[d], joint_s, c, since_s, shown.mirror, matches.flip[k, v], sheet)
-        upright_plane(shown.cameras.ray_of[c], sheet.xy_px, sheet.at_one_m)
+        place_upright(shown, k, joint_s, v, c, matches, sheet)
         look(
             ranges.mean[k], ranges.cov[k], usual_size_m(shown.ruler, sheet.at_one_m),
             ankle_drop(shown.ruler, sheet.at_one_m, measured.sigma_scale[d]), above_m,
