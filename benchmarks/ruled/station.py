@@ -91,6 +91,8 @@ period_s = 300.0
         ("access.unauthorised", f'line = "gate"\nfeed = "{FEED_NAME}"'),
     )
 )
+UP, DOWN = 90.0, -90.0
+"""Directions away from the edge and towards it [degrees]."""
 SEATS_M = (-1.0, -0.2, 0.6, 1.4)
 """Where the seats are, along the wall behind the benches [m]."""
 SEAT_Y_M = 2.4
@@ -140,9 +142,12 @@ def _looks_about(rng: np.random.Generator) -> list[Any]:
     return [Turn(by_deg), Stand(_u(rng, 2.0, 10.0)), Turn(-by_deg)]
 
 
-def _does(rng: np.random.Generator) -> list[Any]:
-    """Return what somebody does while standing somewhere: mostly nothing."""
-    from trecsim.lab.simulation.actions import Bend, Crouch, Kneel, RaiseArms
+def _does(rng: np.random.Generator, free_deg: float) -> list[Any]:
+    """Return what somebody does while standing somewhere: mostly nothing.
+
+    Who kneels takes a long step forward, so they turn to where there is room first.
+    """
+    from trecsim.lab.simulation.actions import Bend, Crouch, Kneel, RaiseArms, Turn
 
     what = str(rng.choice(("look", "nothing", "pick up", "shoe", "crouch", "arm"),
                           p=(0.4, 0.25, 0.12, 0.08, 0.07, 0.08)))  # fmt: skip
@@ -151,7 +156,7 @@ def _does(rng: np.random.Generator) -> list[Any]:
     if what == "pick up":
         return [Bend(_u(rng, 0.5, 2.0), _u(rng, 60.0, 95.0))]
     if what == "shoe":
-        return [Kneel(_u(rng, 4.0, 10.0), 50.0)]
+        return [Turn(to_deg=free_deg), Kneel(_u(rng, 4.0, 10.0), 50.0)]
     if what == "crouch":
         return [Crouch(_u(rng, 1.0, 7.0))]
     if what == "arm":
@@ -159,10 +164,10 @@ def _does(rng: np.random.Generator) -> list[Any]:
     return []
 
 
-def _waits(rng: np.random.Generator, longest_s: float) -> list[Any]:
+def _waits(rng: np.random.Generator, longest_s: float, free_deg: float) -> list[Any]:
     from trecsim.lab.simulation.actions import Stand
 
-    return [Stand(_u(rng, 2.0, longest_s)), *_does(rng), Stand(_u(rng, 1.0, longest_s))]
+    return [Stand(_u(rng, 2.0, longest_s)), *_does(rng, free_deg), Stand(_u(rng, 1.0, longest_s))]
 
 
 def _stop(rng: np.random.Generator, pair: bool, speed: float) -> list[Any]:
@@ -180,15 +185,19 @@ def _stop(rng: np.random.Generator, pair: bool, speed: float) -> list[Any]:
                 Walk(((spot[0], 1.3),), speed)]  # fmt: skip
     if where == "machine":
         spot = (_u(rng, -2.2, -2.0), _u(rng, 2.0, 2.4))
-        return [Walk(((-2.1, 1.0), spot), speed), *_waits(rng, 8.0), Walk(((-2.0, 1.0),), speed)]
+        return [
+            Walk(((-2.1, 1.0), spot), speed),
+            *_waits(rng, 8.0, DOWN),
+            Walk(((-2.0, 1.0),), speed),
+        ]
     if where == "hall":
         y_m = _u(rng, 0.5, 1.2) if pair else _u(rng, -0.8, 1.2)
-        return [Walk(((_u(rng, -2.2, 2.2), y_m),), speed), *_waits(rng, 30.0)]
+        return [Walk(((_u(rng, -2.2, 2.2), y_m),), speed), *_waits(rng, 30.0, UP)]
     y_m = -1.25 if pair else _u(rng, -1.95, -1.2)
     x_m = _u(rng, -3.8, 3.8)
-    walks = [Walk(((x_m, y_m),), speed), *_waits(rng, 45.0)]
+    walks = [Walk(((x_m, y_m),), speed), *_waits(rng, 45.0, UP)]
     if where == "along":
-        walks += [Walk(((_u(rng, -3.8, 3.8), y_m),), speed), *_waits(rng, 20.0)]
+        walks += [Walk(((_u(rng, -3.8, 3.8), y_m),), speed), *_waits(rng, 20.0, UP)]
     return walks
 
 
