@@ -6,7 +6,8 @@ from pathlib import Path
 
 SRC = Path(__file__).parents[1] / "src" / "trecsim"
 
-ROOMS = {"base", "tuning"}  # the Protocol of a room stands in its `base`, its numbers in `tuning`
+# The Protocol of a room stands in its `base`, its numbers in `tuning`; Python runs `__main__`.
+ROOMS = {"base", "tuning", "__main__"}
 
 
 def names() -> Counter[str]:

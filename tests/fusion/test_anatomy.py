@@ -315,6 +315,22 @@ def test_lengths_ground_and_joints_of_all_people_change_as_by_the_reference(seed
         assert_is_relaxed(part_of(tracks, k), expected[k], elapsed_s / tuning.BODY_S)
 
 
+def test_without_axes_of_a_trunk_no_direction_is_usual():
+    tracks, bodies, (n_seen, _), place = people_after_a_fit(np.random.default_rng(3), 1)
+    person, body = part_of(tracks, 0), part_of(bodies, 0)
+    unknown = MODEL.postures._replace(trunk=np.empty(0, np.int64))
+    expected = reference.relaxed(
+        part_of(tracks, 0), body, (n_seen[0], np.zeros(17)), MODEL.limbs, MODEL.postures, place,
+        0.3, 0.05,
+    )  # fmt: skip
+    weights = np.empty(4)
+    moment = moment_of(kernels.locate(KNOTS, 8, weights), weights, 0.3, 0.05)
+    anatomy.relax_body(
+        person, body, (n_seen[0], np.ones(17)), MODEL.limbs, unknown, moment, anatomy.workspace(24)
+    )
+    assert_is_relaxed(person, expected, 0.05)
+
+
 def arm_seen_by_one_camera(rng):
     """Return curves of a shoulder, an elbow of nearly unknown depth and a wrist; the ray to it."""
     arm_m = [[0.468, 3.064, 1.55], [0.419, 3.1, 1.205], [0.276, 3.108, 0.952]]

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference_fusion as reference
 from fusion.somebody import MODEL
 from trecsim.fusion import kernels, tuning
-from trecsim.fusion.kernels import limb_directions, limb_places
+from trecsim.fusion.kernels import limb_places, usual_directions
 from trecsim.fusion.limb_directions import postures
 from trecsim.skeleton import COCO17, Skeleton
 
@@ -42,7 +42,7 @@ def shift_of(x, i, eye_m):
 
 def direction_of(x, i, known=MODEL.postures):
     mean = np.empty(3)
-    limb_directions.usual_direction(x, known, i, np.empty((3, 3)), mean)
+    usual_directions.usual_direction(x, known, i, np.empty((3, 3)), mean)
     return mean
 
 

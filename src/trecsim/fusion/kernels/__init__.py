@@ -33,7 +33,6 @@ from trecsim.fusion.kernels.information import (
 )
 from trecsim.fusion.kernels.joining import join_all
 from trecsim.fusion.kernels.lengths import Limbs
-from trecsim.fusion.kernels.limb_directions import Postures
 from trecsim.fusion.kernels.limb_places import choose_places
 from trecsim.fusion.kernels.linear_assignment import assign
 from trecsim.fusion.kernels.locating import Observed, located, scratch
@@ -75,6 +74,7 @@ from trecsim.fusion.kernels.track_groups import (
 )
 from trecsim.fusion.kernels.undistortion_kernels import Undistortion, undistort
 from trecsim.fusion.kernels.updating import update_all
+from trecsim.fusion.kernels.usual_directions import Postures
 from trecsim.fusion.kernels.velocity import torso_motion, velocity_all
 from trecsim.fusion.kernels.visibility_kernels import Lenses, Silhouette, Views, expect_all
 

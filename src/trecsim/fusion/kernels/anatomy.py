@@ -17,9 +17,9 @@ from trecsim.fusion.kernels.information import (
     right_side,
 )
 from trecsim.fusion.kernels.lengths import learn
-from trecsim.fusion.kernels.limb_directions import add_directions
 from trecsim.fusion.kernels.small_matrices import invert3
 from trecsim.fusion.kernels.track_groups import Bodies, Trajectories
+from trecsim.fusion.kernels.usual_directions import add_directions
 from trecsim.fusion.tuning import BODY_S, BODY_STEPS, REACH_M2, WEAK_M2
 
 

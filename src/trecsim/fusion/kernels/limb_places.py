@@ -8,9 +8,9 @@ from trecsim.compiler import inner
 from trecsim.fusion.kernels.anatomy import Moment, move_joint, workspace
 from trecsim.fusion.kernels.curve import knots, locate
 from trecsim.fusion.kernels.information import right_side
-from trecsim.fusion.kernels.limb_directions import usual_direction
 from trecsim.fusion.kernels.reported_covariance import last_two
 from trecsim.fusion.kernels.track_groups import Trajectories
+from trecsim.fusion.kernels.usual_directions import usual_direction
 from trecsim.fusion.tuning import (
     GROUND_MEASURE_M2,
     PLACE_S,

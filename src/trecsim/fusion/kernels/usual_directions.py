@@ -108,6 +108,8 @@ def add_directions(A, b, shifts, postures, unseen_s):
     near joint draws the end along, never the end the near joint: where nobody has looked for a
     while tells nothing of what is seen.
     """
+    if postures.trunk.shape[0] == 0:
+        return
     x, shift_m, unknown_of = shifts.x_m, shifts.shift_m, shifts.unknown_of
     axes, mean = np.empty((3, 3)), np.empty(3)
     for i in range(postures.joints.shape[0]):
