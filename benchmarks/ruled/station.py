@@ -25,7 +25,7 @@ PER_PIECE = (
 """How many people come in a quarter of an hour, in the mean, for each hour of the day."""
 APART_M, LOOK_HZ, TRIES = 0.5, 5.0, 12
 PAIRS = 0.15
-"""Share of those who come with somebody beside them."""
+"""Share of people who come in pairs."""
 LONGEST_S = 400.0
 FEED_NAME, FEED = "tickets", "tickets.jsonl"
 BEATS_S = 10.0
@@ -119,7 +119,7 @@ def _u(rng: np.random.Generator, low: float, high: float) -> float:
 
 
 def _way_in(rng: np.random.Generator, pair: bool) -> tuple[Point, list[Point]]:
-    """Return where somebody appears, and the first way points: by the gate, or up the stairs."""
+    """Return where a person appears, through the gate or up the stairs, and the first waypoints."""
     if rng.random() < 0.6:
         y_m = _u(rng, 0.3, 0.45) if pair else _u(rng, -0.5, 0.5)
         return (-4.6, y_m), [(-2.7, y_m)]
@@ -143,9 +143,9 @@ def _looks_about(rng: np.random.Generator) -> list[Any]:
 
 
 def _does(rng: np.random.Generator, free_deg: float) -> list[Any]:
-    """Return what somebody does while standing somewhere: mostly nothing.
+    """Return what a person does while standing: mostly nothing.
 
-    Who kneels takes a long step forward, so they turn to where there is room first.
+    Kneeling takes a long step forward, so people first turn to `free_deg`, where there is room.
     """
     from trecsim.lab.simulation.actions import Bend, Crouch, Kneel, RaiseArms, Turn
 
@@ -171,7 +171,7 @@ def _waits(rng: np.random.Generator, longest_s: float, free_deg: float) -> list[
 
 
 def _stop(rng: np.random.Generator, pair: bool, speed: float) -> list[Any]:
-    """Return a walk to some place, and what somebody does there."""
+    """Return a walk to a place, and what the person does there."""
     from trecsim.lab.simulation.actions import Sit, Stand, Turn, Walk
 
     where = str(rng.choice(("hall", "platform", "along", "bench", "machine"),
